@@ -1,0 +1,171 @@
+use std::f64::consts::TAU;
+
+/// A periodic rectangular cell and the points on it: point `[i, j]` lies at `(i Lx/nx, j Ly/ny)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    points: [usize; 2],
+    lengths: [f64; 2],
+}
+
+/// One Fourier mode of the stored half spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Integer wave numbers (m, n): `−⌊nx/2⌋ ≤ m ≤ ⌈nx/2⌉−1`, likewise n. In the stored half one of them is never
+    /// negative, but for the Nyquist row, which carries its sign as in the full spectrum: `−n/2`.
+    pub number: [i64; 2],
+    /// Wave vector `(2π m/Lx, 2π n/Ly)` in rad/length.
+    pub wavevector: [f64; 2],
+    /// How many modes of the full spectrum this one stands for: 2, or 1 where the stored axis is zero or Nyquist.
+    pub weight: f64,
+    /// Whether m (n) is the Nyquist number of an even axis; entries odd in that component must vanish
+    /// (theory.md, section 0).
+    pub nyquist: [bool; 2],
+}
+
+impl Mode {
+    /// |q| in rad/length.
+    pub fn wavenumber(&self) -> f64 {
+        self.wavevector[0].hypot(self.wavevector[1])
+    }
+
+    /// The uniform mode q = 0, told by its numbers and never by a small wavenumber.
+    pub fn is_uniform(&self) -> bool {
+        self.number == [0, 0]
+    }
+
+    /// Whether −q is the same mode as q, so that its amplitude is real: all components zero or Nyquist.
+    pub fn is_self_conjugate(&self) -> bool {
+        (0..2).all(|axis| self.number[axis] == 0 || self.nyquist[axis])
+    }
+}
+
+/// What makes a grid impossible.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridError {
+    /// An axis without points.
+    #[error("a grid needs at least one point along each axis, found {0:?}")]
+    NoPoints([usize; 2]),
+    /// A length that is zero, negative or not finite.
+    #[error("cell lengths must be positive and finite, found {0:?}")]
+    Length([f64; 2]),
+}
+
+impl Grid {
+    /// A cell of `lengths` (Lx, Ly) with `points` (nx, ny).
+    ///
+    /// # Errors
+    /// No points along an axis, or a length that is not positive and finite.
+    pub fn new(points: [usize; 2], lengths: [f64; 2]) -> Result<Self, GridError> {
+        if points.contains(&0) {
+            return Err(GridError::NoPoints(points));
+        }
+        if !lengths.iter().all(|l| l.is_finite() && *l > 0.0) {
+            return Err(GridError::Length(lengths));
+        }
+        Ok(Self { points, lengths })
+    }
+
+    /// A square cell with the same number of points along both axes.
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub fn square(points: usize, length: f64) -> Result<Self, GridError> {
+        Self::new([points, points], [length, length])
+    }
+
+    /// A line of points along x: the profile of a plane-strain problem. The extent along y is one unit of length.
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub fn line(points: usize, length: f64) -> Result<Self, GridError> {
+        Self::new([points, 1], [length, 1.0])
+    }
+
+    /// Number of points (nx, ny): the shape of a field.
+    pub fn points(&self) -> [usize; 2] {
+        self.points
+    }
+
+    /// Cell lengths (Lx, Ly).
+    pub fn lengths(&self) -> [f64; 2] {
+        self.lengths
+    }
+
+    /// Distance between neighbouring points along x and along y.
+    pub fn spacing(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.lengths[axis] / self.points[axis] as f64)
+    }
+
+    /// Number of points in all.
+    #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
+    pub fn len(&self) -> usize {
+        self.points[0] * self.points[1]
+    }
+
+    /// Whether this is a line along x (one point along y).
+    pub fn is_line(&self) -> bool {
+        self.points[1] == 1
+    }
+
+    /// The axis that the half spectrum keeps the non-negative half of: y, or x of a line.
+    pub fn halved_axis(&self) -> usize {
+        usize::from(!self.is_line())
+    }
+
+    /// Shape of the half spectrum, `[lanes, modes per lane]`: `[ny/2 + 1, nx]` (transposed: x is contiguous), or
+    /// `[1, nx/2 + 1]` of a line.
+    pub fn spectrum_shape(&self) -> [usize; 2] {
+        let [nx, ny] = self.points;
+        if self.is_line() { [1, nx / 2 + 1] } else { [ny / 2 + 1, nx] }
+    }
+
+    /// Number of modes in the half spectrum.
+    pub fn spectrum_len(&self) -> usize {
+        self.spectrum_shape().iter().product()
+    }
+
+    /// The mode at `[lane, position]` of the half spectrum.
+    pub fn mode(&self, lane: usize, position: usize) -> Mode {
+        let index = if self.is_line() { [position, 0] } else { [position, lane] };
+        let halved = self.halved_axis();
+        let nyquist = [0, 1].map(|axis| self.points[axis] % 2 == 0 && index[axis] == self.points[axis] / 2);
+        let number = [0, 1].map(|axis| {
+            let (n, k) = (self.points[axis] as i64, index[axis] as i64);
+            if 2 * k >= n && n > 1 { k - n } else { k }
+        });
+        let wavevector = [0, 1].map(|axis| TAU * number[axis] as f64 / self.lengths[axis]);
+        let alone = index[halved] == 0 || nyquist[halved];
+        Mode { number, wavevector, weight: if alone { 1.0 } else { 2.0 }, nyquist }
+    }
+
+    /// All modes of the half spectrum in storage order.
+    pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
+        let [lanes, positions] = self.spectrum_shape();
+        (0..lanes).flat_map(move |lane| (0..positions).map(move |position| self.mode(lane, position)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_count_the_full_spectrum() {
+        for points in [[8, 8], [7, 8], [8, 7], [9, 5], [1, 6], [6, 1], [7, 1], [1, 1], [2, 2]] {
+            let grid = Grid::new(points, [1.0, 2.0]).unwrap();
+            let total: f64 = grid.modes().map(|mode| mode.weight).sum();
+            assert_eq!(total, grid.len() as f64, "{points:?}");
+            assert_eq!(grid.modes().count(), grid.spectrum_len());
+            assert_eq!(grid.modes().filter(Mode::is_uniform).count(), 1);
+        }
+    }
+
+    #[test]
+    fn impossible_grids_are_refused() {
+        assert_eq!(Grid::square(0, 1.0), Err(GridError::NoPoints([0, 0])));
+        for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(Grid::line(4, length), Err(GridError::Length(_))));
+        }
+    }
+}

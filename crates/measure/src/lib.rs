@@ -1,0 +1,1 @@
+//! Numbers from contact fields: contact area, perimeter correction, kappa, pressure statistics, comparison theories.

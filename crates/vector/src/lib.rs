@@ -1,0 +1,165 @@
+//! Threaded passes over long vectors whose result does not depend on the number of threads.
+//!
+//! A pass splits its vectors in halves until [`LEAF`] values are left, works on the leaves in parallel, and merges the
+//! results pairwise on the way back. The tree follows from the length alone, so a sum has the same bits with one thread
+//! and with many, and its rounding error grows with the logarithm of the length. Nothing is allocated.
+//!
+//! ```
+//! use gfmd_vector::{add, pass, sum};
+//!
+//! let x = vec![0.5; 100_000];
+//! let mut y = vec![1.0; 100_000];
+//! // y ← y + 2 x and, in the same sweep, Σ y and Σ y².
+//! let [total, squares] = pass(
+//!     [&mut y],
+//!     &|start, [y]| {
+//!         let mut sums = [0.0; 2];
+//!         for (y, x) in y.iter_mut().zip(&x[start..]) {
+//!             *y += 2.0 * x;
+//!             sums = add(sums, [*y, *y * *y]);
+//!         }
+//!         sums
+//!     },
+//!     &add,
+//! );
+//! assert_eq!([total, squares], [200_000.0, 400_000.0]);
+//! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
+//! ```
+//!
+//! Not here: what the vectors mean, and the methods that use them (`gfmd-relax`).
+
+use std::ops::Range;
+
+/// Values that one leaf of the tree handles at a time: small enough for the first-level cache with a few vectors at
+/// once, large enough to hide the cost of handing it to a thread.
+pub const LEAF: usize = 2048;
+
+/// One sweep over `vectors`, all of the same length: `leaf(start, parts)` gets the same stretch of each, beginning at
+/// index `start`, and `merge` joins the results of neighbouring stretches, in order.
+///
+/// # Panics
+/// If the vectors differ in length.
+pub fn pass<const M: usize, R: Send>(
+    vectors: [&mut [f64]; M],
+    leaf: &(impl Fn(usize, [&mut [f64]; M]) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    let length = vectors.first().map_or(0, |vector| vector.len());
+    assert!(vectors.iter().all(|vector| vector.len() == length), "the vectors of one pass have the same length");
+    split(0, length, vectors, leaf, merge)
+}
+
+fn split<const M: usize, R: Send>(
+    start: usize,
+    length: usize,
+    vectors: [&mut [f64]; M],
+    leaf: &(impl Fn(usize, [&mut [f64]; M]) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    let Some(middle) = half(length) else { return leaf(start, vectors) };
+    let mut right = [const { None }; M];
+    let mut parts = vectors.into_iter().zip(&mut right);
+    let left: [&mut [f64]; M] = std::array::from_fn(|_| match parts.next() {
+        Some((vector, rest)) => {
+            let (left, right) = vector.split_at_mut(middle);
+            *rest = Some(right);
+            left
+        }
+        None => &mut [],
+    });
+    let right = right.map(Option::unwrap_or_default);
+    let (a, b) = rayon::join(
+        || split(start, middle, left, leaf, merge),
+        || split(start + middle, length - middle, right, leaf, merge),
+    );
+    merge(a, b)
+}
+
+/// As [`pass`] without a vector to change: reduces the ranges of `0..length`.
+pub fn reduce<R: Send>(
+    length: usize,
+    leaf: &(impl Fn(Range<usize>) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    fn split<R: Send>(
+        range: Range<usize>,
+        leaf: &(impl Fn(Range<usize>) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
+        let Some(middle) = half(range.len()) else { return leaf(range) };
+        let middle = range.start + middle;
+        let (a, b) = rayon::join(|| split(range.start..middle, leaf, merge), || split(middle..range.end, leaf, merge));
+        merge(a, b)
+    }
+    split(0..length, leaf, merge)
+}
+
+/// Σ over `0..length` of what `leaf` sums over its range.
+pub fn sum(length: usize, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
+    reduce(length, leaf, &|a, b| a + b)
+}
+
+/// Entry by entry sum: the usual `merge`.
+pub fn add<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+/// Σ a b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    sum(a.len().min(b.len()), &|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum())
+}
+
+/// Where a stretch longer than a leaf is cut: a whole number of leaves on the left.
+fn half(length: usize) -> Option<usize> {
+    (length > LEAF).then(|| length.div_ceil(LEAF).div_ceil(2) * LEAF)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn harmonic(n: usize) -> f64 {
+        let x: Vec<f64> = (1..=n).map(|i| 1.0 / i as f64).collect();
+        sum(n, &|range| x[range].iter().sum())
+    }
+
+    #[test]
+    fn same_bits_for_any_thread_count() {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| harmonic(1_000_003)).to_bits()
+        };
+        assert_eq!(on(1), on(2));
+        assert_eq!(on(1), on(5));
+    }
+
+    #[test]
+    fn every_index_is_visited_once_whatever_the_length() {
+        for n in [0, 1, LEAF - 1, LEAF, LEAF + 1, 2 * LEAF, 7 * LEAF + 13] {
+            let mut visits = vec![0.0; n];
+            let mut index = vec![0.0; n];
+            let count = pass(
+                [&mut visits, &mut index],
+                &|start, [visits, index]| {
+                    for (k, (v, i)) in visits.iter_mut().zip(index.iter_mut()).enumerate() {
+                        *v += 1.0;
+                        *i = (start + k) as f64;
+                    }
+                    visits.len()
+                },
+                &|a, b| a + b,
+            );
+            assert_eq!(count, n);
+            assert!(visits.iter().all(|v| *v == 1.0));
+            assert!(index.iter().enumerate().all(|(i, v)| *v == i as f64));
+        }
+    }
+
+    #[test]
+    fn pairwise_sum_is_accurate() {
+        // Euler–Maclaurin: H_n = ln n + γ + 1/2n − 1/12n².
+        let n = 10_000_000;
+        let exact = (n as f64).ln() + 0.577_215_664_901_532_9 + 0.5 / n as f64 - 1.0 / (12.0 * (n as f64).powi(2));
+        assert!((harmonic(n) - exact).abs() < 1e-14 * exact, "{} {exact}", harmonic(n));
+    }
+}

@@ -1,0 +1,1 @@
+//! The commands of gfmd, as a library so that tests can call them.
