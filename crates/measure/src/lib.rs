@@ -1,1 +1,39 @@
-//! Numbers from contact fields: contact area, perimeter correction, kappa, pressure statistics, comparison theories.
+//! Numbers from contact fields, and the closed forms they are compared with.
+//!
+//! Fields are `[x, y]` arrays; the pressure is compression positive and vanishes exactly out of contact. No solver is
+//! needed: a pressure read from a file will do.
+//!
+//! ```
+//! use gfmd_measure::{contact_area, kappa, theory};
+//! use ndarray::array;
+//!
+//! let pressure = array![[0.0, 0.0, 0.0, 0.0], [0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+//! let area = contact_area(pressure.view());
+//! assert_eq!(area.nodes, 2);
+//! assert_eq!(area.fraction, 2.0 / 16.0);
+//! assert_eq!(area.boundary_links, 6);
+//!
+//! // At vanishing load Persson's theory says a_r = √(8/π) p*.
+//! let p_star = 1e-6;
+//! assert!((kappa(theory::persson_area(p_star), p_star) - (8.0 / std::f64::consts::PI).sqrt()).abs() < 1e-9);
+//! ```
+//!
+//! Not here: how the fields came about (`gfmd-contact`), extrapolation of kappa over many of them (the sweep).
+
+mod area;
+mod pressure;
+pub mod theory;
+
+pub use area::{ContactArea, contact_area};
+pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};
+
+/// Reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean
+/// square of |∇h| over the whole surface (theory.md, section 10).
+pub fn reduced_pressure(mean_pressure: f64, contact_modulus: f64, rms_gradient: f64) -> f64 {
+    mean_pressure / (contact_modulus * rms_gradient)
+}
+
+/// κ = a_r/p*, the proportionality between contact area and pressure (theory.md, section 10).
+pub fn kappa(area_fraction: f64, reduced_pressure: f64) -> f64 {
+    area_fraction / reduced_pressure
+}
