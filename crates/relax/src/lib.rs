@@ -1,1 +1,80 @@
-//! Relaxation methods for constrained minimisation: damped position Verlet, FIRE, constrained conjugate gradients. No physics inside.
+//! Relaxation methods for constrained minimisation: U(u) → min, each entry of u within its bounds. No physics inside.
+//!
+//! | method            | asks of the problem                  | best for                                            |
+//! |-------------------|--------------------------------------|-----------------------------------------------------|
+//! | [`Verlet`]        | force, softest and stiffest mode     | convex problems; predictable: [`Damping`] has the rate |
+//!
+//! A problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A [`Method`] holds
+//! parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and an [`Observer`]
+//! may watch. Every sweep over the vectors has the same bits for any number of threads.
+//!
+//! A chain of springs between two fixed ends, pulled down everywhere, and held up by a table in a second run:
+//!
+//! ```
+//! use gfmd_relax::{Bounds, Landscape, Method, Outcome, Stop, Verlet, relax};
+//!
+//! struct Chain { weight: f64, table: Option<Vec<f64>>, length: usize }
+//!
+//! impl Landscape for Chain {
+//!     fn len(&self) -> usize { self.length }
+//!
+//!     // U = ½ Σ (uᵢ₊₁ − uᵢ)² − weight Σ uᵢ, with u counted downwards.
+//!     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
+//!         let at = |i: Option<usize>| i.and_then(|i| u.get(i)).copied().unwrap_or(0.0);
+//!         let mut energy = 0.0;
+//!         for (i, f) in force.iter_mut().enumerate() {
+//!             *f = at(i.checked_sub(1)) - 2.0 * u[i] + at(Some(i + 1)) + self.weight;
+//!             energy -= 0.5 * u[i] * (*f + self.weight);
+//!         }
+//!         energy
+//!     }
+//!
+//!     fn bounds(&self) -> Bounds<'_> {
+//!         self.table.as_deref().map_or(Bounds::Free, Bounds::Upper)
+//!     }
+//!
+//!     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
+//!         self.bounds().natural_residual(u, force, self.weight, 1.0)
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let n = 9;
+//! let mut chain = Chain { weight: 0.1, table: None, length: n };
+//! // The modes of the chain: k = 4 sin²(π m / 2 (n + 1)), m = 1 … n.
+//! let k = |m: usize| 4.0 * (std::f64::consts::PI * m as f64 / (2 * (n + 1)) as f64).sin().powi(2);
+//! let method = Verlet::optimal(k(1), k(n))?;
+//! let stop = Stop { residual: 1e-12, settled: 20, max_steps: 1000 };
+//!
+//! let mut state = method.start(&mut chain, vec![0.0; n])?;
+//! assert!(matches!(relax(&mut chain, &method, &mut state, &stop, &mut ())?, Outcome::Converged(_)));
+//! // A parabola: u = ½ weight i (n + 1 − i).
+//! assert!((state.u[4] - 0.5 * 0.1 * 25.0).abs() < 1e-10);
+//!
+//! chain.table = Some(vec![0.8; n]);
+//! let mut state = method.start(&mut chain, state.u)?;
+//! relax(&mut chain, &method, &mut state, &stop, &mut ())?;
+//! // Left of the table, half a parabola that touches it at i = 4: u = 0.8 − ½ weight (4 − i)².
+//! assert!((state.u[0] - (0.8 - 0.05 * 9.0)).abs() < 1e-10 && state.u[3] == 0.8);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Not here: what u means, and inertia that follows the stiffness. That needs no bounds to be right (theory.md, section
+//! 6.3), so the mass is one number, 1.
+
+mod bounds;
+mod damping;
+mod error;
+mod landscape;
+mod observer;
+mod run;
+mod verlet;
+
+pub use bounds::Bounds;
+pub use damping::{Damping, Motion};
+pub use error::{Divergence, RelaxError};
+pub use landscape::Landscape;
+pub use observer::{Every, Observer};
+pub use run::{Method, Outcome, Progress, State, Stop, relax};
+pub use verlet::{OnRise, Trail, Verlet, VerletState};

@@ -1,0 +1,217 @@
+//! What a landscape allows: each entry between a lower and an upper bound.
+
+use std::ops::Range;
+
+use gfmd_vector::{pass, reduce};
+
+use crate::RelaxError;
+
+/// Where the entries of `u` may lie. Vectors hold one bound per entry, in the unit of `u`; ±∞ leaves a side open, and
+/// equal bounds hold the entry fixed.
+///
+/// Bounds are data, not a function, so that clipping, masking and moving are one sweep over the vectors. They act entry
+/// by entry, and so do the methods of this crate with their scalar mass: only then is the point where clipped steps stop
+/// the constrained minimum (theory.md, section 6.3).
+#[derive(Clone, Copy, Debug)]
+pub enum Bounds<'a> {
+    /// Every value is allowed.
+    Free,
+    /// uᵢ ≤ upperᵢ.
+    Upper(&'a [f64]),
+    /// lowerᵢ ≤ uᵢ ≤ upperᵢ.
+    Between {
+        /// Smallest allowed values.
+        lower: &'a [f64],
+        /// Largest allowed values.
+        upper: &'a [f64],
+    },
+}
+
+impl Bounds<'_> {
+    /// u ← the nearest allowed point, entry by entry. NaN stays NaN.
+    ///
+    /// # Panics
+    /// If `u` and the bounds differ in length.
+    pub fn project(&self, u: &mut [f64]) {
+        fn clip(wall: impl Wall, u: &mut [f64]) {
+            pass(
+                [u],
+                &|start, [u]| {
+                    let wall = wall.stretch(start..start + u.len());
+                    for (k, u) in u.iter_mut().enumerate() {
+                        *u = wall.clip(k, *u);
+                    }
+                },
+                &|(), ()| (),
+            );
+        }
+        match *self {
+            Self::Free => (),
+            Self::Upper(upper) => clip(Under(upper), u),
+            Self::Between { lower, upper } => clip(Inside(lower, upper), u),
+        }
+    }
+
+    /// Largest |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`,
+    /// (upper − u) / `length_scale`): zero exactly where the constrained minimum is (theory.md, section 6.6). It sees a
+    /// force on a free entry, an entry held back by its bound, and a bound that is exceeded. NaN if any entry is NaN.
+    ///
+    /// # Panics
+    /// If `u`, `force` and the bounds differ in length.
+    pub fn natural_residual(&self, u: &[f64], force: &[f64], force_scale: f64, length_scale: f64) -> f64 {
+        fn largest(wall: impl Wall, u: &[f64], force: &[f64], length_per_force: f64) -> f64 {
+            assert_eq!(u.len(), force.len(), "displacement and force have the same length");
+            let leaf = |range: Range<usize>| {
+                let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
+                u.iter().zip(force).enumerate().fold(0, |largest, (k, (&u, &f))| {
+                    let (down, up) = wall.room(k, u);
+                    // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+                    u64::max(largest, clamp(f * length_per_force, down, up).abs().to_bits())
+                })
+            };
+            f64::from_bits(reduce(u.len(), &leaf, &u64::max))
+        }
+        let length_per_force = length_scale / force_scale;
+        let length = match *self {
+            Self::Free => largest(Open, u, force, length_per_force),
+            Self::Upper(upper) => largest(Under(upper), u, force, length_per_force),
+            Self::Between { lower, upper } => largest(Inside(lower, upper), u, force, length_per_force),
+        };
+        length / length_scale
+    }
+
+    /// Whether the entry `index` presses against its bound: it lies on it and its force pushes outwards.
+    ///
+    /// # Panics
+    /// If `index` is out of range.
+    pub fn holds(&self, index: usize, u: f64, force: f64) -> bool {
+        match *self {
+            Self::Free => false,
+            Self::Upper(upper) => Under(upper).net(index, u, force) != force,
+            Self::Between { lower, upper } => Inside(lower, upper).net(index, u, force) != force,
+        }
+    }
+
+    /// An error unless there is one bound per entry, none is NaN, and each lower bound is at most the upper one.
+    pub(crate) fn check(&self, length: usize) -> Result<(), RelaxError> {
+        self.check_length(length)?;
+        let wrong = match *self {
+            Self::Free => None,
+            Self::Upper(upper) => upper.iter().position(|z| z.is_nan()).map(|i| (i, f64::NEG_INFINITY, upper[i])),
+            Self::Between { lower, upper } => {
+                let ordered = |(a, z): (&f64, &f64)| a <= z;
+                lower.iter().zip(upper).position(|pair| !ordered(pair)).map(|i| (i, lower[i], upper[i]))
+            }
+        };
+        wrong.map_or(Ok(()), |(index, lower, upper)| Err(RelaxError::Bounds { index, lower, upper }))
+    }
+
+    pub(crate) fn check_length(&self, length: usize) -> Result<(), RelaxError> {
+        let fits = |what, bound: &[f64]| RelaxError::check_length(what, bound.len(), length);
+        match *self {
+            Self::Free => Ok(()),
+            Self::Upper(upper) => fits("upper bounds", upper),
+            Self::Between { lower, upper } => {
+                fits("lower bounds", lower)?;
+                fits("upper bounds", upper)
+            }
+        }
+    }
+}
+
+/// The bounds as the inner loops see them: one type per kind, so that no loop branches on the kind and none streams a
+/// vector that is not there.
+pub(crate) trait Wall: Copy + Sync {
+    /// The wall of the entries in `range`.
+    fn stretch(self, range: Range<usize>) -> Self;
+    /// The nearest allowed value.
+    fn clip(self, k: usize, u: f64) -> f64;
+    /// Whether u lies on its bound.
+    fn touches(self, k: usize, u: f64) -> bool;
+    /// The force that can move the entry: zero where it lies on its bound and is pressed against it.
+    fn net(self, k: usize, u: f64, force: f64) -> f64;
+    /// How far u may move down (≤ 0) and up (≥ 0).
+    fn room(self, k: usize, u: f64) -> (f64, f64);
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Open;
+
+#[derive(Clone, Copy)]
+pub(crate) struct Under<'a>(pub(crate) &'a [f64]);
+
+#[derive(Clone, Copy)]
+pub(crate) struct Inside<'a>(pub(crate) &'a [f64], pub(crate) &'a [f64]);
+
+impl Wall for Open {
+    fn stretch(self, _: Range<usize>) -> Self {
+        self
+    }
+
+    fn clip(self, _: usize, u: f64) -> f64 {
+        u
+    }
+
+    fn touches(self, _: usize, _: f64) -> bool {
+        false
+    }
+
+    fn net(self, _: usize, _: f64, force: f64) -> f64 {
+        force
+    }
+
+    fn room(self, _: usize, _: f64) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+}
+
+impl Wall for Under<'_> {
+    fn stretch(self, range: Range<usize>) -> Self {
+        Self(&self.0[range])
+    }
+
+    fn clip(self, k: usize, u: f64) -> f64 {
+        clamp(u, f64::NEG_INFINITY, self.0[k])
+    }
+
+    fn touches(self, k: usize, u: f64) -> bool {
+        u >= self.0[k]
+    }
+
+    fn net(self, k: usize, u: f64, force: f64) -> f64 {
+        if u >= self.0[k] && force > 0.0 { 0.0 } else { force }
+    }
+
+    fn room(self, k: usize, u: f64) -> (f64, f64) {
+        (f64::NEG_INFINITY, self.0[k] - u)
+    }
+}
+
+impl Wall for Inside<'_> {
+    fn stretch(self, range: Range<usize>) -> Self {
+        Self(&self.0[range.clone()], &self.1[range])
+    }
+
+    fn clip(self, k: usize, u: f64) -> f64 {
+        clamp(u, self.0[k], self.1[k])
+    }
+
+    fn touches(self, k: usize, u: f64) -> bool {
+        u <= self.0[k] || u >= self.1[k]
+    }
+
+    fn net(self, k: usize, u: f64, force: f64) -> f64 {
+        let held = (u >= self.1[k] && force > 0.0) || (u <= self.0[k] && force < 0.0);
+        if held { 0.0 } else { force }
+    }
+
+    fn room(self, k: usize, u: f64) -> (f64, f64) {
+        (self.0[k] - u, self.1[k] - u)
+    }
+}
+
+/// As `f64::clamp`, but never panics; NaN stays NaN, where `f64::min` would return the bound and hide it.
+fn clamp(x: f64, lower: f64, upper: f64) -> f64 {
+    let x = if x > upper { upper } else { x };
+    if x < lower { lower } else { x }
+}

@@ -1,0 +1,144 @@
+//! What damping does to a single mode of stiffness k: eigenvalues, regimes, and the best choices.
+
+use std::f64::consts::LN_10;
+
+/// The two numbers of the damped scheme u₊ = u + β (u − u₋) + τ f (theory.md, section 6.1, scheme A).
+///
+/// For f = −k u the error of a mode follows λ² − (1 + β − τ k) λ + β = 0. Stiffness is per mass throughout, in 1/time².
+///
+/// ```
+/// use gfmd_relax::{Damping, Motion};
+///
+/// let damping = Damping::critical(0.01, 1.0);
+/// assert!((damping.beta - 0.81).abs() < 1e-15);
+/// assert!(matches!(damping.motion(0.01), Motion::Critical { eigenvalue } if (eigenvalue - 0.9).abs() < 1e-9));
+/// assert!(matches!(damping.motion(0.02), Motion::UnderDamped { .. }));
+/// assert!(matches!(damping.motion(0.005), Motion::OverDamped { .. }));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Damping {
+    /// β = 1 − η Δt²: the part of a step that is repeated in the next. 0 is plain descent, 1 is undamped.
+    pub beta: f64,
+    /// τ = Δt²/m, in displacement per force.
+    pub tau: f64,
+}
+
+/// How the error of one mode evolves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// Two complex eigenvalues: the mode oscillates.
+    UnderDamped {
+        /// |λ| = √β.
+        modulus: f64,
+        /// Phase advance per step, in radians.
+        angle: f64,
+    },
+    /// A double eigenvalue: fastest decay without oscillation.
+    Critical {
+        /// λ = (1 + β − τ k) / 2.
+        eigenvalue: f64,
+    },
+    /// Two real eigenvalues. Positive: the mode creeps. Negative: the step is so long that the mode flips every step.
+    OverDamped {
+        /// The eigenvalue of larger magnitude.
+        slow: f64,
+        /// The other one.
+        fast: f64,
+    },
+}
+
+impl Damping {
+    /// Damps a mode of stiffness `k` critically at time step `dt` and unit mass: β = (1 − √k Δt)², that is
+    /// η = 2√k/Δt − k (theory.md, section 6.1).
+    pub fn critical(k: f64, dt: f64) -> Self {
+        Self { beta: (1.0 - k.sqrt() * dt).powi(2), tau: dt * dt }
+    }
+
+    /// The largest time step for which [`Damping::critical`] of the softest mode leaves the stiffest one stable:
+    /// Δt < 2 / (√k_min + √(k_max − k_min)), where τ k_max = 2 (1 + β).
+    pub fn critical_dt_limit(k_min: f64, k_max: f64) -> f64 {
+        2.0 / (k_min.sqrt() + (k_max - k_min).sqrt())
+    }
+
+    /// The best single damping and time step for all stiffnesses in [`k_min`, `k_max`]: √τ = 2 / (√k_min + √k_max),
+    /// √β = (√κ − 1) / (√κ + 1) with κ = k_max / k_min (theory.md, section 6.2). The softest and the stiffest mode are
+    /// both critically damped.
+    pub fn optimal(k_min: f64, k_max: f64) -> Self {
+        let (soft, stiff) = (k_min.sqrt(), k_max.sqrt());
+        Self { beta: ((stiff - soft) / (stiff + soft)).powi(2), tau: (2.0 / (soft + stiff)).powi(2) }
+    }
+
+    /// The best plain gradient descent (β = 0) for the same band, τ = 2 / (k_min + k_max): for comparison.
+    pub fn plain_descent(k_min: f64, k_max: f64) -> Self {
+        Self { beta: 0.0, tau: 2.0 / (k_min + k_max) }
+    }
+
+    /// The same scheme for a damping force −γ (u₊ − u₋) / 2Δt, centred in time, at unit mass (theory.md, section 6.1).
+    pub fn central(gamma: f64, dt: f64) -> Self {
+        let x = 0.5 * gamma * dt;
+        Self { beta: (1.0 - x) / (1.0 + x), tau: dt * dt / (1.0 + x) }
+    }
+
+    /// The γ with which [`Damping::central`] damps a mode of stiffness `k` critically: 2 √(k (1 − k Δt²/4)), in 1/time.
+    pub fn central_critical(k: f64, dt: f64) -> f64 {
+        2.0 * (k * (1.0 - 0.25 * k * dt * dt)).sqrt()
+    }
+
+    /// η = (1 − β)/Δt² at unit mass, in 1/time²: it multiplies a displacement increment. The viscous coefficient is
+    /// γ = η Δt.
+    pub fn eta(&self) -> f64 {
+        (1.0 - self.beta) / self.tau
+    }
+
+    /// The stiffness below which every mode is stable, 2 (1 + β)/τ; also needs |β| < 1 (theory.md, section 6.1).
+    pub fn stiffness_limit(&self) -> f64 {
+        2.0 * (1.0 + self.beta) / self.tau
+    }
+
+    /// Eigenvalues of a mode of stiffness `k`. A double root is recognised within rounding.
+    pub fn motion(&self, k: f64) -> Motion {
+        let (beta, kappa) = (self.beta, self.tau * k);
+        let trace = 1.0 + beta - kappa;
+        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, come out without cancellation.
+        let discriminant = if beta >= 0.0 {
+            let root = beta.sqrt();
+            (distance(1.0 - root, kappa)) * (distance(1.0 + root, kappa))
+        } else {
+            trace * trace - 4.0 * beta
+        };
+        if discriminant == 0.0 {
+            Motion::Critical { eigenvalue: 0.5 * trace }
+        } else if discriminant < 0.0 {
+            Motion::UnderDamped { modulus: beta.sqrt(), angle: (-discriminant).sqrt().atan2(trace) }
+        } else {
+            let slow = 0.5 * (trace + discriminant.sqrt().copysign(trace));
+            Motion::OverDamped { slow, fast: beta / slow }
+        }
+    }
+
+    /// Largest |λ| of a mode of stiffness `k`: its error shrinks by this factor per step in the long run.
+    pub fn spectral_radius(&self, k: f64) -> f64 {
+        match self.motion(k) {
+            Motion::UnderDamped { modulus, .. } => modulus,
+            Motion::Critical { eigenvalue } => eigenvalue.abs(),
+            Motion::OverDamped { slow, .. } => slow.abs(),
+        }
+    }
+
+    /// Predicted steps for one decimal of accuracy when all stiffnesses lie in [`k_min`, `k_max`]; infinite when
+    /// unstable. The worst mode sits at one of the ends.
+    ///
+    /// Bounds only help: fixing entries keeps the spectrum inside the band (theory.md, section 6.5).
+    pub fn steps_per_decade(&self, k_min: f64, k_max: f64) -> f64 {
+        let radius = self.spectral_radius(k_min).max(self.spectral_radius(k_max));
+        if radius < 1.0 { -LN_10 / radius.ln() } else { f64::INFINITY }
+    }
+}
+
+/// root² − κ, zero within the rounding error of both.
+fn distance(root: f64, kappa: f64) -> f64 {
+    let distance = root * root - kappa;
+    // √β and β carry an absolute error of the order of ε, which 1 ∓ √β hands on.
+    let rounding = 8.0 * f64::EPSILON * (root.abs() + kappa);
+    if distance.abs() <= rounding { 0.0 } else { distance }
+}

@@ -1,0 +1,69 @@
+//! Those who watch a relaxation.
+
+use std::{io, ops::ControlFlow};
+
+use crate::Progress;
+
+/// Looks, never touches; may ask to stop. Logs, traces, checkpoint files, Ctrl-C: observers, outside this crate.
+///
+/// An observer is called before every step and once after the last. A resumed run shows its first state again, so
+/// whatever is written should be keyed by [`Progress::step`]. Closures are observers, `()` is one that looks away, and a
+/// pair is one that asks both.
+///
+/// ```
+/// use gfmd_relax::{Observer, Progress};
+/// use std::ops::ControlFlow;
+///
+/// let mut seen = 0;
+/// let mut watch = |_: &Progress, _: &()| {
+///     seen += 1;
+///     Ok(if seen < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+/// };
+/// let now = Progress { step: 0, energy: 1.0, residual: 0.5, settled: 0, evaluations: 1 };
+/// assert!(watch.observe(&now, &())?.is_continue());
+/// assert!(watch.observe(&now, &())?.is_break());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub trait Observer<S> {
+    /// Sees the state of one step. `Break` ends the run with [`Outcome::Interrupted`](crate::Outcome::Interrupted).
+    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>>;
+}
+
+impl<S> Observer<S> for () {
+    fn observe(&mut self, _: &Progress, _: &S) -> io::Result<ControlFlow<()>> {
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+impl<S, F: FnMut(&Progress, &S) -> io::Result<ControlFlow<()>>> Observer<S> for F {
+    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+        self(progress, state)
+    }
+}
+
+impl<S, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
+    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+        let first = self.0.observe(progress, state)?;
+        let second = self.1.observe(progress, state)?;
+        Ok(if first.is_break() { first } else { second })
+    }
+}
+
+/// Shows `inner` the steps that are a multiple of `steps` (zero: none).
+#[derive(Clone, Copy, Debug)]
+pub struct Every<O> {
+    /// Distance between two looks.
+    pub steps: u64,
+    /// Who looks.
+    pub inner: O,
+}
+
+impl<S, O: Observer<S>> Observer<S> for Every<O> {
+    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+        if progress.step.checked_rem(self.steps) == Some(0) {
+            self.inner.observe(progress, state)
+        } else {
+            Ok(ControlFlow::Continue(()))
+        }
+    }
+}
