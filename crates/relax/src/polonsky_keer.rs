@@ -1,0 +1,147 @@
+use gfmd_vector::pass;
+
+use crate::quadratic::{
+    Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, add_linear, rescale, step_length, total,
+};
+
+/// The constrained conjugate gradients of Polonsky and Keer (1999), theory.md, section 7: conjugate directions on the
+/// variables that are positive, restarted whenever a variable at zero has to leave it.
+///
+/// With a prescribed mean the directions are kept free of a mean, so that a step keeps it too and the exact step length
+/// needs only the [`curvature`](Quadratic::curvature) of the direction, not the image of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PolonskyKeer;
+
+impl PolonskyKeer {
+    /// Minimises from `x` on, in place; `watch` sees every iterate. The last image of the iteration, the gradient, is
+    /// not kept: judge the result afresh.
+    ///
+    /// # Errors
+    /// [`MinimiseError`]; `x` is then the last iterate.
+    pub fn minimise(
+        &self,
+        problem: &mut dyn Quadratic,
+        x: &mut [f64],
+        target: &Target,
+        watch: Watch,
+    ) -> Result<Iterate, MinimiseError> {
+        target.check(x, problem.linear())?;
+        let n = x.len();
+        rescale(x, total(x), target.mean);
+        let mut gradient = vec![0.0; n];
+        let mut direction = vec![0.0; n];
+        let mut residual_before = 1.0;
+        let mut conjugate = false;
+        let mut iteration = 0;
+        loop {
+            problem.apply(x, &mut gradient);
+            let (sum, positive) = add_linear(problem.linear(), x, &mut gradient);
+            let multiplier = if target.mean.is_some() { sum / positive as f64 } else { 0.0 };
+            let sweep = shift(&mut gradient, x, &direction, multiplier);
+            let optimality = sweep.optimality(target.gradient_scale);
+            let now = Iterate { iteration, optimality, multiplier, positive };
+            if let Verdict::Converged = target.judge(now, watch)? {
+                return Ok(now);
+            }
+
+            let ratio = if conjugate { sweep.squares / residual_before } else { 0.0 };
+            let mean = if target.mean.is_some() { ratio * sweep.direction / positive as f64 } else { 0.0 };
+            residual_before = sweep.squares;
+            let free = |x: f64, g: f64| x > 0.0 || (positive == 0 && g < 0.0);
+            let slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
+            let step = step_length(slope, problem.curvature(&direction), now)?;
+            let (entered, sum) = advance(x, &direction, &gradient, step);
+            conjugate = entered == 0;
+            rescale(x, sum, target.mean);
+            iteration += 1;
+        }
+    }
+}
+
+/// Sums over one iterate; `direction` and `squares` over x > 0 only.
+struct Sweep {
+    x: f64,
+    x_gradient: f64,
+    squares: f64,
+    direction: f64,
+    lowest: f64,
+}
+
+impl Sweep {
+    fn optimality(&self, scale: f64) -> Optimality {
+        let complementarity = if self.x > 0.0 { self.x_gradient / (self.x * scale) } else { 0.0 };
+        Optimality { complementarity, violation: (-self.lowest).max(0.0) / scale }
+    }
+}
+
+/// g ← g − λ.
+fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) -> Sweep {
+    pass(
+        [gradient],
+        &|start, [g]| {
+            let mut sums = Sweep { x: 0.0, x_gradient: 0.0, squares: 0.0, direction: 0.0, lowest: f64::INFINITY };
+            for ((g, x), d) in g.iter_mut().zip(&x[start..]).zip(&direction[start..]) {
+                *g -= multiplier;
+                sums.lowest = sums.lowest.min(*g);
+                if *x > 0.0 {
+                    sums.x += x;
+                    sums.x_gradient += x * *g;
+                    sums.squares += *g * *g;
+                    sums.direction += d;
+                }
+            }
+            sums
+        },
+        &|a, b| Sweep {
+            x: a.x + b.x,
+            x_gradient: a.x_gradient + b.x_gradient,
+            squares: a.squares + b.squares,
+            direction: a.direction + b.direction,
+            lowest: a.lowest.min(b.lowest),
+        },
+    )
+}
+
+/// d ← g + ratio d − mean on the free variables, zero elsewhere; returns ⟨g, d⟩.
+fn turn(
+    direction: &mut [f64],
+    x: &[f64],
+    gradient: &[f64],
+    ratio: f64,
+    mean: f64,
+    free: &(impl Fn(f64, f64) -> bool + Sync),
+) -> f64 {
+    pass(
+        [direction],
+        &|start, [d]| {
+            let mut slope = 0.0;
+            for ((d, x), g) in d.iter_mut().zip(&x[start..]).zip(&gradient[start..]) {
+                *d = if free(*x, *g) { g + ratio * *d - mean } else { 0.0 };
+                slope += *d * g;
+            }
+            slope
+        },
+        &|a, b| a + b,
+    )
+}
+
+/// x ← max(0, x − step d) where x > 0; variables at zero with a negative gradient enter with −step g. Returns how many
+/// entered, and Σ x.
+fn advance(x: &mut [f64], direction: &[f64], gradient: &[f64], step: f64) -> (usize, f64) {
+    pass(
+        [x],
+        &|start, [x]| {
+            let (mut entered, mut sum) = (0, 0.0);
+            for ((x, d), g) in x.iter_mut().zip(&direction[start..]).zip(&gradient[start..]) {
+                *x = (*x - step * d).max(0.0);
+                if *x == 0.0 && *g < 0.0 {
+                    *x = -step * g;
+                    entered += 1;
+                }
+                sum += *x;
+            }
+            (entered, sum)
+        },
+        &|a, b| (a.0 + b.0, a.1 + b.1),
+    )
+}
