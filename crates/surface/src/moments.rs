@@ -1,0 +1,88 @@
+use gfmd_field::{Grid, Mode};
+
+/// Whether heights are a surface over the plane or a profile along a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// h(x): one point along y.
+    Profile,
+    /// h(x, y).
+    Surface,
+}
+
+impl Dimension {
+    /// What heights on `grid` are.
+    pub fn of(grid: &Grid) -> Self {
+        if grid.is_line() { Self::Profile } else { Self::Surface }
+    }
+}
+
+/// Spectral moments: sums over all q ≠ 0 of the full spectrum (theory.md, section 9).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// Surface or profile: fixes what the profile moments and the curvature are.
+    pub dimension: Dimension,
+    /// h_rms² = Σ |h̃|², length².
+    pub height: f64,
+    /// ḡ² = Σ q²|h̃|², dimensionless: the mean square of the full gradient |∇h|.
+    pub gradient: f64,
+    /// Σ q⁴|h̃|², 1/length²: the mean square of the Laplacian ∇²h.
+    pub laplacian: f64,
+}
+
+impl Moments {
+    /// h_rms, length.
+    pub fn rms_height(&self) -> f64 {
+        self.height.sqrt()
+    }
+
+    /// ḡ, the root-mean-square of the full gradient |∇h| (of h′ for a profile), dimensionless.
+    pub fn rms_gradient(&self) -> f64 {
+        self.gradient.sqrt()
+    }
+
+    /// Root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half that of the Laplacian, or of h″ of a
+    /// profile; 1/length.
+    pub fn rms_curvature(&self) -> f64 {
+        match self.dimension {
+            Dimension::Profile => self.laplacian.sqrt(),
+            Dimension::Surface => 0.5 * self.laplacian.sqrt(),
+        }
+    }
+
+    /// The moments m0, m2, m4 of a profile: Σ|h̃|², Σq²|h̃|², Σq⁴|h̃|² of the profile itself; for a surface those of a
+    /// straight cut, m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which hold if it is isotropic.
+    pub fn profile(&self) -> [f64; 3] {
+        match self.dimension {
+            Dimension::Profile => [self.height, self.gradient, self.laplacian],
+            Dimension::Surface => [self.height, self.gradient / 2.0, 0.375 * self.laplacian],
+        }
+    }
+
+    /// Nayak's parameter α = m0 m4/m2² ≥ 1, or `None` for a flat surface. For an isotropic Gaussian surface ≥ 3/2.
+    pub fn nayak(&self) -> Option<f64> {
+        let [m0, m2, m4] = self.profile();
+        (m2 > 0.0).then(|| (m0 / m2) * (m4 / m2))
+    }
+}
+
+/// Running sums of the three moments, each task its own; added up in the order of the tasks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums([f64; 3]);
+
+impl Sums {
+    /// Adds a mode of the half spectrum with |h̃|² = `square`.
+    pub(crate) fn add(&mut self, mode: &Mode, square: f64) {
+        let [x, y] = mode.wavevector;
+        let q2 = x * x + y * y;
+        let weighed = mode.weight * square;
+        for (sum, term) in self.0.iter_mut().zip([weighed, weighed * q2, weighed * q2 * q2]) {
+            *sum += term;
+        }
+    }
+
+    /// All of them, each multiplied by `factor`.
+    pub(crate) fn moments(parts: &[Self], grid: &Grid, factor: f64) -> Moments {
+        let total = |k: usize| factor * parts.iter().map(|part| part.0[k]).sum::<f64>();
+        Moments { dimension: Dimension::of(grid), height: total(0), gradient: total(1), laplacian: total(2) }
+    }
+}

@@ -1,0 +1,198 @@
+use std::f64::consts::TAU;
+
+use gfmd_field::{Grid, Transform};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::moments::{Moments, Sums};
+use crate::self_affine::Ring;
+use crate::statistics::checked;
+use crate::{Dimension, SurfaceError};
+
+/// Modes per task: fixed, so that sums have the same bits for any number of threads.
+const MODES_PER_TASK: usize = 1 << 13;
+
+/// A mode carries power if |h̃|² exceeds this fraction of h_rms²: above the rounding of heights stored in single
+/// precision (3·10⁻¹⁶/N per mode of N), below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
+const CARRIES_POWER: f64 = 1e-17;
+
+/// The power |h̃(q)|² of every mode of given heights.
+pub struct PowerSpectrum {
+    grid: Grid,
+    /// |h̃|², laid out as [`Grid::modes`].
+    power: Vec<f64>,
+    moments: Moments,
+}
+
+/// The power spectral density of the modes in one ring of wavenumbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadialBin {
+    /// Mean |q| of its modes, rad/length.
+    pub wavenumber: f64,
+    /// Mean of C2D = (Lx Ly/4π²)|h̃|² in length⁴, or of C1D = (L/2π)|h̃|² in length³ for a profile.
+    pub density: f64,
+    /// Modes in the ring, in the full spectrum: ±q count as two.
+    pub modes: f64,
+}
+
+/// A power law fitted to a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HurstFit {
+    /// H of C2D ∝ q^{−2(1+H)} or C1D ∝ q^{−(1+2H)}. Not forced into \[0, 1\].
+    pub hurst: f64,
+    /// Standard error of H if the modes are independent and Gaussian: 1/(2 √Σ(ln q − ⟨ln q⟩)²) over pairs ±q.
+    pub standard_error: f64,
+    /// Pairs ±q that were used.
+    pub pairs: usize,
+    /// The longest and shortest wavelengths of the range that was asked for, length.
+    pub range: [f64; 2],
+}
+
+impl PowerSpectrum {
+    /// The spectrum of `heights`, shape `[nx, ny]`, taken as one period. The mean height is left out of all sums.
+    ///
+    /// # Errors
+    /// Heights of another shape than the grid, or not finite.
+    pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
+        let heights = checked(heights, grid)?;
+        let transform = Transform::new(*grid);
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        transform.forward(&heights, &mut spectrum, &mut transform.workspace())?;
+        let power: Vec<f64> = spectrum.par_iter().map(Complex64::norm_sqr).collect();
+        let positions = grid.spectrum_shape()[1];
+        let sums: Vec<Sums> = power
+            .par_chunks(MODES_PER_TASK)
+            .enumerate()
+            .map(|(task, chunk)| {
+                let mut sums = Sums::default();
+                for (index, square) in (task * MODES_PER_TASK..).zip(chunk) {
+                    let mode = grid.mode(index / positions, index % positions);
+                    if !mode.is_uniform() {
+                        sums.add(&mode, *square);
+                    }
+                }
+                sums
+            })
+            .collect();
+        Ok(Self { grid: *grid, power, moments: Sums::moments(&sums, grid, 1.0) })
+    }
+
+    /// |h̃(q)|² in length², laid out as [`Grid::modes`].
+    pub fn power(&self) -> &[f64] {
+        &self.power
+    }
+
+    /// The moments over all q ≠ 0.
+    pub fn moments(&self) -> Moments {
+        self.moments
+    }
+
+    /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
+    /// q₀, up to the smaller Nyquist wavenumber: beyond it rings are cut by the corners of the spectrum. Of a profile,
+    /// every mode is a ring.
+    pub fn radial(&self) -> Vec<RadialBin> {
+        let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
+        let along = if self.grid.is_line() { 1 } else { 2 };
+        let cell = lengths[..along].iter().copied().fold(f64::INFINITY, f64::min);
+        let nyquist = (0..along).map(|axis| 0.5 * points[axis] / lengths[axis]).fold(f64::INFINITY, f64::min);
+        let rings = (nyquist * cell * (1.0 + f64::EPSILON)).floor() as usize;
+        let mut bins = vec![[0.0; 3]; rings + 1];
+        for (mode, power) in self.grid.modes().zip(&self.power) {
+            let ring = (mode.wavenumber() * cell / TAU).round() as usize;
+            if let Some(bin) = bins.get_mut(ring).filter(|_| !mode.is_uniform()) {
+                bin[0] += mode.weight;
+                bin[1] += mode.weight * mode.wavenumber();
+                bin[2] += mode.weight * power;
+            }
+        }
+        let per_mode: f64 = lengths[..along].iter().map(|length| length / TAU).product();
+        bins.into_iter()
+            .filter(|bin| bin[0] > 0.0)
+            .map(|[modes, q, power]| RadialBin { wavenumber: q / modes, density: per_mode * power / modes, modes })
+            .collect()
+    }
+
+    /// The longest and shortest wavelengths of modes that carry power, length: the cut-offs that the heights have.
+    /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the whole band.
+    pub fn cut_offs(&self) -> Option<[f64; 2]> {
+        let floor = CARRIES_POWER * self.moments.height;
+        let mut ends: Option<[f64; 2]> = None;
+        for (mode, power) in self.grid.modes().zip(&self.power) {
+            if *power > floor && !mode.is_uniform() {
+                let q = mode.wavenumber();
+                let [least, most] = ends.unwrap_or([q, q]);
+                ends = Some([least.min(q), most.max(q)]);
+            }
+        }
+        ends.map(|ends| ends.map(|q| TAU / q))
+    }
+
+    /// The Hurst exponent of the modes with wavelengths from `longest` to `shortest`, both included.
+    ///
+    /// The likelihood of independent Gaussian modes, |h̃|² distributed exponentially about c q^{−s}, is maximised over
+    /// c and s (Whittle's estimate): unlike a straight line through a logarithmic plot it has no bias from the
+    /// logarithm of noise nor from bins. Window, mirror and trends correlate modes: the standard error is then too small.
+    ///
+    /// # Errors
+    /// Wavelengths out of order; less than two different wavenumbers with power in the range.
+    pub fn fit_hurst(&self, longest: f64, shortest: f64) -> Result<HurstFit, SurfaceError> {
+        if !(shortest > 0.0 && shortest <= longest && longest.is_finite()) {
+            return Err(SurfaceError::Wavelengths { shortest, longest });
+        }
+        let (ring, lengths) = (Ring::new(shortest, longest), self.grid.lengths());
+        let samples: Vec<Sample> = self
+            .grid
+            .modes()
+            .zip(&self.power)
+            .filter(|(_, power)| **power > 0.0)
+            .filter_map(|(mode, power)| {
+                let square = ring.position(&mode, lengths)?;
+                Some(Sample { log_q: 0.5 * square.ln(), power: *power, weight: mode.weight })
+            })
+            .collect();
+        let total: f64 = samples.iter().map(|sample| sample.weight).sum();
+        let mean = samples.iter().map(|sample| sample.weight * sample.log_q).sum::<f64>() / total;
+        let spread: f64 = samples.iter().map(|sample| sample.weight * (sample.log_q - mean).powi(2)).sum();
+        if samples.len() < 2 || spread <= 1e-12 * total {
+            return Err(SurfaceError::Fit { shortest, longest, found: samples.len().min(1) });
+        }
+        let exponent = likeliest_exponent(&samples, mean);
+        let hurst = match Dimension::of(&self.grid) {
+            Dimension::Profile => 0.5 * (exponent - 1.0),
+            Dimension::Surface => 0.5 * exponent - 1.0,
+        };
+        let pairs = (0.5 * total).round() as usize;
+        Ok(HurstFit { hurst, standard_error: 0.5 / (0.5 * spread).sqrt(), pairs, range: [longest, shortest] })
+    }
+}
+
+/// One mode of a fit.
+struct Sample {
+    log_q: f64,
+    power: f64,
+    weight: f64,
+}
+
+/// The root s of ⟨ln q⟩ weighed by |h̃|² q^s minus ⟨ln q⟩: the left side rises with s, since its slope is a variance.
+fn likeliest_exponent(samples: &[Sample], mean: f64) -> f64 {
+    let excess = |s: f64| {
+        let largest = samples.iter().map(|x| s * x.log_q).fold(f64::NEG_INFINITY, f64::max);
+        let (mut sum, mut first) = (0.0, 0.0);
+        for sample in samples {
+            let weight = sample.weight * sample.power * (s * sample.log_q - largest).exp();
+            sum += weight;
+            first += weight * (sample.log_q - mean);
+        }
+        first / sum
+    };
+    let (mut low, mut high) = (-64.0, 64.0);
+    while high - low > 1e-12 * (1.0 + f64::abs(low)) {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if excess(middle) > 0.0 { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,182 @@
+use gfmd_field::{Grid, Mode};
+
+use crate::SurfaceError;
+use crate::error::positive;
+
+/// Relative slack, in squared wavenumber, within which a mode counts as on the ring rather than outside: far above
+/// the rounding of |q|² and far below the distance of two rings of integer wave numbers.
+const ON_THE_RING: f64 = 1e-12;
+
+/// The spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
+///
+/// Modes with shortest ≤ 2π/|q| ≤ longest, both ends included, carry ⟨|h̃|²⟩ ∝ q^{−2(1+H)} on a surface and
+/// ∝ q^{−(1+2H)} on a line profile, but for a roll-off; all others are zero. The grid says which of the two it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfAffine {
+    /// Hurst exponent H, from 0 to 1.
+    pub hurst: f64,
+    /// Longest wavelength λ_l, length: at most the (longer) side of the cell.
+    pub longest_wavelength: f64,
+    /// Shortest wavelength λ_s, length: at least two grid spacings.
+    pub shortest_wavelength: f64,
+    /// What becomes of the power law at long wavelengths.
+    pub roll_off: RollOff,
+    /// What the heights are scaled to.
+    pub normalisation: Normalisation,
+    /// What the one factor of that scaling is computed from.
+    pub scaling: Scaling,
+    /// How the size of each mode is drawn.
+    pub amplitudes: Amplitudes,
+}
+
+/// The spectrum at wavelengths beyond the roll-off wavelength λ_r = 2π/q_r, up to the longest wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RollOff {
+    /// The power law goes on to the longest wavelength.
+    None,
+    /// C(q) = C(q_r) for q < q_r: a plateau with a kink at the roll-off wavelength (length) given here.
+    Plateau(f64),
+    /// C(q) ∝ (1 + (q/q_r)²)^{−(1+H)} at all q (−(½+H) for a profile): a smooth crossover around the roll-off
+    /// wavelength (length) given here.
+    Smooth(f64),
+}
+
+/// The size that one common factor gives to all heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Normalisation {
+    /// The root-mean-square of the full gradient |∇h|, spectral: ḡ² = Σ q²|h̃|². Dimensionless.
+    RmsGradient(f64),
+    /// The root-mean-square height: h_rms² = Σ |h̃|². Length.
+    RmsHeight(f64),
+}
+
+/// Which sum the scaling factor is computed from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scaling {
+    /// That of the realisation: every surface has exactly the size asked for.
+    EachRealisation,
+    /// The expected one: the mean square over many seeds has the size asked for, each surface fluctuates about it.
+    Ensemble,
+}
+
+/// How the size of a mode is drawn; its phase is uniform and the same in both cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Amplitudes {
+    /// Normal real and imaginary parts: a Gaussian random surface.
+    Gaussian,
+    /// Every |h̃| as large as its expected root-mean-square: random phases only, the spectrum has no noise.
+    Fixed,
+}
+
+impl SelfAffine {
+    /// Gaussian amplitudes, no roll-off, every realisation scaled to `rms_gradient` (spectral). Wavelengths in any
+    /// unit of length. Checked where it is used; the struct fields say what else can be chosen.
+    pub fn new(hurst: f64, longest_wavelength: f64, shortest_wavelength: f64, rms_gradient: f64) -> Self {
+        Self {
+            hurst,
+            longest_wavelength,
+            shortest_wavelength,
+            roll_off: RollOff::None,
+            normalisation: Normalisation::RmsGradient(rms_gradient),
+            scaling: Scaling::EachRealisation,
+            amplitudes: Amplitudes::Gaussian,
+        }
+    }
+
+    /// The spectrum on one grid, checked.
+    pub(crate) fn on(&self, grid: &Grid) -> Result<Band, SurfaceError> {
+        let Self { hurst, longest_wavelength: longest, shortest_wavelength: shortest, .. } = *self;
+        if !(0.0..=1.0).contains(&hurst) {
+            return Err(SurfaceError::Hurst(hurst));
+        }
+        if !(shortest > 0.0 && shortest <= longest && longest.is_finite()) {
+            return Err(SurfaceError::Wavelengths { shortest, longest });
+        }
+        match self.normalisation {
+            Normalisation::RmsGradient(found) => positive("rms gradient", found)?,
+            Normalisation::RmsHeight(found) => positive("rms height", found)?,
+        };
+        let ([nx, ny], lengths, spacing) = (grid.points(), grid.lengths(), grid.spacing());
+        if nx == 1 && ny > 1 {
+            return Err(SurfaceError::ProfileAxis([nx, ny]));
+        }
+        let [length, allowed] = if grid.is_line() {
+            [lengths[0], 2.0 * spacing[0]]
+        } else {
+            [lengths[0].max(lengths[1]), 2.0 * spacing[0].max(spacing[1])]
+        };
+        if longest > length * (1.0 + ON_THE_RING) {
+            return Err(SurfaceError::LongerThanCell { longest, length });
+        }
+        if shortest < allowed * (1.0 - ON_THE_RING) {
+            return Err(SurfaceError::BeyondNyquist { shortest, allowed });
+        }
+        let (floor, smooth) = match self.roll_off {
+            RollOff::None => (0.0, None),
+            RollOff::Plateau(found) => (self.between(found)?, None),
+            RollOff::Smooth(found) => (0.0, Some(self.between(found)?)),
+        };
+        let exponent = if grid.is_line() { 0.5 + hurst } else { 1.0 + hurst };
+        Ok(Band { ring: Ring::new(shortest, longest), lengths, exponent, floor, smooth })
+    }
+
+    /// (λ_s/λ_r)² of a roll-off wavelength that lies between the cut-offs.
+    fn between(&self, found: f64) -> Result<f64, SurfaceError> {
+        let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
+        if found >= shortest && found <= longest {
+            Ok((shortest / found).powi(2))
+        } else {
+            Err(SurfaceError::RollOff { found, shortest, longest })
+        }
+    }
+}
+
+/// The modes with wavelengths from `shortest` to `longest`, both included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ring {
+    shortest: f64,
+    least: f64,
+}
+
+impl Ring {
+    pub(crate) fn new(shortest: f64, longest: f64) -> Self {
+        Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING) }
+    }
+
+    /// (|q|/q_s)² if the mode is in the ring; from the integers, so that no grid but only the cell has a say.
+    pub(crate) fn position(&self, mode: &Mode, lengths: [f64; 2]) -> Option<f64> {
+        let [x, y] = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
+        let square = x * x + y * y;
+        (square >= self.least && square <= 1.0 + ON_THE_RING && !mode.is_uniform()).then_some(square)
+    }
+}
+
+/// A checked spectrum on a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Band {
+    ring: Ring,
+    lengths: [f64; 2],
+    /// C(q) ∝ (q²)^{−exponent}.
+    exponent: f64,
+    /// (q_r/q_s)² of a plateau, or zero.
+    floor: f64,
+    /// (q_r/q_s)² of a smooth roll-off.
+    smooth: Option<f64>,
+}
+
+impl Band {
+    /// Expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
+    ///
+    /// A mode in a Nyquist row that is not its own conjugate has |q| > q_s; only the slack of an extremely elongated
+    /// cell could let one in, and its mirror image would not fit.
+    pub(crate) fn power(&self, mode: &Mode) -> Option<f64> {
+        if mode.nyquist.contains(&true) && !mode.is_self_conjugate() {
+            return None;
+        }
+        let square = self.ring.position(mode, self.lengths)?;
+        Some(match self.smooth {
+            Some(corner) => (corner + square).powf(-self.exponent),
+            None => square.max(self.floor).powf(-self.exponent),
+        })
+    }
+}

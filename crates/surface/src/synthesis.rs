@@ -1,0 +1,132 @@
+use std::f64::consts::{SQRT_2, TAU};
+
+use gfmd_field::{Grid, Mode, Transform};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::moments::{Moments, Sums};
+use crate::random::{keyed, uniform_pair};
+use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
+
+/// Modes that one task draws: fixed, so that the sums have the same bits for any number of threads.
+const MODES_PER_TASK: usize = 1 << 13;
+
+impl SelfAffine {
+    /// The realisation `seed` of this spectrum on `grid`: heights in length, shape `[nx, ny]`, mean zero.
+    ///
+    /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so a finer grid
+    /// of the same cell samples the same surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and
+    /// are drawn differently from those of a finer grid.)
+    ///
+    /// # Errors
+    /// A parameter out of its range, a cell or grid that cannot hold the wavelengths, or a ring without modes.
+    pub fn heights(&self, grid: &Grid, seed: u64) -> Result<Array2<f64>, SurfaceError> {
+        let spectrum = self.spectrum(grid, seed)?;
+        let transform = Transform::new(*grid);
+        let mut heights = vec![0.0; grid.len()];
+        transform.inverse(&spectrum, &mut heights, &mut transform.workspace())?;
+        let [nx, ny] = grid.points();
+        let found = [heights.len(), 1];
+        Array2::from_shape_vec((nx, ny), heights).map_err(|_| SurfaceError::Shape { found, expected: [nx, ny] })
+    }
+
+    /// Its Fourier coefficients h̃(q), laid out as [`Grid::modes`] (theory.md, section 9).
+    ///
+    /// Of each pair ±q the one with n > 0, or n = 0 and m > 0, is drawn: `pcg64` with default stream and a state mixed
+    /// from (seed, m, n) gives two words of 64 bits, of which the upper 53 bits are U₁ in (0, 1] and U₂ in \[0, 1);
+    /// then h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) where q and −q are the same mode, and
+    /// h̃(−q) = h̃(q)*.
+    ///
+    /// # Errors
+    /// As [`SelfAffine::heights`].
+    pub fn spectrum(&self, grid: &Grid, seed: u64) -> Result<Vec<Complex64>, SurfaceError> {
+        let band = self.on(grid)?;
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        let sums: Vec<Sums> = spectrum
+            .par_chunks_mut(MODES_PER_TASK)
+            .enumerate()
+            .map(|(task, chunk)| {
+                let mut sums = Sums::default();
+                for (value, mode) in chunk.iter_mut().zip(modes_from(grid, task * MODES_PER_TASK)) {
+                    if let Some(power) = band.power(&mode) {
+                        *value = self.draw(&mode, power, seed);
+                        sums.add(&mode, self.weighed(value.norm_sqr(), power));
+                    }
+                }
+                sums
+            })
+            .collect();
+        let factor = self.factor(&Sums::moments(&sums, grid, 1.0))?;
+        spectrum.par_iter_mut().for_each(|value| *value *= factor);
+        Ok(spectrum)
+    }
+
+    /// The moments that the spectrum has on average over all seeds, with `Scaling::Ensemble` or `Amplitudes::Fixed`;
+    /// the discrete sums over the ring, not integrals.
+    ///
+    /// # Errors
+    /// As [`SelfAffine::heights`].
+    pub fn expected_moments(&self, grid: &Grid) -> Result<Moments, SurfaceError> {
+        let band = self.on(grid)?;
+        let sums: Vec<Sums> = (0..grid.spectrum_len().div_ceil(MODES_PER_TASK))
+            .into_par_iter()
+            .map(|task| {
+                let mut sums = Sums::default();
+                for mode in modes_from(grid, task * MODES_PER_TASK).take(MODES_PER_TASK) {
+                    if let Some(power) = band.power(&mode) {
+                        sums.add(&mode, power);
+                    }
+                }
+                sums
+            })
+            .collect();
+        let factor = self.factor(&Sums::moments(&sums, grid, 1.0))?;
+        Ok(Sums::moments(&sums, grid, factor * factor))
+    }
+
+    /// A draw of the mode, of expected square `power`.
+    fn draw(&self, mode: &Mode, power: f64, seed: u64) -> Complex64 {
+        let [m, n] = mode.number;
+        let mirrored = n < 0 || n == 0 && m < 0;
+        let [u1, u2] = uniform_pair(&mut keyed(seed, if mirrored { [-m, -n] } else { [m, n] }));
+        let size = match self.amplitudes {
+            Amplitudes::Gaussian => (-u1.ln() * power).sqrt(),
+            Amplitudes::Fixed => power.sqrt(),
+        };
+        let (sin, cos) = (TAU * u2).sin_cos();
+        if mode.is_self_conjugate() {
+            return match self.amplitudes {
+                Amplitudes::Gaussian => Complex64::from(SQRT_2 * size * cos),
+                Amplitudes::Fixed => Complex64::from(size.copysign(cos)),
+            };
+        }
+        Complex64::new(size * cos, if mirrored { -size * sin } else { size * sin })
+    }
+
+    /// The square that the scaling counts: the drawn one or the expected one.
+    fn weighed(&self, drawn: f64, expected: f64) -> f64 {
+        match self.scaling {
+            Scaling::EachRealisation => drawn,
+            Scaling::Ensemble => expected,
+        }
+    }
+
+    /// The factor that gives the amplitudes the size asked for.
+    fn factor(&self, unscaled: &Moments) -> Result<f64, SurfaceError> {
+        if unscaled.height <= 0.0 {
+            let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
+            return Err(SurfaceError::NoModes { shortest, longest });
+        }
+        Ok(match self.normalisation {
+            Normalisation::RmsGradient(target) => target / unscaled.rms_gradient(),
+            Normalisation::RmsHeight(target) => target / unscaled.rms_height(),
+        })
+    }
+}
+
+/// The modes of the half spectrum from storage index `first` on.
+fn modes_from(grid: &Grid, first: usize) -> impl Iterator<Item = Mode> + '_ {
+    let positions = grid.spectrum_shape()[1];
+    (first..grid.spectrum_len()).map(move |index| grid.mode(index / positions, index % positions))
+}

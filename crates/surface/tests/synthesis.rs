@@ -1,0 +1,187 @@
+//! Synthesised surfaces against what was asked for: sizes, symmetry, refinement, independence of threads.
+
+use approx::assert_relative_eq;
+use gfmd_field::{Grid, Transform};
+use gfmd_surface::{Amplitudes, Normalisation, RollOff, Scaling, SelfAffine};
+use ndarray::Array2;
+use num_complex::Complex64;
+use proptest::prelude::*;
+
+fn spectrum_of(heights: &Array2<f64>, grid: &Grid) -> Vec<Complex64> {
+    let transform = Transform::new(*grid);
+    let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+    let flat = heights.as_slice().expect("generated heights are in storage order");
+    transform.forward(flat, &mut spectrum, &mut transform.workspace()).unwrap();
+    spectrum
+}
+
+/// Σ |h̃|² q^power over the full spectrum of the heights.
+fn moment(heights: &Array2<f64>, grid: &Grid, power: i32) -> f64 {
+    let spectrum = spectrum_of(heights, grid);
+    grid.modes().zip(&spectrum).map(|(mode, h)| mode.weight * mode.wavenumber().powi(power) * h.norm_sqr()).sum()
+}
+
+#[test]
+fn the_size_asked_for_is_the_size_made() {
+    for grid in [Grid::square(48, 2.5).unwrap(), Grid::new([45, 64], [2.5, 3.5]).unwrap(), Grid::line(91, 2.5).unwrap()]
+    {
+        let gradient = SelfAffine::new(0.7, 2.0, 0.25, 0.03);
+        assert_relative_eq!(moment(&gradient.heights(&grid, 5).unwrap(), &grid, 2).sqrt(), 0.03, max_relative = 1e-12);
+        let height = SelfAffine { normalisation: Normalisation::RmsHeight(0.4), ..gradient };
+        let heights = height.heights(&grid, 5).unwrap();
+        assert_relative_eq!(moment(&heights, &grid, 0).sqrt(), 0.4, max_relative = 1e-12);
+        assert_relative_eq!(heights.iter().map(|h| h * h).sum::<f64>() / grid.len() as f64, 0.16, max_relative = 1e-12);
+        assert!(heights.mean().unwrap().abs() < 1e-15);
+    }
+}
+
+#[test]
+fn nothing_lies_outside_the_ring_and_its_edges_lie_inside() {
+    let grid = Grid::square(64, 1.0).unwrap();
+    // 1/5 and 1/13 are the lengths of (3, 4) and (5, 12): rings with points off the axes, inexact in binary.
+    let surface = SelfAffine::new(0.3, 1.0 / 5.0, 1.0 / 13.0, 0.1);
+    let spectrum = surface.spectrum(&grid, 3).unwrap();
+    for (mode, value) in grid.modes().zip(&spectrum) {
+        let [m, n] = mode.number;
+        assert_eq!((25..=169).contains(&(m * m + n * n)), value.norm() > 0.0, "{:?}", mode.number);
+    }
+}
+
+#[test]
+fn the_same_surface_on_finer_grids() {
+    let coarse_points = 48;
+    for (line, hurst) in [(false, 0.0), (false, 0.8), (true, 0.5)] {
+        let grid = |points| if line { Grid::line(points, 1.7) } else { Grid::square(points, 1.7) }.unwrap();
+        let surface =
+            SelfAffine { roll_off: RollOff::Plateau(0.4), ..SelfAffine::new(hurst, 1.7 / 1.5, 1.7 / 14.0, 0.1) };
+        let coarse = surface.heights(&grid(coarse_points), 11).unwrap();
+        for ratio in [2, 3, 5] {
+            let fine = surface.heights(&grid(coarse_points * ratio), 11).unwrap();
+            let largest = coarse.iter().fold(0.0_f64, |most, h| most.max(h.abs()));
+            for ((i, j), h) in coarse.indexed_iter() {
+                assert!((fine[[i * ratio, j * ratio]] - h).abs() < 1e-13 * largest, "ratio {ratio} at {i}, {j}");
+            }
+        }
+    }
+}
+
+#[test]
+fn phases_do_not_depend_on_the_spectrum() {
+    let grid = Grid::square(32, 1.0).unwrap();
+    let rough = SelfAffine::new(0.0, 0.5, 0.1, 0.1);
+    let smooth = SelfAffine { amplitudes: Amplitudes::Fixed, ..SelfAffine::new(1.0, 1.0, 0.08, 3.0) };
+    let [rough, smooth] = [rough, smooth].map(|surface| surface.spectrum(&grid, 9).unwrap());
+    let mut shared = 0;
+    for (a, b) in rough.iter().zip(&smooth).filter(|(a, _)| a.norm() > 0.0) {
+        assert!(((a / b).arg()).abs() < 1e-14);
+        shared += 1;
+    }
+    assert!(shared > 100);
+}
+
+#[test]
+fn the_half_spectrum_is_that_of_real_heights() {
+    for grid in [Grid::new([16, 16], [1.0, 1.0]), Grid::new([17, 18], [1.0, 1.1]), Grid::line(16, 1.0)] {
+        let grid = grid.unwrap();
+        let allowed = 2.0 * if grid.is_line() { grid.spacing()[0] } else { grid.spacing()[0].max(grid.spacing()[1]) };
+        for amplitudes in [Amplitudes::Gaussian, Amplitudes::Fixed] {
+            let surface = SelfAffine { amplitudes, ..SelfAffine::new(0.5, 1.0, allowed, 1.0) };
+            let asked = surface.spectrum(&grid, 21).unwrap();
+            let found = spectrum_of(&surface.heights(&grid, 21).unwrap(), &grid);
+            let size = asked.iter().map(|h| h.norm()).fold(0.0, f64::max);
+            for (mode, (a, b)) in grid.modes().zip(asked.iter().zip(&found)) {
+                assert!((a - b).norm() < 1e-14 * size, "{:?}: {a} became {b}", mode.number);
+            }
+        }
+    }
+}
+
+#[test]
+fn seeds_make_different_surfaces_and_threads_make_the_same() {
+    let grid = Grid::square(256, 1.0).unwrap();
+    let surface = SelfAffine::new(0.8, 0.5, 1.0 / 64.0, 0.1);
+    let on = |threads, seed| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| surface.heights(&grid, seed).unwrap())
+    };
+    let one = on(1, 1);
+    for threads in [2, 3, 5] {
+        assert!(one.iter().zip(&on(threads, 1)).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+    let other = on(2, 2);
+    let correlation = (&one * &other).sum() / (one.mapv(|h| h * h).sum() * other.mapv(|h| h * h).sum()).sqrt();
+    assert!(correlation.abs() < 0.4, "seeds 1 and 2 are correlated: {correlation}");
+}
+
+/// Over many seeds the mean square is the one asked for, each realisation is not, and the amplitudes are Gaussian:
+/// ⟨|h̃|⁴⟩ = 2⟨|h̃|²⟩² for a complex mode, 3⟨h̃²⟩² for a self-conjugate one.
+#[test]
+fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {
+    let grid = Grid::square(8, 1.0).unwrap();
+    let base = SelfAffine::new(0.6, 1.0, 0.25, 0.2);
+    let surface = SelfAffine { scaling: Scaling::Ensemble, ..base };
+    let seeds = 20_000;
+    let (mut squares, mut fourths) = (vec![0.0; grid.spectrum_len()], vec![0.0; grid.spectrum_len()]);
+    let mut gradients = Vec::new();
+    for seed in 0..seeds {
+        let spectrum = surface.spectrum(&grid, seed).unwrap();
+        let mut gradient = 0.0;
+        for (k, (mode, h)) in grid.modes().zip(&spectrum).enumerate() {
+            squares[k] += h.norm_sqr() / seeds as f64;
+            fourths[k] += h.norm_sqr().powi(2) / seeds as f64;
+            gradient += mode.weight * mode.wavenumber().powi(2) * h.norm_sqr();
+        }
+        gradients.push(gradient);
+    }
+    let mean = gradients.iter().sum::<f64>() / seeds as f64;
+    assert_relative_eq!(mean, 0.04, max_relative = 0.01);
+    assert!(gradients.iter().any(|g| (g / 0.04 - 1.0).abs() > 0.2));
+    assert_relative_eq!(surface.expected_moments(&grid).unwrap().rms_gradient(), 0.2, max_relative = 1e-13);
+    let fixed = SelfAffine { amplitudes: Amplitudes::Fixed, ..base }.spectrum(&grid, 1).unwrap();
+    for (k, mode) in grid.modes().enumerate().filter(|(k, _)| squares[*k] > 0.0) {
+        let normal = if mode.is_self_conjugate() { 3.0 } else { 2.0 };
+        assert_relative_eq!(fourths[k] / squares[k].powi(2), normal, max_relative = 0.12);
+        assert_relative_eq!(squares[k], fixed[k].norm_sqr(), max_relative = 0.06);
+    }
+}
+
+#[test]
+fn unusable_spectra_are_refused_with_what_is_allowed() {
+    let grid = Grid::square(32, 1.0).unwrap();
+    let base = SelfAffine::new(0.8, 0.5, 0.125, 0.1);
+    let says = |surface: SelfAffine, grid: Grid, words: &str| {
+        let message = surface.heights(&grid, 1).unwrap_err().to_string();
+        assert!(message.contains(words), "{message:?} lacks {words:?}");
+    };
+    says(SelfAffine { hurst: 1.2, ..base }, grid, "from 0 to 1, found 1.2");
+    says(SelfAffine { hurst: f64::NAN, ..base }, grid, "from 0 to 1, found NaN");
+    says(SelfAffine { shortest_wavelength: 0.6, ..base }, grid, "shortest 0.6 and longest 0.5");
+    says(SelfAffine { shortest_wavelength: -0.1, ..base }, grid, "0 < shortest");
+    says(SelfAffine { shortest_wavelength: f64::NAN, ..base }, grid, "0 < shortest");
+    says(SelfAffine { longest_wavelength: 1.1, ..base }, grid, "cell length 1, found 1.1");
+    says(SelfAffine { shortest_wavelength: 0.06, ..base }, grid, "at least 0.0625, two grid spacings, found 0.06");
+    says(SelfAffine { roll_off: RollOff::Plateau(0.6), ..base }, grid, "from 0.125 to 0.5, found 0.6");
+    says(SelfAffine { roll_off: RollOff::Smooth(f64::NAN), ..base }, grid, "found NaN");
+    says(SelfAffine { normalisation: Normalisation::RmsGradient(0.0), ..base }, grid, "rms gradient must be positive");
+    says(SelfAffine { normalisation: Normalisation::RmsHeight(-1.0), ..base }, grid, "rms height must be positive");
+    says(SelfAffine { longest_wavelength: 0.71, shortest_wavelength: 0.708, ..base }, grid, "no wave vector");
+    says(base, Grid::new([1, 32], [1.0, 1.0]).unwrap(), "a profile lies along x: [n, 1] points, found [1, 32]");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn any_allowed_spectrum_makes_finite_heights_of_the_size_asked_for(
+        hurst in 0.0..=1.0_f64, points in [8_usize..40, 8_usize..40], seed: u64, sides in [0.5..2.0_f64, 0.5..2.0_f64],
+        gradient in 1e-6..1e3_f64, inside in 0.0..1.0_f64,
+    ) {
+        let grid = Grid::new(points, sides).unwrap();
+        let nyquist = 2.0 * grid.spacing()[0].max(grid.spacing()[1]);
+        let longest = sides[0].max(sides[1]);
+        let roll_off = RollOff::Smooth(nyquist + inside * (longest - nyquist));
+        let surface = SelfAffine { roll_off, ..SelfAffine::new(hurst, longest, nyquist, gradient) };
+        let heights = surface.heights(&grid, seed).unwrap();
+        let measured = moment(&heights, &grid, 2).sqrt();
+        prop_assert!((measured / gradient - 1.0).abs() < 1e-11, "{} for {}", measured, gradient);
+    }
+}
