@@ -1,1 +1,56 @@
-//! Surface stiffness and compliance of elastic half-spaces and slabs, one Fourier mode at a time, in 2-D and 3-D.
+//! Surface stiffness and compliance of elastic half-spaces and slabs, one Fourier mode at a time, in 2-D and 3-D:
+//! t(q) = K(q) u(q).
+//!
+//! | body                     | frictionless stiffness 1/G_zz(q)                    | derived in             |
+//! |--------------------------|-----------------------------------------------------|------------------------|
+//! | half-space               | E* q/2                                              | theory.md, section 3   |
+//! | slab, bonded base        | P N/(sinh h cosh h − r h), h = q·height             | theory.md, sections 1–3|
+//! | slab, sliding base       | (E* q/2)(sinh h cosh h + h)/sinh² h                 | theory.md, section 4   |
+//! | plate, free base         | (E* q/2)(sinh² h − h²)/(sinh h cosh h + h)          | theory.md, section 4   |
+//! | coating, stack of layers | layer by layer from below                           | theory.md, section 4   |
+//!
+//! Start at [`Body`]: make a [`Material`], then a half-space or a slab of it, and ask for the stiffness of a wave vector
+//! or for the table of a whole grid. Displacement u and traction t are those of the body's surface, +z out of the
+//! body; fields go like e^(+i q·r). The mode q = 0 is told by its numbers, never by a small wavenumber. ν = 1/2 is exact.
+//!
+//! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping.
+//!
+//! ```
+//! use gfmd_field::Grid;
+//! use gfmd_green::{Body, Material, normal_compliance_table};
+//!
+//! let rubber = Material::from_young(1.0, 0.5)?;
+//! let half_space = Body::half_space(rubber);
+//! let slab = Body::slab(rubber, 0.2)?;
+//!
+//! // Thin confined rubber is much stiffer than a half-space, and indistinguishable from it where q·height is large.
+//! assert!(slab.normal_stiffness(1.0) > 100.0 * half_space.normal_stiffness(1.0));
+//! let ratio = slab.normal_stiffness(200.0) / half_space.normal_stiffness(200.0);
+//! assert!((ratio - 1.0).abs() < 1e-12);
+//!
+//! // One number per mode of a grid, ready to be multiplied with a spectrum; q = 0 is the caller's choice.
+//! let grid = Grid::square(64, 1.0).unwrap();
+//! let table = normal_compliance_table(&slab, &grid, slab.normal_compliance(0.0));
+//! assert_eq!(table.len(), grid.spectrum_len());
+//! assert_eq!(table[0], 0.0); // incompressible: no mean pressure moves the mean surface
+//! # Ok::<(), gfmd_green::GreenError>(())
+//! ```
+
+mod blocks;
+mod body;
+mod error;
+mod half_space;
+mod layer;
+mod material;
+mod slab;
+mod tables;
+mod thickness;
+
+pub use blocks::{Blocks, Matrix2, Matrix3};
+pub use body::{Base, Body, Height};
+pub use error::GreenError;
+pub use material::Material;
+pub use tables::{
+    StiffnessRange, normal_compliance_table, normal_stiffness_range, normal_stiffness_table,
+    restricted_normal_stiffness_table, stiffness_range,
+};

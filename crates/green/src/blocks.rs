@@ -1,0 +1,109 @@
+use num_complex::Complex64;
+
+/// A 3 × 3 matrix of one wave vector, rows and columns x, y, z.
+pub type Matrix3 = [[Complex64; 3]; 3];
+
+/// A 2 × 2 matrix of one wave vector in plane strain, rows and columns x, z.
+pub type Matrix2 = [[Complex64; 2]; 2];
+
+/// A matrix of one wave vector in its own frame: the sagittal part on (long, z), where `long` points along q, and the
+/// transverse part (theory.md, sections 1 and 2).
+///
+/// ```text
+///               long              z
+///   long  [  longitudinal    i coupling[0]  ]          transverse: one number
+///   z     [  i coupling[1]   normal         ]
+/// ```
+///
+/// A stiffness (stress/length) has coupling `[Kc, −Kc]`, a compliance (length/stress) `[−Gc, Gc]`; the transfer into
+/// the body and the blocks between two faces of a layer have two different couplings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blocks {
+    /// Along the wave vector.
+    pub longitudinal: f64,
+    /// Along z.
+    pub normal: f64,
+    /// In the surface, across the wave vector.
+    pub transverse: f64,
+    /// Entries (long, z) and (z, long), each divided by i.
+    pub coupling: [f64; 2],
+}
+
+impl Blocks {
+    /// A Hermitian matrix with `i coupling` at (long, z).
+    pub(crate) fn hermitian(longitudinal: f64, coupling: f64, normal: f64, transverse: f64) -> Self {
+        Self { longitudinal, normal, transverse, coupling: [coupling, -coupling] }
+    }
+
+    /// The same number on all three components.
+    pub(crate) fn diagonal(lateral: f64, normal: f64) -> Self {
+        Self { longitudinal: lateral, normal, transverse: lateral, coupling: [0.0; 2] }
+    }
+
+    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self {
+            longitudinal: f(self.longitudinal),
+            normal: f(self.normal),
+            transverse: f(self.transverse),
+            coupling: self.coupling.map(f),
+        }
+    }
+
+    /// Of a Hermitian matrix: its inverse.
+    pub(crate) fn inverse_hermitian(&self) -> Self {
+        let coupling = self.coupling[0];
+        // Divided by the pivot first: the determinant of a thin slab may overflow where the inverse does not.
+        let normal = 1.0 / (self.normal - coupling * (coupling / self.longitudinal));
+        let longitudinal = 1.0 / (self.longitudinal - coupling * (coupling / self.normal));
+        let mixed = -(coupling / self.longitudinal) * normal;
+        Self::hermitian(longitudinal, mixed, normal, 1.0 / self.transverse)
+    }
+
+    /// On (x, y, z), with the wave vector along `direction` = q/|q| (theory.md, section 2).
+    pub fn rotated(&self, direction: [f64; 2]) -> Matrix3 {
+        let [nx, ny] = direction;
+        let real = |value: f64| Complex64::new(value, 0.0);
+        let imaginary = |value: f64| Complex64::new(0.0, value);
+        let xy = real(nx * ny * (self.longitudinal - self.transverse));
+        let [lz, zl] = self.coupling;
+        [
+            [real(nx * nx * self.longitudinal + ny * ny * self.transverse), xy, imaginary(nx * lz)],
+            [xy, real(ny * ny * self.longitudinal + nx * nx * self.transverse), imaginary(ny * lz)],
+            [imaginary(nx * zl), imaginary(ny * zl), real(self.normal)],
+        ]
+    }
+
+    /// On (x, z) in plane strain, with the wave vector along +x, or along −x if `sign` is −1.
+    pub(crate) fn plane(&self, sign: f64) -> Matrix2 {
+        let [lz, zl] = self.coupling.map(|c| Complex64::new(0.0, sign * c));
+        [[Complex64::new(self.longitudinal, 0.0), lz], [zl, Complex64::new(self.normal, 0.0)]]
+    }
+}
+
+/// The unit vector along `q`, and |q|; none at q = 0, which has no direction.
+pub(crate) fn direction(q: [f64; 2]) -> Option<([f64; 2], f64)> {
+    let wavenumber = q[0].hypot(q[1]);
+    (q != [0.0, 0.0]).then(|| (q.map(|component| component / wavenumber), wavenumber))
+}
+
+/// Averages the matrix of a Nyquist mode over its aliases ±q_N: what is odd in that component of q vanishes
+/// (theory.md, section 0). An entry is odd in q_x where its indices name x an odd number of times.
+pub(crate) fn average_aliases<const COLUMNS: usize, const ROWS: usize, const INDICES: usize>(
+    matrix: &mut [[Complex64; COLUMNS]; ROWS],
+    rows: &[[usize; INDICES]; ROWS],
+    nyquist: [bool; 2],
+) {
+    for axis in (0..2).filter(|&axis| nyquist[axis]) {
+        for (entries, indices) in matrix.iter_mut().zip(rows) {
+            let in_row = indices.iter().filter(|&&index| index == axis).count();
+            for (column, entry) in entries.iter_mut().enumerate() {
+                if (in_row + usize::from(column == axis)) % 2 == 1 {
+                    *entry = Complex64::ZERO;
+                }
+            }
+        }
+    }
+}
+
+/// Rows of a vector: x, y, z.
+pub(crate) const VECTOR_ROWS: [[usize; 1]; 3] = [[0], [1], [2]];

@@ -1,0 +1,281 @@
+use gfmd_field::Mode;
+use num_complex::Complex64;
+
+use crate::{
+    Blocks, GreenError, Material, Matrix2, Matrix3,
+    blocks::{VECTOR_ROWS, average_aliases, direction},
+    half_space,
+    slab::LayerMode,
+};
+
+/// How far a body reaches below its surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Height {
+    /// A slab, of this thickness in length.
+    Finite(f64),
+    /// A half-space.
+    Infinite,
+}
+
+/// What the bottom of a slab stands on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Base {
+    /// Bonded to a rigid base: u = 0.
+    #[default]
+    Bonded,
+    /// On a rigid base without friction or gap: u_z = 0, no shear traction.
+    Sliding,
+    /// No traction: a plate.
+    Free,
+    /// Bonded to another body: a coating on a half-space, or a stack of layers.
+    Elastic(Box<Body>),
+}
+
+/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`].
+///
+/// Everything is per wave vector q (rad/length) of fields ~ e^(+i q·r); t is the traction on the body's surface,
+/// positive along +z, u its displacement, t = K u, u = G t (theory.md, section 0). K is Hermitian and, for q ≠ 0,
+/// positive definite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    material: Material,
+    height: Height,
+    base: Base,
+}
+
+impl Body {
+    /// A half-space.
+    pub fn half_space(material: Material) -> Self {
+        Self { material, height: Height::Infinite, base: Base::Bonded }
+    }
+
+    /// A slab of `height` (length) bonded to a rigid base.
+    ///
+    /// # Errors
+    /// A height that is not positive and finite.
+    pub fn slab(material: Material, height: f64) -> Result<Self, GreenError> {
+        Self::new(material, Height::Finite(height))
+    }
+
+    /// A half-space, or a slab bonded to a rigid base.
+    ///
+    /// # Errors
+    /// A finite height that is not positive and finite.
+    pub fn new(material: Material, height: Height) -> Result<Self, GreenError> {
+        match height {
+            Height::Finite(height) if !(height.is_finite() && height > 0.0) => Err(GreenError::Height(height)),
+            _ => Ok(Self { material, height, base: Base::Bonded }),
+        }
+    }
+
+    /// The same slab on another base.
+    ///
+    /// # Errors
+    /// A half-space has no base.
+    pub fn on(self, base: Base) -> Result<Self, GreenError> {
+        match self.height {
+            Height::Finite(_) => Ok(Self { base, ..self }),
+            Height::Infinite => Err(GreenError::HalfSpaceBase),
+        }
+    }
+
+    /// The same slab bonded to another body: a coating, or the next layer of a stack.
+    ///
+    /// # Errors
+    /// A half-space has no base.
+    pub fn bonded_to(self, substrate: Body) -> Result<Self, GreenError> {
+        self.on(Base::Elastic(Box::new(substrate)))
+    }
+
+    /// What the body, or its top layer, is made of.
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// Thickness of the body, or of its top layer.
+    pub fn height(&self) -> Height {
+        self.height
+    }
+
+    /// What the slab stands on; [`Base::Bonded`] of a half-space, where it is out of reach.
+    pub fn base(&self) -> &Base {
+        &self.base
+    }
+
+    /// Stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
+    ///
+    /// At q = 0 the entries are the uniform mode's (theory.md, section 3): normal C11/height, infinite if ν = 1/2;
+    /// zero where nothing holds the body.
+    pub fn stiffness_blocks(&self, q: f64) -> Blocks {
+        let q = q.abs();
+        if q == 0.0 {
+            return self.uniform_compliance().map(f64::recip);
+        }
+        let Height::Finite(height) = self.height else { return half_space::stiffness(&self.material, q) };
+        let layer = LayerMode::new(&self.material, height, q);
+        match &self.base {
+            Base::Bonded => layer.bonded_stiffness(),
+            Base::Sliding => layer.sliding_stiffness(),
+            Base::Free => layer.free_stiffness(),
+            Base::Elastic(below) => layer.on(&below.stiffness_blocks(q)).stiffness,
+        }
+    }
+
+    /// Compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse of
+    /// [`Self::stiffness_blocks`]. At q = 0 infinite where nothing holds the body.
+    pub fn compliance_blocks(&self, q: f64) -> Blocks {
+        let q = q.abs();
+        if q == 0.0 {
+            return self.uniform_compliance();
+        }
+        let Height::Finite(height) = self.height else { return half_space::compliance(&self.material, q) };
+        let layer = LayerMode::new(&self.material, height, q);
+        match &self.base {
+            Base::Bonded => layer.bonded_compliance(),
+            Base::Sliding => layer.sliding_compliance(),
+            Base::Free => layer.free_compliance(),
+            Base::Elastic(below) => layer.on(&below.stiffness_blocks(q)).stiffness.inverse_hermitian(),
+        }
+    }
+
+    /// q = 0: layers in series.
+    fn uniform_compliance(&self) -> Blocks {
+        let Height::Finite(height) = self.height else { return Blocks::diagonal(f64::INFINITY, f64::INFINITY) };
+        let (lateral, normal) = (height / self.material.shear_modulus(), height * self.material.p_wave_compliance());
+        match &self.base {
+            Base::Bonded => Blocks::diagonal(lateral, normal),
+            Base::Sliding => Blocks::diagonal(f64::INFINITY, normal),
+            Base::Free => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
+            Base::Elastic(below) => {
+                let below = below.uniform_compliance();
+                Blocks::diagonal(lateral + below.transverse, normal + below.normal)
+            }
+        }
+    }
+
+    /// Stiffness K of the wave vector `q` (rad/length), in stress/length. See [`Self::stiffness_blocks`] for q = 0.
+    pub fn stiffness(&self, q: [f64; 2]) -> Matrix3 {
+        on_axes(q, |q| self.stiffness_blocks(q))
+    }
+
+    /// Compliance G = K⁻¹ of the wave vector `q` (rad/length), in length/stress.
+    pub fn compliance(&self, q: [f64; 2]) -> Matrix3 {
+        on_axes(q, |q| self.compliance_blocks(q))
+    }
+
+    /// Stiffness of a mode of a grid: as [`Self::stiffness`], with the entries odd in a Nyquist component zero, so that
+    /// real fields stay real (theory.md, section 0).
+    pub fn stiffness_of(&self, mode: &Mode) -> Matrix3 {
+        let mut matrix = self.stiffness(wavevector(mode));
+        average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
+        matrix
+    }
+
+    /// Compliance of a mode of a grid: the inverse of [`Self::stiffness_of`].
+    pub fn compliance_of(&self, mode: &Mode) -> Matrix3 {
+        match mode.nyquist {
+            [false, false] => self.compliance(wavevector(mode)),
+            nyquist => inverse_of_nyquist(self.stiffness_of(mode), nyquist),
+        }
+    }
+
+    /// Plane strain: stiffness on (x, z) of the wave vector `q` along x (either sign), in stress/length.
+    pub fn plane_stiffness(&self, q: f64) -> Matrix2 {
+        self.stiffness_blocks(q).plane(q.signum())
+    }
+
+    /// Plane strain: compliance on (x, z) of the wave vector `q` along x (either sign), in length/stress.
+    pub fn plane_compliance(&self, q: f64) -> Matrix2 {
+        self.compliance_blocks(q).plane(q.signum())
+    }
+
+    /// Frictionless normal compliance G_zz of the wavenumber `q` (rad/length), in length/stress: u_z of t_z where the
+    /// surface bears no shear traction (theory.md, section 3). 2/(E* q) of a half-space. At q = 0: height/C11 of a slab
+    /// on a rigid base (0 if ν = 1/2), infinite where nothing holds the body.
+    #[inline]
+    pub fn normal_compliance(&self, q: f64) -> f64 {
+        let q = q.abs();
+        if q == 0.0 {
+            return self.uniform_compliance().normal;
+        }
+        let Height::Finite(height) = self.height else { return half_space::normal_compliance(&self.material, q) };
+        let layer = LayerMode::new(&self.material, height, q);
+        match &self.base {
+            Base::Bonded => layer.bonded_normal_compliance(),
+            Base::Sliding => layer.sliding_normal_compliance(),
+            Base::Free => layer.free_normal_compliance(),
+            Base::Elastic(_) => self.compliance_blocks(q).normal,
+        }
+    }
+
+    /// Frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2 of a
+    /// half-space. At q = 0: C11/height of a slab on a rigid base (infinite if ν = 1/2), 0 where nothing holds the body.
+    #[inline]
+    pub fn normal_stiffness(&self, q: f64) -> f64 {
+        1.0 / self.normal_compliance(q)
+    }
+
+    /// Normal stiffness K_N of the wavenumber `q` (rad/length) where the surface cannot move sideways, in stress/length
+    /// (theory.md, section 3).
+    pub fn restricted_normal_stiffness(&self, q: f64) -> f64 {
+        self.stiffness_blocks(q).normal
+    }
+
+    /// ρ of the wavenumber `q` (rad/length): without shear traction on the surface, u_long = −i ρ u_z
+    /// (theory.md, section 3). Dimensionless; s of a half-space, 0 at q = 0.
+    pub fn lateral_ratio(&self, q: f64) -> f64 {
+        if q == 0.0 {
+            return 0.0;
+        }
+        let stiffness = self.stiffness_blocks(q);
+        stiffness.coupling[0] / stiffness.longitudinal
+    }
+
+    /// Factors (f_x, f_y) of a mode of a grid with (u_x, u_y) = (f_x, f_y) u_z where the surface bears no shear
+    /// traction: −i ρ q/|q|. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
+    pub fn lateral_displacement(&self, mode: &Mode) -> [Complex64; 2] {
+        let Some((direction, q)) = direction(wavevector(mode)) else { return [Complex64::ZERO; 2] };
+        let ratio = self.lateral_ratio(q);
+        [0, 1].map(|axis| {
+            let factor = if mode.nyquist[axis] { 0.0 } else { -ratio * direction[axis] };
+            Complex64::new(0.0, factor)
+        })
+    }
+}
+
+/// The wave vector of a mode; exactly zero for the uniform one, which is told by its numbers.
+pub(crate) fn wavevector(mode: &Mode) -> [f64; 2] {
+    if mode.is_uniform() { [0.0; 2] } else { mode.wavevector }
+}
+
+/// Evaluates `blocks` at |q| and turns it into the axes x, y, z.
+pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
+    match direction(q) {
+        Some((direction, wavenumber)) => blocks(wavenumber).rotated(direction),
+        None => {
+            // Rotating would multiply an infinite entry by zero; there is nothing to rotate either.
+            let uniform = blocks(0.0);
+            let mut matrix = [[Complex64::ZERO; 3]; 3];
+            for (axis, value) in [uniform.transverse, uniform.transverse, uniform.normal].into_iter().enumerate() {
+                matrix[axis][axis] = Complex64::new(value, 0.0);
+            }
+            matrix
+        }
+    }
+}
+
+/// Inverse of a Hermitian matrix in which a Nyquist axis is decoupled from all else, and the other lateral axis may be
+/// coupled to z.
+fn inverse_of_nyquist(matrix: Matrix3, nyquist: [bool; 2]) -> Matrix3 {
+    let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
+    let block =
+        Blocks::hermitian(matrix[other][other].re, matrix[other][2].im, matrix[2][2].re, matrix[alone][alone].re)
+            .inverse_hermitian();
+    let mut inverse = [[Complex64::ZERO; 3]; 3];
+    inverse[alone][alone] = Complex64::new(block.transverse, 0.0);
+    inverse[other][other] = Complex64::new(block.longitudinal, 0.0);
+    inverse[2][2] = Complex64::new(block.normal, 0.0);
+    inverse[other][2] = Complex64::new(0.0, block.coupling[0]);
+    inverse[2][other] = Complex64::new(0.0, block.coupling[1]);
+    inverse
+}

@@ -1,0 +1,156 @@
+//! A slab of finite height at one wavenumber, on each of the bases that have a closed form.
+
+use crate::{Blocks, Material, thickness::Thickness};
+
+/// One layer at one wavenumber q > 0.
+pub(crate) struct LayerMode<'a> {
+    pub(crate) material: &'a Material,
+    pub(crate) q: f64,
+    pub(crate) t: Thickness,
+}
+
+impl<'a> LayerMode<'a> {
+    #[inline]
+    pub(crate) fn new(material: &'a Material, thickness: f64, q: f64) -> Self {
+        Self { material, q, t: Thickness::new(q * thickness) }
+    }
+
+    /// P(q) = 2 C44 q/(1 + s), the unit of the sagittal stiffness.
+    pub(crate) fn unit(&self) -> f64 {
+        self.material.shear_modulus() * self.q * self.material.sagittal_unit()
+    }
+
+    /// C44 q, the unit of the transverse stiffness.
+    pub(crate) fn shear_unit(&self) -> f64 {
+        self.material.shear_modulus() * self.q
+    }
+
+    /// E* q/2 = P (1 − s²), the normal stiffness of the half-space.
+    fn contact_unit(&self) -> f64 {
+        0.5 * self.material.contact_modulus() * self.q
+    }
+
+    /// D = sinh² h − r² h².
+    pub(crate) fn bonded_determinant(&self) -> f64 {
+        let (m, t) = (self.material, &self.t);
+        (m.one_minus_r() * t.h + t.sinh_minus_h) * (m.one_plus_r() * t.h + t.sinh_minus_h)
+    }
+
+    /// sinh h cosh h ∓ r h.
+    fn bonded_numerators(&self) -> [f64; 2] {
+        let (m, t) = (self.material, &self.t);
+        [m.one_minus_r(), m.one_plus_r()].map(|factor| factor * t.h_quadratic + t.sc_minus_h)
+    }
+
+    /// s sinh² h − r² (1 + s) h².
+    fn bonded_coupling(&self) -> f64 {
+        let (m, t) = (self.material, &self.t);
+        t.h * t.h * ((1.0 - 4.0 * m.poisson()) * m.r()) + m.s() * t.sinh_minus_h * (2.0 * t.h + t.sinh_minus_h)
+    }
+
+    /// N = 1 + (1 − s²) sinh² h + (1 − s)² h².
+    fn full_determinant(&self) -> f64 {
+        let (m, t) = (self.material, &self.t);
+        let stretched = m.one_minus_s() * t.h;
+        t.one * t.one + m.one_minus_s_squared() * t.sinh * t.sinh + stretched * stretched
+    }
+
+    /// Clamped base, u = 0 (theory.md, section 1).
+    pub(crate) fn bonded_stiffness(&self) -> Blocks {
+        // Quotients first: at tiny h the product of numerator and unit would underflow.
+        let (determinant, unit) = (self.bonded_determinant(), self.unit());
+        let [longitudinal, normal] = self.bonded_numerators().map(|n| unit * (n / determinant));
+        let coupling = unit * (self.bonded_coupling() / determinant);
+        Blocks::hermitian(longitudinal, coupling, normal, self.shear_unit() * self.t.coth())
+    }
+
+    pub(crate) fn bonded_compliance(&self) -> Blocks {
+        let (determinant, unit) = (self.full_determinant(), self.unit());
+        let [normal, longitudinal] = self.bonded_numerators().map(|n| n / determinant / unit);
+        let coupling = -self.bonded_coupling() / determinant / unit;
+        Blocks::hermitian(longitudinal, coupling, normal, self.t.tanh() / self.shear_unit())
+    }
+
+    #[inline]
+    pub(crate) fn bonded_normal_compliance(&self) -> f64 {
+        self.bonded_numerators()[0] / self.full_determinant() / self.unit()
+    }
+
+    /// s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
+    fn sliding_coupling(&self) -> f64 {
+        let (m, t) = (self.material, &self.t);
+        m.s() * t.sc_minus_h - m.poisson() / (1.0 - m.poisson()) * t.h_quadratic
+    }
+
+    /// Frictionless rigid base, u_z = 0 and no shear traction (theory.md, section 4).
+    pub(crate) fn sliding_stiffness(&self) -> Blocks {
+        let t = &self.t;
+        let (determinant, unit) = (self.bonded_numerators()[0], self.unit());
+        let stiffness = |n: f64| unit * (n / determinant);
+        Blocks::hermitian(
+            stiffness(t.sinh * t.sinh),
+            stiffness(self.sliding_coupling()),
+            stiffness(t.cosh * t.cosh),
+            self.shear_unit() * t.tanh(),
+        )
+    }
+
+    pub(crate) fn sliding_compliance(&self) -> Blocks {
+        let t = &self.t;
+        let determinant = (t.sc_minus_h + 2.0 * t.h_quadratic) * self.contact_unit();
+        Blocks::hermitian(
+            t.cosh * t.cosh / determinant,
+            -self.sliding_coupling() / determinant,
+            t.sinh * t.sinh / determinant,
+            t.coth() / self.shear_unit(),
+        )
+    }
+
+    #[inline]
+    pub(crate) fn sliding_normal_compliance(&self) -> f64 {
+        let t = &self.t;
+        t.sinh * t.sinh / (t.sc_minus_h + 2.0 * t.h_quadratic) / self.contact_unit()
+    }
+
+    /// s sinh² h + (1 − s) h².
+    fn free_coupling(&self) -> f64 {
+        let (m, t) = (self.material, &self.t);
+        m.s() * t.sinh * t.sinh + m.one_minus_s() * t.h * t.h
+    }
+
+    /// Free base, no traction: the inverse of [`Self::free_compliance`], whose determinant is N over sinh² h − h²
+    /// (theory.md, section 4).
+    pub(crate) fn free_stiffness(&self) -> Blocks {
+        let t = &self.t;
+        let factor = self.contact_unit() / self.full_determinant();
+        Blocks::hermitian(
+            factor * (t.sc_minus_h + 2.0 * t.h_quadratic),
+            factor * self.free_coupling(),
+            factor * t.sc_minus_h,
+            self.shear_unit() * t.tanh(),
+        )
+    }
+
+    /// Half the sum of the compliances of the mirror-symmetric and the antisymmetric mode of the plate: positive terms
+    /// only on the diagonal, however thin it is.
+    pub(crate) fn free_compliance(&self) -> Blocks {
+        let t = &self.t;
+        let determinant = self.free_determinant();
+        Blocks::hermitian(
+            t.sc_minus_h / determinant,
+            -self.free_coupling() / determinant,
+            (t.sc_minus_h + 2.0 * t.h_quadratic) / determinant,
+            t.coth() / self.shear_unit(),
+        )
+    }
+
+    #[inline]
+    pub(crate) fn free_normal_compliance(&self) -> f64 {
+        (self.t.sc_minus_h + 2.0 * self.t.h_quadratic) / self.free_determinant()
+    }
+
+    /// (E* q/2)(sinh² h − h²).
+    fn free_determinant(&self) -> f64 {
+        self.contact_unit() * self.t.sinh_minus_h * (2.0 * self.t.h + self.t.sinh_minus_h)
+    }
+}

@@ -1,0 +1,153 @@
+use gfmd_field::{Grid, Mode};
+use rayon::prelude::*;
+
+use crate::{Body, Matrix3};
+
+/// How many modes of a line one thread takes at a time.
+const CHUNK: usize = 4096;
+
+/// Frictionless normal compliance G_zz (length/stress) of every mode of `grid`, laid out like [`Grid::modes`].
+///
+/// `uniform` is the entry of the mode q = 0. A slab on a rigid base has one of its own,
+/// [`body.normal_compliance(0.0)`](Body::normal_compliance). A half-space has none: 0 makes displacements zero on
+/// average, which leaves a problem of given load unchanged but for a shift of u_z (theory.md, section 7).
+///
+/// At a Nyquist mode this is G_zz(|q|) like everywhere else (theory.md, section 0).
+pub fn normal_compliance_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
+    isotropic_table(grid, uniform, |q| body.normal_compliance(q))
+}
+
+/// Frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
+///
+/// `uniform` is the entry of the mode q = 0: [`body.normal_stiffness(0.0)`](Body::normal_stiffness) is that of the body
+/// itself, 0 of a half-space, infinite of a bonded incompressible slab (whose mean displacement is to be held at zero
+/// instead; theory.md, section 3).
+pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
+    isotropic_table(grid, uniform, |q| body.normal_stiffness(q))
+}
+
+/// Normal stiffness K_N (stress/length) of every mode of `grid` where the surface cannot move sideways, laid out like
+/// [`Grid::modes`]. `uniform` as in [`normal_stiffness_table`].
+pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
+    isotropic_table(grid, uniform, |q| body.restricted_normal_stiffness(q))
+}
+
+/// A function of |q|, evaluated once for ±m.
+fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+    let [_, positions] = grid.spectrum_shape();
+    let mut table = vec![0.0; grid.spectrum_len()];
+    let at = |mode: Mode| if mode.is_uniform() { uniform } else { value(mode.wavenumber()) };
+    if grid.is_line() {
+        table.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, entries)| {
+            for (offset, entry) in entries.iter_mut().enumerate() {
+                *entry = at(grid.mode(0, chunk * CHUNK + offset));
+            }
+        });
+    } else {
+        table.par_chunks_mut(positions).enumerate().for_each(|(lane, entries)| {
+            let (half, mirrored) = entries.split_at_mut(positions / 2 + 1);
+            for (position, entry) in half.iter_mut().enumerate() {
+                *entry = at(grid.mode(lane, position));
+            }
+            for (entry, same) in mirrored.iter_mut().rev().zip(&half[1..]) {
+                *entry = *same;
+            }
+        });
+    }
+    table
+}
+
+/// The softest and the stiffest mode of a body on a grid: they bound time steps and damping (theory.md, section 6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StiffnessRange {
+    /// Smallest stiffness, in stress/length.
+    pub softest: f64,
+    /// A mode that has it.
+    pub softest_mode: Mode,
+    /// Largest stiffness, in stress/length.
+    pub stiffest: f64,
+    /// A mode that has it.
+    pub stiffest_mode: Mode,
+}
+
+/// Range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
+///
+/// A uniform mode without stiffness (half-space, free base) or without compliance (incompressible) is left out: no
+/// solver moves it by its stiffness. None if no mode is left.
+pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
+    range(grid, |mode| {
+        let q = if mode.is_uniform() { 0.0 } else { mode.wavenumber() };
+        [body.normal_stiffness(q); 3]
+    })
+}
+
+/// Range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components of
+/// the surface move: x, y, z, or x, z on a line.
+///
+/// Zero and infinite eigenvalues of the uniform mode are left out, as in [`normal_stiffness_range`].
+pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
+    let line = grid.is_line();
+    range(grid, |mode| {
+        let matrix = body.stiffness_of(mode);
+        if mode.nyquist == [false, false] && !mode.is_uniform() {
+            let blocks = body.stiffness_blocks(mode.wavenumber());
+            let [low, high] = eigenvalues(blocks.longitudinal, blocks.normal, blocks.coupling[0]);
+            [low, high, if line { low } else { blocks.transverse }]
+        } else {
+            nyquist_eigenvalues(&matrix, mode.nyquist, line)
+        }
+    })
+}
+
+/// Eigenvalues of [[a, i c], [−i c, b]], the smaller one by the determinant so that it keeps its digits.
+fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
+    let high = 0.5 * (a + b) + (0.5 * (a - b)).hypot(c);
+    [a * (b / high) - c * (c / high), high]
+}
+
+/// Of a uniform or Nyquist mode, whose matrix couples at most one lateral axis with z.
+fn nyquist_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
+    let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
+    let coupling = matrix[other][2].im;
+    let [low, high] = if coupling == 0.0 {
+        [matrix[other][other].re, matrix[2][2].re]
+    } else {
+        eigenvalues(matrix[other][other].re, matrix[2][2].re, coupling)
+    };
+    match (line, nyquist[0]) {
+        // On a line y does not move: x is `alone` at Nyquist and `other` at q = 0.
+        (true, true) => [matrix[0][0].re, high, high],
+        (true, false) => [low, high, high],
+        _ => [low, high, matrix[alone][alone].re],
+    }
+}
+
+/// Softest and stiffest of the positive finite numbers that `stiffness` finds, with ties going to the first mode.
+fn range(grid: &Grid, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
+    let [lanes, positions] = grid.spectrum_shape();
+    let of_lane = |lane: usize| {
+        (0..positions)
+            .flat_map(|position| {
+                let mode = grid.mode(lane, position);
+                stiffness(&mode).map(|value| (value, mode))
+            })
+            .filter(|(value, _)| value.is_finite() && *value > 0.0)
+            .map(|(value, mode)| StiffnessRange {
+                softest: value,
+                softest_mode: mode,
+                stiffest: value,
+                stiffest_mode: mode,
+            })
+            .reduce(wider)
+    };
+    let of_lanes: Vec<_> = (0..lanes).into_par_iter().map(of_lane).collect();
+    of_lanes.into_iter().flatten().reduce(wider)
+}
+
+fn wider(a: StiffnessRange, b: StiffnessRange) -> StiffnessRange {
+    let (softest, softest_mode) =
+        if b.softest < a.softest { (b.softest, b.softest_mode) } else { (a.softest, a.softest_mode) };
+    let (stiffest, stiffest_mode) =
+        if b.stiffest > a.stiffest { (b.stiffest, b.stiffest_mode) } else { (a.stiffest, a.stiffest_mode) };
+    StiffnessRange { softest, softest_mode, stiffest, stiffest_mode }
+}
