@@ -1,1 +1,3 @@
 //! The commands of gfmd, as a library so that tests can call them.
+
+pub mod fit;

@@ -1,0 +1,314 @@
+//! Weighted least squares, linear in the coefficients and nonlinear in at most three bounded exponents.
+//!
+//! Variable projection: for given exponents the coefficients follow from one QR decomposition, so the search runs over
+//! the exponents alone. It starts from the best node of a grid over the whole box, because the sum of squares may have
+//! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
+
+/// The largest number of terms: one per axis.
+pub(super) const AXES: usize = 3;
+
+/// A pivot below this fraction of the column's length makes the columns dependent.
+const DEPENDENT: f64 = 1e-10;
+
+/// One term C eps^alpha of the sum, with alpha given (`min == max`) or to be found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    pub(super) axis: usize,
+    pub(super) min: f64,
+    pub(super) max: f64,
+}
+
+impl Shape {
+    pub(super) fn is_free(&self) -> bool {
+        self.max > self.min
+    }
+}
+
+/// Coefficients and exponents as arrays over the axes t, f, c; a missing term has the coefficient zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// kappa in the limit of all eps -> 0.
+    pub kappa_tfc: f64,
+    /// C_t, C_f, C_c; zero for an axis without a term.
+    pub coefficients: [f64; AXES],
+    /// alpha_t, alpha_f, alpha_c; one for an axis without a term.
+    pub exponents: [f64; AXES],
+}
+
+impl Parameters {
+    /// kappa of the model at `eps` = (eps_t, eps_f, eps_c).
+    pub fn predict(&self, eps: [f64; AXES]) -> f64 {
+        self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps[axis])).sum::<f64>()
+    }
+
+    pub(super) fn term(&self, axis: usize, eps: f64) -> f64 {
+        if self.coefficients[axis] == 0.0 { 0.0 } else { self.coefficients[axis] * eps.powf(self.exponents[axis]) }
+    }
+}
+
+/// The data of one fit: abscissae, ordinates, square roots of the weights.
+#[derive(Clone, Debug)]
+pub(super) struct Data {
+    pub(super) eps: Vec<[f64; AXES]>,
+    pub(super) kappa: Vec<f64>,
+    pub(super) root_weight: Vec<f64>,
+}
+
+/// The minimum of the weighted sum of squares.
+#[derive(Clone, Debug)]
+pub(super) struct Minimum {
+    pub(super) parameters: Parameters,
+    pub(super) sum_of_squares: f64,
+}
+
+/// The columns do not tell the terms apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dependent;
+
+impl Data {
+    /// Minimises over the coefficients and the free exponents; `guess` is a further start beside the grid.
+    pub(super) fn minimise(&self, shapes: &[Shape], guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
+        let free: Vec<usize> = (0..shapes.len()).filter(|&k| shapes[k].is_free()).collect();
+        let mut exponents: Vec<f64> = shapes.iter().map(|shape| shape.min).collect();
+        if free.is_empty() {
+            return Ok(self.project(shapes, &exponents)?.into_minimum(shapes, &exponents));
+        }
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut consider = |data: &Self, candidate: &[f64]| {
+            if let Ok(projection) = data.project(shapes, candidate) {
+                let value = projection.sum_of_squares();
+                if value.is_finite() && best.as_ref().is_none_or(|(least, _)| value < *least) {
+                    best = Some((value, candidate.to_vec()));
+                }
+            }
+        };
+        if let Some(guess) = guess {
+            let start: Vec<f64> =
+                shapes.iter().map(|shape| guess.exponents[shape.axis].clamp(shape.min, shape.max)).collect();
+            consider(self, &start);
+        }
+        let nodes = [25, 9, 6][free.len() - 1];
+        for index in 0..usize::pow(nodes, free.len() as u32) {
+            let mut rest = index;
+            for &k in &free {
+                exponents[k] = log_node(shapes[k].min, shapes[k].max, rest % nodes, nodes);
+                rest /= nodes;
+            }
+            consider(self, &exponents);
+        }
+        let (_, start) = best.ok_or(Dependent)?;
+        self.descend(shapes, &free, start)
+    }
+
+    /// Damped Gauss-Newton steps from `exponents`, inside the bounds.
+    fn descend(&self, shapes: &[Shape], free: &[usize], mut exponents: Vec<f64>) -> Result<Minimum, Dependent> {
+        let mut here = self.project(shapes, &exponents)?;
+        let mut damping = 1e-3;
+        for _ in 0..200 {
+            let slopes: Vec<Vec<f64>> = free.iter().map(|&k| here.slope(self, &shapes[k], k, exponents[k])).collect();
+            let gradient: Vec<f64> = slopes.iter().map(|slope| dot(slope, here.residual())).collect();
+            let moving: Vec<usize> = (0..free.len())
+                .filter(|&i| {
+                    let (shape, value) = (&shapes[free[i]], exponents[free[i]]);
+                    !(value <= shape.min && gradient[i] > 0.0 || value >= shape.max && gradient[i] < 0.0)
+                })
+                .collect();
+            let step = damped_step(&slopes, &gradient, &moving, damping);
+            let mut trial = exponents.clone();
+            for (&i, &change) in moving.iter().zip(&step) {
+                let shape = &shapes[free[i]];
+                trial[free[i]] = (exponents[free[i]] + change).clamp(shape.min, shape.max);
+            }
+            let length = trial.iter().zip(&exponents).fold(0.0_f64, |far, (a, b)| far.max((a - b).abs()));
+            let next = self.project(shapes, &trial).ok().filter(|p| p.sum_of_squares() <= here.sum_of_squares());
+            match next {
+                Some(next) => {
+                    (here, exponents) = (next, trial);
+                    damping = (damping * 0.1).max(1e-15);
+                    if length <= 1e-13 {
+                        break;
+                    }
+                }
+                None if length <= 1e-13 || damping > 1e12 => break,
+                None => damping *= 10.0,
+            }
+        }
+        Ok(here.into_minimum(shapes, &exponents))
+    }
+
+    /// The best coefficients at given exponents.
+    fn project(&self, shapes: &[Shape], exponents: &[f64]) -> Result<Projection, Dependent> {
+        let ones = self.root_weight.clone();
+        let terms = shapes.iter().zip(exponents).map(|(shape, &exponent)| {
+            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * eps[shape.axis].powf(exponent)).collect()
+        });
+        let columns: Vec<Vec<f64>> = std::iter::once(ones).chain(terms).collect();
+        let values: Vec<f64> = self.kappa.iter().zip(&self.root_weight).map(|(k, w)| k * w).collect();
+        let qr = Qr::new(columns)?;
+        let rotated = qr.rotate(values);
+        let coefficients = qr.back_substitute(&rotated);
+        Ok(Projection { qr, rotated, coefficients })
+    }
+
+    /// The rows d(parameter)/d(kappa of each cell): kappa_TFC, the coefficients, then the free exponents not at a bound.
+    pub(super) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
+        let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
+            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()
+        };
+        let mut columns = vec![column(&|_| 1.0)];
+        columns.extend(shapes.iter().map(|s| column(&|eps| eps[s.axis].powf(at.exponents[s.axis]))));
+        for s in shapes.iter().filter(|s| is_interior(s, at.exponents[s.axis])) {
+            columns.push(column(&|eps| at.term(s.axis, eps[s.axis]) * eps[s.axis].ln()));
+        }
+        let rows = columns.len();
+        let qr = Qr::new(columns)?;
+        let mut sensitivities = vec![vec![0.0; self.eps.len()]; rows];
+        for cell in 0..self.eps.len() {
+            let mut unit = vec![0.0; self.eps.len()];
+            unit[cell] = self.root_weight[cell];
+            let response = qr.back_substitute(&qr.rotate(unit));
+            for (row, value) in sensitivities.iter_mut().zip(response) {
+                row[cell] = value;
+            }
+        }
+        Ok(sensitivities)
+    }
+}
+
+/// A free exponent that did not stop at its bound.
+pub(super) fn is_interior(shape: &Shape, exponent: f64) -> bool {
+    shape.is_free() && exponent > shape.min && exponent < shape.max
+}
+
+/// Node `index` of `nodes` from `min` to `max`, equally spaced in the logarithm.
+pub(super) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
+    match index {
+        0 => min,
+        i if i + 1 == nodes => max,
+        i => min * (max / min).powf(i as f64 / (nodes - 1) as f64),
+    }
+}
+
+/// A solved linear problem, in the coordinates rotated by its Q.
+struct Projection {
+    qr: Qr,
+    rotated: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+impl Projection {
+    fn residual(&self) -> &[f64] {
+        &self.rotated[self.coefficients.len()..]
+    }
+
+    fn sum_of_squares(&self) -> f64 {
+        dot(self.residual(), self.residual())
+    }
+
+    /// d(residual)/d(exponent of term `k`), Kaufman's form: exact in the gradient of the sum of squares.
+    fn slope(&self, data: &Data, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
+        let coefficient = self.coefficients[k + 1];
+        let column = data.eps.iter().zip(&data.root_weight).map(|(eps, w)| {
+            let eps = eps[shape.axis];
+            -w * coefficient * eps.ln() * eps.powf(exponent)
+        });
+        self.qr.rotate(column.collect()).split_off(self.coefficients.len())
+    }
+
+    fn into_minimum(self, shapes: &[Shape], exponents: &[f64]) -> Minimum {
+        let mut parameters =
+            Parameters { kappa_tfc: self.coefficients[0], coefficients: [0.0; AXES], exponents: [1.0; AXES] };
+        for (k, shape) in shapes.iter().enumerate() {
+            parameters.coefficients[shape.axis] = self.coefficients[k + 1];
+            parameters.exponents[shape.axis] = exponents[k];
+        }
+        Minimum { parameters, sum_of_squares: self.sum_of_squares() }
+    }
+}
+
+/// (J^T J + damping diag J^T J) step = -gradient over the moving exponents.
+fn damped_step(slopes: &[Vec<f64>], gradient: &[f64], moving: &[usize], damping: f64) -> Vec<f64> {
+    let n = moving.len();
+    let mut rows: Vec<Vec<f64>> = moving
+        .iter()
+        .map(|&i| {
+            let mut row: Vec<f64> = moving.iter().map(|&j| dot(&slopes[i], &slopes[j])).collect();
+            row.push(-gradient[i]);
+            row
+        })
+        .collect();
+    for (i, row) in rows.iter_mut().enumerate() {
+        row[i] += damping * row[i] + f64::MIN_POSITIVE;
+    }
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = rows[i][k] / rows[k][k];
+            let (above, below) = rows.split_at_mut(i);
+            below[0].iter_mut().zip(&above[k]).for_each(|(b, a)| *b -= factor * a);
+        }
+    }
+    let mut step = vec![0.0; n];
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| rows[k][j] * step[j]).sum();
+        step[k] = (rows[k][n] - known) / rows[k][k];
+    }
+    step.iter().map(|s| if s.is_finite() { *s } else { 0.0 }).collect()
+}
+
+/// Householder QR of a tall matrix given by columns; each reflector is kept as a vector of unit length.
+struct Qr {
+    reflectors: Vec<Vec<f64>>,
+    /// R by columns; column k holds its k + 1 entries.
+    upper: Vec<Vec<f64>>,
+}
+
+impl Qr {
+    fn new(columns: Vec<Vec<f64>>) -> Result<Self, Dependent> {
+        let mut qr = Self { reflectors: Vec::with_capacity(columns.len()), upper: Vec::with_capacity(columns.len()) };
+        for (k, column) in columns.into_iter().enumerate() {
+            if k >= column.len() {
+                return Err(Dependent);
+            }
+            let length = dot(&column, &column).sqrt();
+            let mut column = qr.rotate(column);
+            let tail = dot(&column[k..], &column[k..]).sqrt();
+            if !(tail > DEPENDENT * length) {
+                return Err(Dependent);
+            }
+            let pivot = if column[k] > 0.0 { -tail } else { tail };
+            let mut reflector = column.split_off(k);
+            reflector[0] -= pivot;
+            let norm = dot(&reflector, &reflector).sqrt();
+            reflector.iter_mut().for_each(|v| *v /= norm);
+            column.push(pivot);
+            qr.upper.push(column);
+            qr.reflectors.push(reflector);
+        }
+        Ok(qr)
+    }
+
+    /// Q^T v.
+    fn rotate(&self, mut v: Vec<f64>) -> Vec<f64> {
+        for (k, reflector) in self.reflectors.iter().enumerate() {
+            let twice = 2.0 * dot(reflector, &v[k..]);
+            v[k..].iter_mut().zip(reflector).for_each(|(v, r)| *v -= twice * r);
+        }
+        v
+    }
+
+    /// Solves R x = the leading entries of `rotated`.
+    fn back_substitute(&self, rotated: &[f64]) -> Vec<f64> {
+        let n = self.upper.len();
+        let mut x = rotated[..n].to_vec();
+        for k in (0..n).rev() {
+            x[k] /= self.upper[k][k];
+            let value = x[k];
+            x[..k].iter_mut().zip(&self.upper[k]).for_each(|(x, r)| *x -= value * r);
+        }
+        x
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,130 @@
+//! Resampling of realisations: which cells share them, how means follow from a draw, and the spread they imply.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::Cell;
+
+/// The 97.5 % quantile of the standard normal distribution.
+pub(super) const NORMAL_975: f64 = 1.959_963_984_540_054;
+
+/// The 97.5 % quantile of Student's t, whose degrees of freedom (at least one) need not be whole.
+pub(super) fn student_975(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+/// Cells that share realisations, and the realisations they share. Strata are independent of each other.
+#[derive(Clone, Debug)]
+struct Stratum {
+    seeds: Vec<u64>,
+    cells: Vec<usize>,
+}
+
+/// How the cells hang together through common seeds.
+#[derive(Clone, Debug)]
+pub(super) struct Strata<'a> {
+    cells: &'a [Cell],
+    strata: Vec<Stratum>,
+}
+
+/// The variance of a linear combination of the cells' means, and how well it is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    pub(super) standard_error: f64,
+    /// By which the deviations of the bootstrap are multiplied: Student's t over the normal quantile, with the degrees
+    /// of freedom of Welch and Satterthwaite, times the (n / (n - 1))^(1/2) that resampling n values leaves out.
+    pub(super) stretch: f64,
+}
+
+impl<'a> Strata<'a> {
+    /// With `paired` false every cell is a stratum of its own, as if it had been computed on surfaces of its own.
+    pub(super) fn new(cells: &'a [Cell], paired: bool) -> Self {
+        let mut strata: Vec<(BTreeSet<u64>, Vec<usize>)> = Vec::new();
+        for (index, cell) in cells.iter().enumerate() {
+            let mut seeds: BTreeSet<u64> = cell.kappa.keys().copied().collect();
+            let mut members = vec![index];
+            if paired {
+                let (joined, apart): (Vec<_>, Vec<_>) = strata.into_iter().partition(|(s, _)| !s.is_disjoint(&seeds));
+                strata = apart;
+                for (other, cells) in joined {
+                    seeds.extend(other);
+                    members.extend(cells);
+                }
+                members.sort_unstable();
+            }
+            strata.push((seeds, members));
+        }
+        strata.sort_by(|a, b| a.1.cmp(&b.1));
+        let strata =
+            strata.into_iter().map(|(seeds, cells)| Stratum { seeds: seeds.into_iter().collect(), cells }).collect();
+        Self { cells, strata }
+    }
+
+    /// The number of strata with a single realisation, whose scatter cannot be resampled.
+    pub(super) fn single(&self) -> usize {
+        self.strata.iter().filter(|stratum| stratum.seeds.len() < 2).count()
+    }
+
+    /// True if some stratum has at least two realisations.
+    pub(super) fn can_resample(&self) -> bool {
+        self.single() < self.strata.len()
+    }
+
+    /// The cells' means over one draw of realisations with replacement; `None` if a cell is left without any.
+    /// The draw depends on `seed` and `index` alone.
+    pub(super) fn draw(&self, seed: u64, index: u64) -> Option<Vec<f64>> {
+        let mut rng = Pcg64::seed_from_u64(seed.wrapping_add(index.wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+        let mut means = vec![0.0; self.cells.len()];
+        for stratum in &self.strata {
+            let drawn: Vec<u64> =
+                (0..stratum.seeds.len()).map(|_| stratum.seeds[rng.random_range(0..stratum.seeds.len())]).collect();
+            for &cell in &stratum.cells {
+                let values: Vec<f64> =
+                    drawn.iter().filter_map(|seed| self.cells[cell].kappa.get(seed).copied()).collect();
+                if values.is_empty() {
+                    return None;
+                }
+                means[cell] = values.iter().sum::<f64>() / values.len() as f64;
+            }
+        }
+        Some(means)
+    }
+
+    /// The spread of sum_i a_i kappa_i over realisations, from the scatter of the seeds' own contributions.
+    pub(super) fn spread(&self, combination: &[f64]) -> Option<Spread> {
+        let (mut variance, mut of_resampling, mut satterthwaite) = (0.0, 0.0, 0.0);
+        for stratum in self.strata.iter().filter(|stratum| stratum.seeds.len() > 1) {
+            let seeds = stratum.seeds.len() as f64;
+            let mut contributions: BTreeMap<u64, f64> = stratum.seeds.iter().map(|&seed| (seed, 0.0)).collect();
+            for &cell in &stratum.cells {
+                let values = &self.cells[cell].kappa;
+                let mean = self.cells[cell].mean();
+                for (seed, value) in values {
+                    *contributions.entry(*seed).or_default() +=
+                        combination[cell] * (value - mean) * seeds / values.len() as f64;
+                }
+            }
+            let part = contributions.values().map(|z| z * z).sum::<f64>() / (seeds * (seeds - 1.0));
+            variance += part;
+            of_resampling += part * (seeds - 1.0) / seeds;
+            satterthwaite += part * part / (seeds - 1.0);
+        }
+        if !(variance > 0.0) {
+            return self.can_resample().then_some(Spread { standard_error: 0.0, stretch: 1.0 });
+        }
+        let freedom = variance * variance / satterthwaite;
+        let stretch = student_975(freedom) / NORMAL_975 * (variance / of_resampling).sqrt();
+        Some(Spread { standard_error: variance.sqrt(), stretch })
+    }
+}
+
+/// The `level` quantile of sorted values, linear between neighbours.
+pub(super) fn quantile(sorted: &[f64], level: f64) -> f64 {
+    let position = level * (sorted.len() - 1) as f64;
+    let below = position.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
+}

@@ -1,0 +1,81 @@
+//! Three levels along one axis: the exponent and the limit that pass through them (theory.md, section 11).
+
+use super::{Axis, Cell, same_level};
+
+/// Three cells that differ in one eps alone, at a constant ratio of levels, and what extrapolates from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Richardson {
+    /// The axis along which the levels differ.
+    pub axis: Axis,
+    /// The cells, coarse to fine, as indices into the data.
+    pub cells: [usize; 3],
+    /// rho = (k1 - k2) / (k2 - k3). No power law passes through the three unless it exceeds one.
+    pub ratio: f64,
+    /// The limit and exponent, if there are any.
+    pub limit: Option<RichardsonLimit>,
+}
+
+/// The power law through three levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RichardsonLimit {
+    /// kappa for eps -> 0 along this axis alone; the terms of the other axes are still in it.
+    pub kappa: f64,
+    /// The exponent ln rho / ln r, with r the ratio of levels.
+    pub exponent: f64,
+    /// Standard error of `kappa`, from the scatter of the realisations that all three levels share (at least two).
+    pub standard_error: Option<f64>,
+}
+
+/// All triples along `axis`, in the order of the data.
+pub(super) fn triples(cells: &[Cell], axis: Axis) -> Vec<Richardson> {
+    let mut found = Vec::new();
+    let others = |a: &Cell, b: &Cell| Axis::ALL.iter().all(|&o| o == axis || same_level(a.eps(o), b.eps(o)));
+    for (first, coarse) in cells.iter().enumerate() {
+        for (second, middle) in cells.iter().enumerate() {
+            let ratio = coarse.eps(axis) / middle.eps(axis);
+            if !(ratio > 1.0 + 1e-6) || !others(coarse, middle) {
+                continue;
+            }
+            let third = cells.iter().position(|fine| {
+                same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine)
+            });
+            // Only neighbouring levels: 1, 1/2, 1/4, not 1, 1/4, 1/16 as well.
+            let skips = cells.iter().any(|between| {
+                others(coarse, between)
+                    && between.eps(axis) < coarse.eps(axis) * (1.0 - 1e-9)
+                    && between.eps(axis) > middle.eps(axis) * (1.0 + 1e-9)
+            });
+            if let (Some(third), false) = (third, skips) {
+                found.push(extrapolate(cells, axis, [first, second, third], ratio));
+            }
+        }
+    }
+    found
+}
+
+fn extrapolate(cells: &[Cell], axis: Axis, indices: [usize; 3], levels: f64) -> Richardson {
+    let [coarse, middle, fine] = indices.map(|i| &cells[i]);
+    let [k1, k2, k3] = [coarse.mean(), middle.mean(), fine.mean()];
+    let ratio = (k1 - k2) / (k2 - k3);
+    let limit = (ratio > 1.0 && ratio.is_finite()).then(|| {
+        let scale = 1.0 / ((ratio - 1.0) * (ratio - 1.0));
+        let weights = [scale, -2.0 * ratio * scale, ratio * ratio * scale];
+        let paired: Vec<f64> = coarse
+            .kappa
+            .iter()
+            .filter_map(|(seed, a)| {
+                let (b, c) = (middle.kappa.get(seed)?, fine.kappa.get(seed)?);
+                Some(weights[0] * a + weights[1] * b + weights[2] * c)
+            })
+            .collect();
+        let n = paired.len() as f64;
+        let mean = paired.iter().sum::<f64>() / n;
+        let variance = paired.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+        RichardsonLimit {
+            kappa: k3 - (k2 - k3) / (ratio - 1.0),
+            exponent: ratio.ln() / levels.ln(),
+            standard_error: (paired.len() > 1).then(|| (variance / n).sqrt()),
+        }
+    });
+    Richardson { axis, cells: indices, ratio, limit }
+}
