@@ -1,0 +1,21 @@
+/// The methods. All find the same state; they differ in cost. (docs/solvers.md)
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Solver {
+    /// The fastest that is safe: [`PreconditionedCg`](Self::PreconditionedCg).
+    #[default]
+    Auto,
+    /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).
+    PolonskyKeer,
+    /// Conjugate gradients on the pressure that are not restarted.
+    ProjectedCg,
+    /// The same, preconditioned by the stiffness restricted to the contact.
+    PreconditionedCg,
+    /// Damped position Verlet of the surface displacement, with the scalar damping and time step that suit the range of
+    /// stiffnesses best.
+    Verlet,
+    /// Damped position Verlet with the softest mode critically damped, as in the original method.
+    VerletCritical,
+    /// The fast inertial relaxation engine (Bitzek et al. 2006).
+    Fire,
+}
