@@ -274,5 +274,5 @@ fn lower(a: f64, b: f64) -> f64 {
 
 /// The positive part, NaN of NaN.
 fn positive(a: f64) -> f64 {
-    if a < 0.0 { 0.0 } else { a }
+    if a <= 0.0 { 0.0 } else { a }
 }

@@ -12,6 +12,9 @@ use crate::quadratic::{
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PolonskyKeer;
 
+/// The positive variables count as at rest when their rms gradient is this part of the lowest gradient outside.
+const AT_REST: f64 = 1e-3;
+
 impl PolonskyKeer {
     /// Minimises from `x` on, in place; `watch` sees every iterate. The last image of the iteration, the gradient, is
     /// not kept: judge the result afresh.
@@ -44,30 +47,51 @@ impl PolonskyKeer {
                 return Ok(now);
             }
 
-            let ratio = if conjugate { sweep.squares / residual_before } else { 0.0 };
-            let mean = if target.mean.is_some() { ratio * sweep.direction / positive as f64 } else { 0.0 };
+            // Where the positive variables are at rest among themselves, those that want to enter have to move them.
+            let at_rest = sweep.squares <= positive as f64 * (AT_REST * sweep.lowest).powi(2);
+            let ratio = if conjugate && !at_rest { sweep.squares / residual_before } else { 0.0 };
+            let mean = match target.mean {
+                None => 0.0,
+                Some(_) if at_rest => sweep.entering / (positive as f64 + sweep.entrants),
+                Some(_) => ratio * sweep.direction / positive as f64,
+            };
             residual_before = sweep.squares;
-            let free = |x: f64, g: f64| x > 0.0 || (positive == 0 && g < 0.0);
+            let free = |x: f64, g: f64| x > 0.0 || (at_rest && g < 0.0);
             let slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
             let step = step_length(slope, problem.curvature(&direction), now)?;
             let (entered, sum) = advance(x, &direction, &gradient, step);
-            conjugate = entered == 0;
+            conjugate = entered == 0 && !at_rest;
             rescale(x, sum, target.mean);
             iteration += 1;
         }
     }
 }
 
-/// Sums over one iterate; `direction` and `squares` over x > 0 only.
+/// Sums over one iterate.
 struct Sweep {
     x: f64,
     x_gradient: f64,
+    /// Σ g² over x > 0.
     squares: f64,
+    /// Σ d over x > 0.
     direction: f64,
     lowest: f64,
+    /// Σ g over the entrants: x = 0 and g < 0.
+    entering: f64,
+    entrants: f64,
 }
 
 impl Sweep {
+    const EMPTY: Self = Self {
+        x: 0.0,
+        x_gradient: 0.0,
+        squares: 0.0,
+        direction: 0.0,
+        lowest: f64::INFINITY,
+        entering: 0.0,
+        entrants: 0.0,
+    };
+
     fn optimality(&self, scale: f64) -> Optimality {
         let complementarity = if self.x > 0.0 { self.x_gradient / (self.x * scale) } else { 0.0 };
         Optimality { complementarity, violation: (-self.lowest).max(0.0) / scale }
@@ -79,7 +103,7 @@ fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) ->
     pass(
         [gradient],
         &|start, [g]| {
-            let mut sums = Sweep { x: 0.0, x_gradient: 0.0, squares: 0.0, direction: 0.0, lowest: f64::INFINITY };
+            let mut sums = Sweep::EMPTY;
             for ((g, x), d) in g.iter_mut().zip(&x[start..]).zip(&direction[start..]) {
                 *g -= multiplier;
                 sums.lowest = sums.lowest.min(*g);
@@ -88,6 +112,9 @@ fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) ->
                     sums.x_gradient += x * *g;
                     sums.squares += *g * *g;
                     sums.direction += d;
+                } else if *g < 0.0 {
+                    sums.entering += *g;
+                    sums.entrants += 1.0;
                 }
             }
             sums
@@ -98,6 +125,8 @@ fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) ->
             squares: a.squares + b.squares,
             direction: a.direction + b.direction,
             lowest: a.lowest.min(b.lowest),
+            entering: a.entering + b.entering,
+            entrants: a.entrants + b.entrants,
         },
     )
 }
