@@ -1,0 +1,121 @@
+//! A path that belongs to this process while it writes there.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use fs4::{FileExt, TryLockError};
+
+use super::ArchiveError;
+
+/// A claimed target. The claim ends when the value is dropped or the process ends.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    lock: File,
+}
+
+impl Output {
+    /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not exist
+    /// or cannot be written, or if `path` is a folder.
+    pub fn claim(path: impl AsRef<Path>) -> Result<Self, ArchiveError> {
+        let path = path.as_ref().to_path_buf();
+        let refuse = |reason: &str| ArchiveError::Target { path: path.clone(), reason: reason.into() };
+        if path.file_name().is_none() || path.is_dir() {
+            return Err(refuse("it is a folder, a file name is needed"));
+        }
+        let folder = folder(&path);
+        if !folder.is_dir() {
+            return Err(refuse(&format!("there is no folder {}", folder.display())));
+        }
+        let lock_path = beside(&path, ".lock");
+        // A file that was unlinked by its last holder may be locked by us while a third process locks its successor:
+        // the lock counts only if the name still leads to the file that is locked.
+        for _ in 0..100 {
+            let lock = OpenOptions::new()
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&lock_path)
+                .map_err(|source| ArchiveError::Io { action: "create", path: lock_path.clone(), source })?;
+            match FileExt::try_lock(&lock) {
+                Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock }),
+                Ok(()) => continue,
+                Err(TryLockError::WouldBlock) => break,
+                Err(TryLockError::Error(source)) => {
+                    return Err(ArchiveError::Io { action: "lock", path: lock_path, source });
+                }
+            }
+        }
+        Err(ArchiveError::Busy { path })
+    }
+
+    /// The target.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// `NAME.part` beside the target.
+    pub fn part(&self) -> PathBuf {
+        self.beside(".part")
+    }
+
+    /// `NAME` + `suffix` beside the target, for other files under the same claim.
+    pub fn beside(&self, suffix: &str) -> PathBuf {
+        beside(&self.path, suffix)
+    }
+
+    /// Syncs the part to the disk and renames it to the target.
+    pub(super) fn publish(&self) -> Result<(), ArchiveError> {
+        let part = self.part();
+        let io = |action, path: &Path| {
+            let path = path.to_path_buf();
+            move |source| ArchiveError::Io { action, path, source }
+        };
+        OpenOptions::new().write(true).open(&part).and_then(|file| file.sync_all()).map_err(io("sync", &part))?;
+        fs::rename(&part, &self.path).map_err(io("rename to", &self.path))?;
+        sync_folder(folder(&self.path)).map_err(io("sync", folder(&self.path)))
+    }
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        // Unlink first, unlock after: whoever waits for the lock then finds that the name is gone and starts over.
+        let _ = fs::remove_file(beside(&self.path, ".lock"));
+        let _ = FileExt::unlock(&self.lock);
+    }
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.file_name().map(OsString::from).unwrap_or_default();
+    name.push(suffix);
+    path.with_file_name(name)
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(unix)]
+fn is_same_file(open: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
+    matches!((open.metadata().map(identity), fs::metadata(path).map(identity)), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(not(unix))]
+fn is_same_file(_: &File, path: &Path) -> bool {
+    path.exists() // An open file cannot be unlinked here.
+}
+
+/// A rename is on the disk only when the folder is.
+#[cfg(unix)]
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
+}
