@@ -10,8 +10,8 @@ use crate::RelaxError;
 /// equal bounds hold the entry fixed.
 ///
 /// Bounds are data, not a function, so that clipping, masking and moving are one sweep over the vectors. They act entry
-/// by entry, and so do the methods of this crate with their scalar mass: only then is the point where clipped steps stop
-/// the constrained minimum (theory.md, section 6.3).
+/// by entry, and so do the methods of this crate with their scalar mass: only then is the point where clipped steps
+/// stop the constrained minimum (theory.md, section 6.3).
 #[derive(Clone, Copy, Debug)]
 pub enum Bounds<'a> {
     /// Every value is allowed.
@@ -45,11 +45,7 @@ impl Bounds<'_> {
                 &|(), ()| (),
             );
         }
-        match *self {
-            Self::Free => (),
-            Self::Upper(upper) => clip(Under(upper), u),
-            Self::Between { lower, upper } => clip(Inside(lower, upper), u),
-        }
+        within!(*self, wall => clip(wall, u));
     }
 
     /// Largest |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`,
@@ -65,31 +61,23 @@ impl Bounds<'_> {
                 let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
                 u.iter().zip(force).enumerate().fold(0, |largest, (k, (&u, &f))| {
                     let (down, up) = wall.room(k, u);
+                    let residual = if u.is_nan() { u } else { clamp(f * length_per_force, down, up) };
                     // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
-                    u64::max(largest, clamp(f * length_per_force, down, up).abs().to_bits())
+                    u64::max(largest, residual.abs().to_bits())
                 })
             };
             f64::from_bits(reduce(u.len(), &leaf, &u64::max))
         }
         let length_per_force = length_scale / force_scale;
-        let length = match *self {
-            Self::Free => largest(Open, u, force, length_per_force),
-            Self::Upper(upper) => largest(Under(upper), u, force, length_per_force),
-            Self::Between { lower, upper } => largest(Inside(lower, upper), u, force, length_per_force),
-        };
-        length / length_scale
+        within!(*self, wall => largest(wall, u, force, length_per_force)) / length_scale
     }
 
-    /// Whether the entry `index` presses against its bound: it lies on it and its force pushes outwards.
+    /// Whether its bound holds the entry `index`: it lies on it and its force does not pull it off.
     ///
     /// # Panics
     /// If `index` is out of range.
     pub fn holds(&self, index: usize, u: f64, force: f64) -> bool {
-        match *self {
-            Self::Free => false,
-            Self::Upper(upper) => Under(upper).net(index, u, force) != force,
-            Self::Between { lower, upper } => Inside(lower, upper).net(index, u, force) != force,
-        }
+        within!(*self, wall => wall.holds(index, u, force))
     }
 
     /// An error unless there is one bound per entry, none is NaN, and each lower bound is at most the upper one.
@@ -119,6 +107,27 @@ impl Bounds<'_> {
     }
 }
 
+/// Evaluates an expression with `wall` the [`Wall`] of the bounds: one copy of the expression per kind.
+macro_rules! within {
+    ($bounds:expr, $wall:ident => $body:expr) => {
+        match $bounds {
+            $crate::Bounds::Free => {
+                let $wall = $crate::bounds::Open;
+                $body
+            }
+            $crate::Bounds::Upper(upper) => {
+                let $wall = $crate::bounds::Under(upper);
+                $body
+            }
+            $crate::Bounds::Between { lower, upper } => {
+                let $wall = $crate::bounds::Inside(lower, upper);
+                $body
+            }
+        }
+    };
+}
+pub(crate) use within;
+
 /// The bounds as the inner loops see them: one type per kind, so that no loop branches on the kind and none streams a
 /// vector that is not there.
 pub(crate) trait Wall: Copy + Sync {
@@ -128,8 +137,8 @@ pub(crate) trait Wall: Copy + Sync {
     fn clip(self, k: usize, u: f64) -> f64;
     /// Whether u lies on its bound.
     fn touches(self, k: usize, u: f64) -> bool;
-    /// The force that can move the entry: zero where it lies on its bound and is pressed against it.
-    fn net(self, k: usize, u: f64, force: f64) -> f64;
+    /// Whether u lies on its bound and the force does not pull it off.
+    fn holds(self, k: usize, u: f64, force: f64) -> bool;
     /// How far u may move down (≤ 0) and up (≥ 0).
     fn room(self, k: usize, u: f64) -> (f64, f64);
 }
@@ -156,8 +165,8 @@ impl Wall for Open {
         false
     }
 
-    fn net(self, _: usize, _: f64, force: f64) -> f64 {
-        force
+    fn holds(self, _: usize, _: f64, _: f64) -> bool {
+        false
     }
 
     fn room(self, _: usize, _: f64) -> (f64, f64) {
@@ -178,8 +187,8 @@ impl Wall for Under<'_> {
         u >= self.0[k]
     }
 
-    fn net(self, k: usize, u: f64, force: f64) -> f64 {
-        if u >= self.0[k] && force > 0.0 { 0.0 } else { force }
+    fn holds(self, k: usize, u: f64, force: f64) -> bool {
+        u >= self.0[k] && force >= 0.0
     }
 
     fn room(self, k: usize, u: f64) -> (f64, f64) {
@@ -200,9 +209,8 @@ impl Wall for Inside<'_> {
         u <= self.0[k] || u >= self.1[k]
     }
 
-    fn net(self, k: usize, u: f64, force: f64) -> f64 {
-        let held = (u >= self.1[k] && force > 0.0) || (u <= self.0[k] && force < 0.0);
-        if held { 0.0 } else { force }
+    fn holds(self, k: usize, u: f64, force: f64) -> bool {
+        (u >= self.1[k] && force >= 0.0) || (u <= self.0[k] && force <= 0.0)
     }
 
     fn room(self, k: usize, u: f64) -> (f64, f64) {

@@ -99,7 +99,8 @@ impl Damping {
     pub fn motion(&self, k: f64) -> Motion {
         let (beta, kappa) = (self.beta, self.tau * k);
         let trace = 1.0 + beta - kappa;
-        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, come out without cancellation.
+        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, come out without
+        // cancellation.
         let discriminant = if beta >= 0.0 {
             let root = beta.sqrt();
             (distance(1.0 - root, kappa)) * (distance(1.0 + root, kappa))

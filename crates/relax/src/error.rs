@@ -36,7 +36,7 @@ pub enum RelaxError {
         /// The values that make sense.
         allowed: &'static str,
     },
-    /// The time step is beyond the stability limit τ k_max < 2 (1 + β) (theory.md, section 6.1).
+    /// The time step is beyond the stability limit (theory.md, section 6.1).
     #[error("the time step {found:e} is unstable, allowed is less than {allowed:e}")]
     TimeStep {
         /// The time step asked for.

@@ -1,12 +1,14 @@
 //! Relaxation methods for constrained minimisation: U(u) → min, each entry of u within its bounds. No physics inside.
 //!
-//! | method            | asks of the problem                  | best for                                            |
-//! |-------------------|--------------------------------------|-----------------------------------------------------|
-//! | [`Verlet`]        | force, softest and stiffest mode     | convex problems; predictable: [`Damping`] has the rate |
+//! | method                            | asks of the problem              | good at                                    |
+//! |-----------------------------------|----------------------------------|--------------------------------------------|
+//! | [`Verlet`]                        | force, softest and stiffest mode | convex problems, predictable by [`Damping`] |
+//! | [`Fire`]                          | force, stiffest mode             | landscapes of which little is known        |
+//! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`] with non-negative variables  |
 //!
-//! A problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A [`Method`] holds
-//! parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and an [`Observer`]
-//! may watch. Every sweep over the vectors has the same bits for any number of threads.
+//! For the first two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A
+//! [`Method`] holds parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and
+//! an [`Observer`] may watch. Every sweep over the vectors has the same bits for any number of threads.
 //!
 //! A chain of springs between two fixed ends, pulled down everywhere, and held up by a table in a second run:
 //!
@@ -66,15 +68,23 @@
 mod bounds;
 mod damping;
 mod error;
+mod fire;
 mod landscape;
 mod observer;
+mod polonsky_keer;
+mod projected_cg;
+mod quadratic;
 mod run;
 mod verlet;
 
 pub use bounds::Bounds;
 pub use damping::{Damping, Motion};
 pub use error::{Divergence, RelaxError};
+pub use fire::{Fire, FireState, Flight, Uphill};
 pub use landscape::Landscape;
 pub use observer::{Every, Observer};
+pub use polonsky_keer::PolonskyKeer;
+pub use projected_cg::ProjectedCg;
+pub use quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Watch};
 pub use run::{Method, Outcome, Progress, State, Stop, relax};
 pub use verlet::{OnRise, Trail, Verlet, VerletState};

@@ -7,8 +7,8 @@ use crate::Progress;
 /// Looks, never touches; may ask to stop. Logs, traces, checkpoint files, Ctrl-C: observers, outside this crate.
 ///
 /// An observer is called before every step and once after the last. A resumed run shows its first state again, so
-/// whatever is written should be keyed by [`Progress::step`]. Closures are observers, `()` is one that looks away, and a
-/// pair is one that asks both.
+/// whatever is written should be keyed by [`Progress::step`]. Closures are observers, `()` is one that looks away, and
+/// a pair is one that asks both.
 ///
 /// ```
 /// use gfmd_relax::{Observer, Progress};

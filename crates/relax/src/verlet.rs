@@ -3,9 +3,12 @@
 use gfmd_vector::pass;
 
 use crate::{
-    Bounds, Damping, Landscape, Method, RelaxError, State,
-    bounds::{Inside, Open, Under, Wall},
+    Damping, Landscape, Method, RelaxError, State,
+    bounds::{Wall, within},
 };
+
+/// Rises of the energy below this fraction of it may be rounding.
+const RISE: f64 = 1e-12;
 
 /// Damped position Verlet, u₊ = Π(u + β (u − u₋) + τ f), with Π the projection on the bounds and u₋ the previous
 /// *projected* u: entries at a bound are at rest (theory.md, sections 6.1 and 6.5). Also known as heavy ball.
@@ -28,8 +31,14 @@ pub enum OnRise {
     /// Nothing: a rising energy is part of an oscillation. The rates of [`Damping`] hold for this.
     #[default]
     Continue,
-    /// Stop all entries, u₋ ← u (theory.md, section 6.5). A safeguard for landscapes that are not convex.
-    Rest,
+    /// Take the step back, u ← u₋, and start again from rest: a safeguard for landscapes that are not convex. Costs one
+    /// more evaluation of the force.
+    ///
+    /// Resting where the rise has ended, u₋ ← u (theory.md, section 6.5), would not be enough: the rise is kept, and a
+    /// mode with 1 < τ k < 2 grows when it rests every second step. From u₋ the next step is one of plain descent,
+    /// which goes down if τ k_max < 2 ([`Verlet::guarded`] checks it; optimal damping has nearly 4), so the energy of
+    /// the points kept never rises by more than rounding.
+    StepBack,
 }
 
 /// [`State`] of [`Verlet`].
@@ -76,6 +85,16 @@ impl Verlet {
         Self::new(Damping::optimal(k_min, k_max), k_max)
     }
 
+    /// The same with [`OnRise::StepBack`], if the time step is short enough for it: τ k_max < 2.
+    pub fn guarded(self, k_max: f64) -> Result<Self, RelaxError> {
+        let checked = Self::new(self.damping, k_max)?;
+        let (found, allowed) = (checked.damping.tau.sqrt(), (2.0 / k_max).sqrt());
+        if found >= allowed {
+            return Err(RelaxError::TimeStep { found, allowed });
+        }
+        Ok(Self { on_rise: OnRise::StepBack, ..checked })
+    }
+
     /// u₊ in place of u₋, and how many entries reached or left their bound: one sweep.
     fn advance(&self, wall: impl Wall, u: &[f64], force: &[f64], previous: &mut [f64]) -> u64 {
         let Damping { beta, tau } = self.damping;
@@ -109,18 +128,16 @@ impl Method for Verlet {
         state.check(problem)?;
         RelaxError::check_length("previous displacements", state.memory.previous.len(), problem.len())?;
         let (u, force, previous) = (&state.u, &state.force, &mut state.memory.previous);
-        let changes = match problem.bounds() {
-            Bounds::Free => self.advance(Open, u, force, previous),
-            Bounds::Upper(upper) => self.advance(Under(upper), u, force, previous),
-            Bounds::Between { lower, upper } => self.advance(Inside(lower, upper), u, force, previous),
-        };
+        let changes = within!(problem.bounds(), wall => self.advance(wall, u, force, previous));
         std::mem::swap(&mut state.u, &mut state.memory.previous);
         state.step += 1;
         state.settled = if changes == 0 { state.settled + 1 } else { 0 };
         let before = state.energy;
         state.evaluate(problem);
-        if self.on_rise == OnRise::Rest && state.energy > before {
+        if self.on_rise == OnRise::StepBack && state.energy > before + RISE * before.abs() {
+            std::mem::swap(&mut state.u, &mut state.memory.previous);
             state.memory.previous.copy_from_slice(&state.u);
+            state.evaluate(problem);
         }
         Ok(())
     }

@@ -1,0 +1,244 @@
+//! FIRE: a skier who stops when the slope turns upwards.
+
+use std::ops::Range;
+
+use gfmd_vector::{add, pass, reduce};
+
+use crate::{
+    Landscape, Method, RelaxError, State,
+    bounds::{Wall, within},
+};
+
+/// Fast inertial relaxation engine (theory.md, section 6.4). Needs no softest mode, only a time step that the stiffest
+/// one can bear, and finds its own damping: velocities turn towards the force, the time step grows while the motion
+/// goes downhill, and everything stops when it does not.
+///
+/// Entries held by their bound count with zero force and zero velocity: one that has just arrived still carries the
+/// velocity of the *projected* motion, and stepping back with it would take it off its bound again, for ever if no
+/// other entry moves. The mass is one number, 1, as for [`Verlet`](crate::Verlet). Both published versions move as FIRE
+/// 2.0 does: semi-implicit Euler, velocities turned after the force has acted on them.
+///
+/// Every parameter is public: `Fire { delay: 10, ..Fire::v2(dt_max) }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fire {
+    /// First time step Δt₀. Both versions: Δt_max / 10.
+    pub dt_start: f64,
+    /// Largest time step Δt_max; at most [`Fire::largest_dt`].
+    pub dt_max: f64,
+    /// Smallest time step Δt_min. 2006: 0; 2.0: 0.02 Δt₀.
+    pub dt_min: f64,
+    /// Steps downhill before the time step grows, N_delay. 2006: 5; 2.0: 20.
+    pub delay: u32,
+    /// Steps at the beginning during which going uphill does not shorten the time step. 2006: 0; 2.0: N_delay.
+    pub grace: u64,
+    /// Growth of the time step, f_inc. Both versions: 1.1.
+    pub dt_grow: f64,
+    /// Reduction of the time step after going uphill, f_dec. Both versions: 0.5.
+    pub dt_shrink: f64,
+    /// How much of the velocity turns towards the force per step at first, α₀. 2006: 0.1; 2.0: 0.25.
+    pub alpha_start: f64,
+    /// Reduction of α per step downhill, f_α. Both versions: 0.99.
+    pub alpha_shrink: f64,
+    /// What else to do after going uphill. 2006: [`Uphill::Halt`]; 2.0: [`Uphill::StepBack`].
+    pub uphill: Uphill,
+    /// Steps uphill in a row before giving up. 2006: no limit; 2.0: 2000.
+    pub max_uphill: u32,
+}
+
+/// How [`Fire`] stops when a step has gone uphill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Uphill {
+    /// v ← 0 where it is.
+    Halt,
+    /// u ← Π(u − ½ Δt v) with the shortened time step, then v ← 0. Costs one more evaluation of the force.
+    StepBack,
+}
+
+/// [`State`] of [`Fire`].
+pub type FireState = State<Flight>;
+
+/// What [`Fire`] remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// Velocities after projection, in displacement per time.
+    pub velocity: Vec<f64>,
+    /// Time step Δt.
+    pub dt: f64,
+    /// Fraction α of the velocity that turns towards the force.
+    pub alpha: f64,
+    /// Steps downhill since the last one uphill.
+    pub downhill: u32,
+    /// Steps uphill since the last one downhill.
+    pub uphill: u32,
+}
+
+impl Fire {
+    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch), with unit mass.
+    pub fn bitzek(dt_max: f64) -> Self {
+        Self {
+            dt_start: 0.1 * dt_max,
+            dt_max,
+            dt_min: 0.0,
+            delay: 5,
+            grace: 0,
+            dt_grow: 1.1,
+            dt_shrink: 0.5,
+            alpha_start: 0.1,
+            alpha_shrink: 0.99,
+            uphill: Uphill::Halt,
+            max_uphill: u32::MAX,
+        }
+    }
+
+    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek), with unit mass.
+    pub fn v2(dt_max: f64) -> Self {
+        Self {
+            dt_start: 0.1 * dt_max,
+            dt_max,
+            dt_min: 0.002 * dt_max,
+            delay: 20,
+            grace: 20,
+            alpha_start: 0.25,
+            uphill: Uphill::StepBack,
+            max_uphill: 2000,
+            ..Self::bitzek(dt_max)
+        }
+    }
+
+    /// The largest time step worth trying, 1.9/√k_max at unit mass: undamped motion is stable below 2/√k_max.
+    pub fn largest_dt(k_max: f64) -> f64 {
+        1.9 / k_max.sqrt()
+    }
+
+    fn check(&self) -> Result<(), RelaxError> {
+        let check = RelaxError::check_parameter;
+        check("dt_max", self.dt_max, self.dt_max > 0.0 && self.dt_max.is_finite(), "positive and finite")?;
+        let start = self.dt_start > 0.0 && self.dt_start <= self.dt_max;
+        check("dt_start", self.dt_start, start, "positive and at most dt_max")?;
+        let min = self.dt_min >= 0.0 && self.dt_min <= self.dt_start;
+        check("dt_min", self.dt_min, min, "between 0 and dt_start")?;
+        check("dt_grow", self.dt_grow, self.dt_grow >= 1.0 && self.dt_grow.is_finite(), "finite and at least 1")?;
+        check("dt_shrink", self.dt_shrink, 0.0 < self.dt_shrink && self.dt_shrink < 1.0, "between 0 and 1")?;
+        check("alpha_start", self.alpha_start, (0.0..=1.0).contains(&self.alpha_start), "between 0 and 1")?;
+        check("alpha_shrink", self.alpha_shrink, (0.0..=1.0).contains(&self.alpha_shrink), "between 0 and 1")
+    }
+}
+
+/// What one look at force and velocity tells, over the entries that no bound holds.
+#[derive(Clone, Copy)]
+struct Balance {
+    /// Σ f v.
+    power: f64,
+    /// Σ f².
+    force: f64,
+    /// Σ v².
+    speed: f64,
+}
+
+fn weigh(wall: impl Wall, u: &[f64], force: &[f64], velocity: &[f64]) -> Balance {
+    let leaf = |range: Range<usize>| {
+        let wall = wall.stretch(range.clone());
+        let entries = u[range.clone()].iter().zip(&force[range.clone()]).zip(&velocity[range]);
+        entries.enumerate().fold([0.0; 3], |sums, (k, ((&u, &f), &v))| {
+            let [f, v] = if wall.holds(k, u, f) { [0.0; 2] } else { [f, v] };
+            add(sums, [f * v, f * f, v * v])
+        })
+    };
+    let [power, force, speed] = reduce(u.len(), &leaf, &add);
+    Balance { power, force, speed }
+}
+
+/// v ← `keep` v + `turn` f (0 where held), then u ← Π(u + Δt v) and v ← the velocity of the projected motion; returns
+/// how many entries reached or left their bound. One sweep.
+fn glide(wall: impl Wall, [keep, turn, dt]: [f64; 3], force: &[f64], u: &mut [f64], velocity: &mut [f64]) -> u64 {
+    let per_dt = 1.0 / dt;
+    let leaf = |start: usize, [u, v]: [&mut [f64]; 2]| {
+        let range = start..start + u.len();
+        let (wall, force) = (wall.stretch(range.clone()), &force[range]);
+        let mut changes = 0;
+        for (k, ((u, v), &f)) in u.iter_mut().zip(v).zip(force).enumerate() {
+            let speed = if wall.holds(k, *u, f) { 0.0 } else { keep * *v + turn * f };
+            let aim = *u + dt * speed;
+            let next = wall.clip(k, aim);
+            changes += u64::from(wall.touches(k, next) != wall.touches(k, *u));
+            // Off the bounds (u₊ − u)/Δt is the speed itself, without the digits that the difference would lose.
+            *v = if next == aim { speed } else { (next - *u) * per_dt };
+            *u = next;
+        }
+        changes
+    };
+    pass([u, velocity], &leaf, &|a, b| a + b)
+}
+
+impl Method for Fire {
+    type Memory = Flight;
+
+    fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<FireState, RelaxError> {
+        self.check()?;
+        let velocity = vec![0.0; u.len()];
+        let memory = Flight { velocity, dt: self.dt_start, alpha: self.alpha_start, downhill: 0, uphill: 0 };
+        State::at_rest(problem, u, self.dt_max * self.dt_max, memory)
+    }
+
+    fn step(&self, problem: &mut dyn Landscape, state: &mut FireState) -> Result<(), RelaxError> {
+        state.check(problem)?;
+        RelaxError::check_length("velocities", state.memory.velocity.len(), problem.len())?;
+        let weighed = |problem: &dyn Landscape, state: &FireState| {
+            let State { u, force, memory, .. } = state;
+            within!(problem.bounds(), wall => weigh(wall, u, force, &memory.velocity))
+        };
+        let glided = |problem: &dyn Landscape, state: &mut FireState, coefficients| {
+            let State { u, force, memory, .. } = state;
+            within!(problem.bounds(), wall => glide(wall, coefficients, force, u, &mut memory.velocity))
+        };
+
+        let mut balance = weighed(problem, state);
+        let mut changes = 0;
+        let mut momentum = 1.0;
+        if balance.power > 0.0 {
+            let flight = &mut state.memory;
+            flight.uphill = 0;
+            flight.downhill = flight.downhill.saturating_add(1);
+            if flight.downhill > self.delay {
+                flight.dt = self.dt_max.min(flight.dt * self.dt_grow);
+                flight.alpha *= self.alpha_shrink;
+            }
+        } else if balance.speed > 0.0 {
+            let flight = &mut state.memory;
+            flight.downhill = 0;
+            flight.uphill = flight.uphill.saturating_add(1);
+            if flight.uphill > self.max_uphill {
+                let (found, allowed) = (flight.uphill, self.max_uphill);
+                return Err(RelaxError::Uphill { reached: state.progress(problem), found, allowed });
+            }
+            if state.step >= self.grace {
+                flight.dt = self.dt_min.max(flight.dt * self.dt_shrink);
+                flight.alpha = self.alpha_start;
+            }
+            if self.uphill == Uphill::StepBack {
+                let back = [1.0, 0.0, -0.5 * flight.dt];
+                changes += glided(problem, state, back);
+                state.evaluate(problem);
+                balance = weighed(problem, state);
+            }
+            momentum = 0.0;
+            balance = Balance { power: 0.0, speed: 0.0, ..balance };
+        }
+
+        let (dt, alpha) = (state.memory.dt, state.memory.alpha);
+        // |v + Δt f|², the velocity after the force has acted and before it turns.
+        let speed = balance.speed + dt * (2.0 * balance.power + dt * balance.force);
+        let speed_per_force = if balance.force > 0.0 { (speed / balance.force).sqrt() } else { 0.0 };
+        let keep = momentum * (1.0 - alpha);
+        let turn = (1.0 - alpha) * dt + alpha * speed_per_force;
+        changes += glided(problem, state, [keep, turn, dt]);
+        state.step += 1;
+        state.settled = if changes == 0 { state.settled + 1 } else { 0 };
+        state.evaluate(problem);
+        Ok(())
+    }
+
+    fn stiffness_limit(&self) -> f64 {
+        4.0 / (self.dt_max * self.dt_max)
+    }
+}

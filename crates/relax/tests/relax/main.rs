@@ -1,0 +1,11 @@
+//! The damped methods on small problems with known answers.
+
+mod damping;
+mod driver;
+mod fire;
+mod obstacle;
+mod properties;
+mod rates;
+mod reproducible;
+mod support;
+mod trap;

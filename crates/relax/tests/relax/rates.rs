@@ -1,0 +1,173 @@
+//! Convergence as fast as theory.md, sections 6.1 and 6.2, says.
+
+use approx::assert_relative_eq;
+use gfmd_relax::{Damping, Landscape, Method, OnRise, RelaxError, Verlet};
+
+use crate::support::{Chain, distance, scattered};
+
+/// Factor per step by which the largest error shrinks in the long run. Windows of the same number of steps are compared
+/// by their largest error, so that oscillations do not matter.
+fn measured(verlet: Verlet, modes: &[f64], steps: usize) -> f64 {
+    let mut problem = Chain::modes(modes);
+    let n = problem.len();
+    let mut state = verlet.start(&mut problem, scattered(n)).unwrap();
+    let errors: Vec<f64> = (0..2 * steps)
+        .map(|_| {
+            verlet.step(&mut problem, &mut state).unwrap();
+            distance(&state.u, &vec![0.0; n])
+        })
+        .collect();
+    let window = steps / 4;
+    let largest = |end: usize| errors[end - window..end].iter().copied().fold(0.0, f64::max);
+    (largest(2 * steps) / largest(steps)).powf(1.0 / steps as f64)
+}
+
+fn unchecked(damping: Damping) -> Verlet {
+    Verlet { damping, on_rise: OnRise::Continue }
+}
+
+/// The decay exponents agree within 5 %; a double eigenvalue decays as n λⁿ, hence the many steps.
+fn assert_rate(verlet: Verlet, modes: &[f64], steps: usize) {
+    let predicted = modes.iter().map(|&k| verlet.damping.spectral_radius(k)).fold(0.0, f64::max);
+    let found = measured(verlet, modes, steps);
+    assert_relative_eq!(found.ln(), predicted.ln(), max_relative = 0.05);
+    // What the planning functions promise is the same number.
+    let (k_min, k_max) = (modes[0], modes[modes.len() - 1]);
+    let decade = verlet.damping.steps_per_decade(k_min, k_max);
+    assert_relative_eq!(-f64::ln(10.0) / found.ln(), decade, max_relative = 0.06);
+}
+
+const MODES: [f64; 6] = [0.01, 0.03, 0.2, 0.7, 1.9, 4.0];
+
+#[test]
+fn critical_damping_of_the_softest_mode() {
+    for dt in [0.25, 0.5, 0.9] {
+        let verlet = Verlet::critical(0.01, 4.0, dt).unwrap();
+        assert_relative_eq!(verlet.damping.spectral_radius(0.01), 1.0 - 0.1 * dt, max_relative = 1e-12);
+        assert_rate(verlet, &MODES, 1200);
+    }
+}
+
+#[test]
+fn optimal_damping() {
+    let verlet = Verlet::optimal(0.01, 4.0).unwrap();
+    assert_relative_eq!(verlet.damping.spectral_radius(0.01), 19.0 / 21.0, max_relative = 1e-12);
+    assert_rate(verlet, &MODES, 1200);
+}
+
+#[test]
+fn too_much_and_too_little_damping() {
+    let critical = Damping::critical(0.01, 0.8);
+    for factor in [0.2, 0.5, 1.3, 3.0] {
+        let damping = Damping { beta: 1.0 - factor * critical.eta() * critical.tau, ..critical };
+        assert_rate(unchecked(damping), &MODES, 800);
+        assert!(damping.spectral_radius(0.01) > critical.spectral_radius(0.01));
+    }
+}
+
+#[test]
+fn plain_descent_is_far_slower() {
+    let plain = Damping::plain_descent(0.01, 4.0);
+    assert_rate(unchecked(plain), &MODES, 4000);
+    let (plain, optimal) = (plain.steps_per_decade(0.01, 4.0), Damping::optimal(0.01, 4.0).steps_per_decade(0.01, 4.0));
+    // κ/2 ln 10 against √κ/2 ln 10.
+    assert!(plain > 19.0 * optimal, "{plain} {optimal}");
+}
+
+/// The oscillation has the angle of the eigenvalue: with Δu ∝ βⁿᐟ² cos(nθ + φ), zero crossings come every π/θ steps.
+#[test]
+fn an_underdamped_mode_oscillates_at_the_predicted_angle() {
+    let damping = Damping { beta: 0.98, tau: 0.3 };
+    let gfmd_relax::Motion::UnderDamped { angle, .. } = damping.motion(0.05) else { panic!("not underdamped") };
+    let mut problem = Chain::modes(&[0.05, 0.05]);
+    let verlet = unchecked(damping);
+    let mut state = verlet.start(&mut problem, vec![1.0; 2]).unwrap();
+    let (steps, mut crossings, mut last) = (5000, 0, 1.0);
+    for _ in 0..steps {
+        verlet.step(&mut problem, &mut state).unwrap();
+        if state.u[0] * last < 0.0 {
+            crossings += 1;
+        }
+        last = state.u[0];
+    }
+    let expected = f64::from(steps) * angle / std::f64::consts::PI;
+    assert!((f64::from(crossings) - expected).abs() < 1.5, "{crossings} {expected}");
+}
+
+/// theory.md, section 6.1: v₊ = (1 − η Δt²) v + f Δt, u₊ = u + (Δt − η Δt³) v + f Δt².
+#[test]
+fn the_velocity_form_is_the_same_scheme() {
+    let n = 30;
+    let mut problem = Chain::springs(n, 0.05, |i| (i as f64).sin());
+    let (k_min, k_max) = problem.band();
+    let verlet = Verlet::critical(k_min, k_max, 0.6).unwrap();
+    let (dt, eta) = (0.6f64, verlet.damping.eta());
+    let mut state = verlet.start(&mut problem, scattered(n)).unwrap();
+    let (mut u, mut v, mut f) = (scattered(n), vec![0.0; n], vec![0.0; n]);
+    for _ in 0..400 {
+        problem.force(&u, &mut f);
+        for ((u, v), f) in u.iter_mut().zip(&mut v).zip(&f) {
+            *u += (dt - eta * dt.powi(3)) * *v + f * dt * dt;
+            *v = (1.0 - eta * dt * dt) * *v + f * dt;
+        }
+        verlet.step(&mut problem, &mut state).unwrap();
+        assert!(distance(&u, &state.u) < 1e-12);
+        let velocity: Vec<f64> = state.u.iter().zip(&state.memory.previous).map(|(u, w)| (u - w) / dt).collect();
+        assert!(distance(&v, &velocity) < 1e-11);
+    }
+}
+
+/// The points that are kept never go up; far from critical damping the guard even saves steps.
+#[test]
+fn guarded_steps_never_rise() {
+    let mut problem = Chain::springs(40, 0.01, |_| 0.1);
+    let k_max = problem.band().1;
+    let guarded = unchecked(Damping { beta: 0.995, tau: 1.6 / k_max }).guarded(k_max).unwrap();
+    let mut state = guarded.start(&mut problem, scattered(40)).unwrap();
+    let mut before = state.energy;
+    for _ in 0..3000 {
+        guarded.step(&mut problem, &mut state).unwrap();
+        assert!(state.energy <= before + 1e-12 * before.abs());
+        before = state.energy;
+    }
+    let back = state.evaluations - state.step - 1;
+    assert!(back > 3 && back < 500, "the test needs rises, found {back}");
+    // So far underdamped, √β = 0.9975 per step, the same without a guard is not there yet.
+    let error = problem.residual(&state.u, &state.force);
+    let free = unchecked(guarded.damping);
+    let mut state = free.start(&mut problem, scattered(40)).unwrap();
+    for _ in 0..3000 {
+        free.step(&mut problem, &mut state).unwrap();
+    }
+    let free_error = problem.residual(&state.u, &state.force);
+    assert!(error < 0.1 * free_error, "{error:e} {free_error:e}");
+}
+
+/// Why the guard steps back instead of resting where the rise has ended, u₋ ← u: a mode with 1 < τ k < 2 then grows.
+#[test]
+fn resting_after_the_rise_is_no_safeguard() {
+    let (beta, kappa) = (0.95, 1.4f64);
+    assert!(Damping { beta, tau: kappa }.spectral_radius(1.0) < 1.0, "stable without the safeguard");
+    let (mut u, mut previous) = (1.0f64, 1.0f64);
+    for _ in 0..200 {
+        let next = u + beta * (u - previous) - kappa * u;
+        previous = if next.abs() > u.abs() { next } else { u };
+        u = next;
+    }
+    assert!(u.abs() > 1e6, "{u}");
+}
+
+#[test]
+fn the_guard_needs_a_short_time_step() {
+    let k_max = 4.0;
+    let optimal = Verlet::optimal(0.01, k_max).unwrap();
+    match optimal.guarded(k_max) {
+        Err(RelaxError::TimeStep { found, allowed }) => {
+            assert_eq!(found, optimal.damping.tau.sqrt());
+            assert_relative_eq!(allowed * allowed * k_max, 2.0, max_relative = 1e-14);
+        }
+        other => panic!("{other:?}"),
+    }
+    let short = Verlet::critical(0.01, k_max, 0.7).unwrap().guarded(k_max).unwrap();
+    assert_eq!(short.on_rise, OnRise::StepBack);
+}
