@@ -1,18 +1,55 @@
-//! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and their measured statistics.
+//! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and their measured statistics
+//! (theory.md, section 9).
+//!
+//! | question                                           | start at                                     |
+//! |----------------------------------------------------|----------------------------------------------|
+//! | a periodic surface with this spectrum              | [`SelfAffine`], then [`SelfAffine::heights`] |
+//! | the grid for these ε_t, ε_f, ε_c                   | [`Discretisation`]                           |
+//! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
+//! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
+//! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
+//! | midpoint displacement, random addition             | [`RealSpace`]                                |
+//!
+//! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Any consistent unit of length.
+//! "Gradient" is the full one, |∇h|, and spectral unless a name says otherwise.
+//!
+//! ```
+//! use gfmd_field::Grid;
+//! use gfmd_surface::{Discretisation, PowerSpectrum, Statistics};
+//!
+//! let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
+//! let grid = Grid::square(numbers.points()?, 1.0)?; // 128 points along a side of length 1
+//! let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 42)?;
+//!
+//! let measured = Statistics::of(&heights, &grid)?;
+//! assert!((measured.moments.rms_gradient() - 0.1).abs() < 1e-13);
+//! let fit = PowerSpectrum::of(&heights, &grid)?.fit_hurst(1.0 / 2.0, 1.0 / 32.0)?;
+//! assert!((fit.hurst - 0.8).abs() < 4.0 * fit.standard_error);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Not here: reading files (`xtask`), contact (`gfmd-contact`), numbers of a contact (`gfmd-measure`).
 #![warn(missing_docs)]
 
 mod discretisation;
-mod error;
+mod self_affine;
+mod synthesis;
+
+mod real_space;
+
 mod moments;
 mod power;
-mod random;
-mod self_affine;
+mod preparation;
 mod statistics;
-mod synthesis;
+
+mod error;
+mod random;
 
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use moments::{Dimension, Moments};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
+pub use preparation::{Periodisation, Trend, periodise, remove};
+pub use real_space::{Displacement, RealSpace};
 pub use self_affine::{Amplitudes, Normalisation, RollOff, Scaling, SelfAffine};
 pub use statistics::{Seam, Statistics};

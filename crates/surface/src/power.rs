@@ -17,6 +17,12 @@ const MODES_PER_TASK: usize = 1 << 13;
 /// precision (3·10⁻¹⁶/N per mode of N), below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
 const CARRIES_POWER: f64 = 1e-17;
 
+/// The exponent s of C ∝ q^{−s} is looked for between −64 and 64.
+const STEEPEST: f64 = 64.0;
+
+/// Steps of the search: halving alone needs 45, Newton about 6.
+const MOST_STEPS: usize = 100;
+
 /// The power |h̃(q)|² of every mode of given heights.
 pub struct PowerSpectrum {
     grid: Grid,
@@ -174,25 +180,32 @@ struct Sample {
     weight: f64,
 }
 
-/// The root s of ⟨ln q⟩ weighed by |h̃|² q^s minus ⟨ln q⟩: the left side rises with s, since its slope is a variance.
+/// The root s of ⟨ln q⟩ weighed by |h̃|² q^s minus ⟨ln q⟩. The difference rises with s, since its slope is a variance;
+/// Newton's steps, kept inside the bracket that they narrow.
 fn likeliest_exponent(samples: &[Sample], mean: f64) -> f64 {
-    let excess = |s: f64| {
-        let largest = samples.iter().map(|x| s * x.log_q).fold(f64::NEG_INFINITY, f64::max);
-        let (mut sum, mut first) = (0.0, 0.0);
+    let (mut low, mut high) = (-STEEPEST, STEEPEST);
+    let mut exponent = 3.0;
+    for _ in 0..MOST_STEPS {
+        let scale = samples.iter().map(|x| exponent * x.log_q).fold(f64::NEG_INFINITY, f64::max);
+        let mut sums = [0.0; 3];
         for sample in samples {
-            let weight = sample.weight * sample.power * (s * sample.log_q - largest).exp();
-            sum += weight;
-            first += weight * (sample.log_q - mean);
+            let weight = sample.weight * sample.power * (exponent * sample.log_q - scale).exp();
+            let log_q = sample.log_q - mean;
+            sums = [sums[0] + weight, sums[1] + weight * log_q, sums[2] + weight * log_q * log_q];
         }
-        first / sum
-    };
-    let (mut low, mut high) = (-64.0, 64.0);
-    while high - low > 1e-12 * (1.0 + f64::abs(low)) {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
+        let excess = sums[1] / sums[0];
+        let slope = sums[2] / sums[0] - excess * excess;
+        if excess > 0.0 {
+            high = exponent
+        } else {
+            low = exponent
         }
-        if excess(middle) > 0.0 { high = middle } else { low = middle }
+        let newton = exponent - excess / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - exponent).abs() <= 1e-13 * STEEPEST {
+            return next;
+        }
+        exponent = next;
     }
-    0.5 * (low + high)
+    exponent
 }

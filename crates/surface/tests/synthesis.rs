@@ -185,3 +185,23 @@ proptest! {
         prop_assert!((measured / gradient - 1.0).abs() < 1e-11, "{} for {}", measured, gradient);
     }
 }
+
+/// Heights made by another program from the documented random numbers (its own `pcg64`, plain sums, its own transform).
+#[test]
+fn the_documentation_is_enough_to_make_the_same_surface_elsewhere() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/reference/surface_heights.json");
+    let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let cases = json["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 3);
+    for case in cases {
+        let number = |key: &str| case[key].as_f64().unwrap();
+        let [nx, ny] = [0, 1].map(|axis| case["points"][axis].as_u64().unwrap() as usize);
+        let grid = Grid::new([nx, ny], [0, 1].map(|axis| case["lengths"][axis].as_f64().unwrap())).unwrap();
+        let surface = SelfAffine::new(number("hurst"), number("longest"), number("shortest"), number("rms_gradient"));
+        let heights = surface.heights(&grid, case["seed"].as_u64().unwrap()).unwrap();
+        for ((i, j), height) in heights.indexed_iter() {
+            let expected = case["heights"][i][j].as_f64().unwrap();
+            assert!((height - expected).abs() < 1e-14, "{height} for {expected} at {i}, {j}");
+        }
+    }
+}

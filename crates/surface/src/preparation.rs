@@ -1,0 +1,159 @@
+use std::f64::consts::PI;
+
+use gfmd_field::Grid;
+use ndarray::{Array2, ArrayView2, s};
+
+use crate::SurfaceError;
+use crate::statistics::{checked, finite};
+
+/// What a scan of a surface holds besides roughness: the part that [`remove`] takes away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trend {
+    /// The mean height.
+    Mean,
+    /// The plane with the least squared distance from the heights: the least rms height that a tilt can give.
+    Plane,
+    /// The plane with the mean slope, the mean of the forward differences at all points with a neighbour along both
+    /// axes: the least rms gradient that a tilt can give. It joins opposite edges on average.
+    Slope,
+    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance: also the bow of a scanner, or a radius.
+    Quadratic,
+}
+
+/// How heights that are not periodic are made into one period of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Periodisation {
+    /// Not at all: the step from one edge to the opposite one becomes a cliff of the surface. It adds to all gradients
+    /// and, as C ∝ q⁻² along the axes, to the spectrum. Right for heights that are periodic.
+    AsIs,
+    /// The heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long: no step,
+    /// but a crease where the images meet. Height distribution and peak-to-valley stay exactly, gradients but for
+    /// the seams; the cell has mirror planes, the longest wavelengths double, and any correlation of h_x with h_y is lost.
+    Mirror,
+    /// The deviations from the mean times a window that falls to zero at the edges as a cosine over the given fraction
+    /// of each side (half of it at either end; Tukey; 1: Hann, 0: none), divided by the rms value of the window so that
+    /// the mean square of homogeneous roughness stays. For spectra: heights and gradients vary over the cell, which
+    /// no contact calculation should see.
+    Window(f64),
+}
+
+/// The heights without their trend, same shape; fitted on the index lattice, so that no lengths matter.
+///
+/// # Errors
+/// Heights that are not finite; fewer than 2 points along an axis (not a profile's y) for a tilt, 3 for a paraboloid.
+pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
+    finite(heights)?;
+    let (nx, ny) = heights.dim();
+    let (least, what) = match trend {
+        Trend::Mean => (1, "removing the mean"),
+        Trend::Plane | Trend::Slope => (2, "removing a tilt"),
+        Trend::Quadratic => (3, "removing a paraboloid"),
+    };
+    if nx < least || ny < if ny == 1 { 1 } else { least } {
+        return Err(SurfaceError::TooFewPoints { what, least, found: [nx, ny] });
+    }
+    let (x, y) = (centred(nx), centred(ny));
+    let mut rest = heights - heights.mean().unwrap_or(0.0);
+    match trend {
+        Trend::Mean => {}
+        Trend::Plane => {
+            project_out(&mut rest, &x[1], &y[0]);
+            project_out(&mut rest, &x[0], &y[1]);
+        }
+        Trend::Slope => {
+            let [along_x, along_y] = mean_slope(&rest);
+            for ((i, j), height) in rest.indexed_iter_mut() {
+                *height -= along_x * x[1][i] + along_y * y[1][j];
+            }
+        }
+        Trend::Quadratic => {
+            for [a, b] in [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]] {
+                project_out(&mut rest, &x[a], &y[b]);
+            }
+        }
+    }
+    Ok(rest)
+}
+
+/// Heights made periodic, and the grid they then live on.
+///
+/// # Errors
+/// Heights of another shape than the grid or not finite; a taper outside \[0, 1\].
+pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Result<(Array2<f64>, Grid), SurfaceError> {
+    checked(heights, grid)?;
+    match how {
+        Periodisation::AsIs => Ok((heights.clone(), *grid)),
+        Periodisation::Mirror => mirrored(heights, grid),
+        Periodisation::Window(taper) if (0.0..=1.0).contains(&taper) => Ok((windowed(heights, taper), *grid)),
+        Periodisation::Window(taper) => Err(SurfaceError::Taper(taper)),
+    }
+}
+
+/// Polynomials 1, i, i² on n points, each orthogonal to those before and to shifts: centred Legendre polynomials.
+fn centred(points: usize) -> [Vec<f64>; 3] {
+    let middle = 0.5 * (points as f64 - 1.0);
+    let linear: Vec<f64> = (0..points).map(|i| i as f64 - middle).collect();
+    let spread = linear.iter().map(|x| x * x).sum::<f64>() / points as f64;
+    let quadratic = linear.iter().map(|x| x * x - spread).collect();
+    [vec![1.0; points], linear, quadratic]
+}
+
+/// Takes the multiple of a(x) b(y) out of the heights that has the least squared distance. Products of orthogonal
+/// polynomials are orthogonal on the lattice: one at a time gives the joint fit.
+fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
+    let norm: f64 = a.iter().map(|x| x * x).sum::<f64>() * b.iter().map(|y| y * y).sum::<f64>();
+    if norm == 0.0 {
+        return; // along the single point of a profile
+    }
+    let overlap: f64 =
+        heights.outer_iter().zip(a).map(|(row, x)| x * row.iter().zip(b).map(|(h, y)| h * y).sum::<f64>()).sum();
+    let coefficient = overlap / norm;
+    for (mut row, x) in heights.outer_iter_mut().zip(a) {
+        row.iter_mut().zip(b).for_each(|(h, y)| *h -= coefficient * x * y);
+    }
+}
+
+/// Mean forward difference per index along x and y over the points with a neighbour along both (one axis: along it).
+fn mean_slope(heights: &Array2<f64>) -> [f64; 2] {
+    let (nx, ny) = heights.dim();
+    let mean = |ahead: ArrayView2<f64>, here: ArrayView2<f64>| {
+        ahead.iter().zip(here).map(|(a, h)| a - h).sum::<f64>() / ahead.len() as f64
+    };
+    if ny == 1 {
+        return [mean(heights.slice(s![1.., ..]), heights.slice(s![..-1, ..])), 0.0];
+    }
+    let here = heights.slice(s![..nx - 1, ..ny - 1]);
+    [mean(heights.slice(s![1.., ..-1]), here), mean(heights.slice(s![..-1, 1..]), here)]
+}
+
+fn mirrored(heights: &Array2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), SurfaceError> {
+    let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
+    let image = |index: usize, points: usize| if index < points { index } else { 2 * points - 1 - index };
+    let twice = if grid.is_line() {
+        Grid::new([2 * nx, 1], [2.0 * lx, ly])?
+    } else {
+        Grid::new([2 * nx, 2 * ny], [2.0 * lx, 2.0 * ly])?
+    };
+    Ok((Array2::from_shape_fn(twice.points(), |(i, j)| heights[[image(i, nx), image(j, ny)]]), twice))
+}
+
+fn windowed(heights: &Array2<f64>, taper: f64) -> Array2<f64> {
+    let (nx, ny) = heights.dim();
+    let (x, y) = (window(nx, taper), window(ny, taper));
+    let mean = heights.mean().unwrap_or(0.0);
+    Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j])
+}
+
+/// A cosine-tapered window over points in the middles of n intervals, divided by its rms value; 1 for a single point.
+fn window(points: usize, taper: f64) -> Vec<f64> {
+    if points == 1 {
+        return vec![1.0];
+    }
+    let rise = |i: usize| {
+        let edge = (i as f64 + 0.5).min(points as f64 - i as f64 - 0.5) / points as f64;
+        if 2.0 * edge < taper { 0.5 - 0.5 * (2.0 * PI * edge / taper).cos() } else { 1.0 }
+    };
+    let window: Vec<f64> = (0..points).map(rise).collect();
+    let rms = (window.iter().map(|w| w * w).sum::<f64>() / points as f64).sqrt();
+    window.into_iter().map(|w| w / rms).collect()
+}
