@@ -183,28 +183,17 @@ impl Method for Fire {
     fn step(&self, problem: &mut dyn Landscape, state: &mut FireState) -> Result<(), RelaxError> {
         state.check(problem)?;
         RelaxError::check_length("velocities", state.memory.velocity.len(), problem.len())?;
-        let weighed = |problem: &dyn Landscape, state: &FireState| {
-            let State { u, force, memory, .. } = state;
-            within!(problem.bounds(), wall => weigh(wall, u, force, &memory.velocity))
-        };
         let glided = |problem: &dyn Landscape, state: &mut FireState, coefficients| {
             let State { u, force, memory, .. } = state;
             within!(problem.bounds(), wall => glide(wall, coefficients, force, u, &mut memory.velocity))
         };
-
-        let mut balance = weighed(problem, state);
         let mut changes = 0;
-        let mut momentum = 1.0;
-        if balance.power > 0.0 {
-            let flight = &mut state.memory;
-            flight.uphill = 0;
-            flight.downhill = flight.downhill.saturating_add(1);
-            if flight.downhill > self.delay {
-                flight.dt = self.dt_max.min(flight.dt * self.dt_grow);
-                flight.alpha *= self.alpha_shrink;
-            }
-        } else if balance.speed > 0.0 {
-            let flight = &mut state.memory;
+        let Balance { power, force, speed } = {
+            let State { u, force, memory, .. } = &*state;
+            within!(problem.bounds(), wall => weigh(wall, u, force, &memory.velocity))
+        };
+        let flight = &mut state.memory;
+        let [keep, turn] = if speed > 0.0 && power <= 0.0 {
             flight.downhill = 0;
             flight.uphill = flight.uphill.saturating_add(1);
             if flight.uphill > self.max_uphill {
@@ -219,18 +208,25 @@ impl Method for Fire {
                 let back = [1.0, 0.0, -0.5 * flight.dt];
                 changes += glided(problem, state, back);
                 state.evaluate(problem);
-                balance = weighed(problem, state);
             }
-            momentum = 0.0;
-            balance = Balance { power: 0.0, speed: 0.0, ..balance };
-        }
-
-        let (dt, alpha) = (state.memory.dt, state.memory.alpha);
-        // |v + Δt f|², the velocity after the force has acted and before it turns.
-        let speed = balance.speed + dt * (2.0 * balance.power + dt * balance.force);
-        let speed_per_force = if balance.force > 0.0 { (speed / balance.force).sqrt() } else { 0.0 };
-        let keep = momentum * (1.0 - alpha);
-        let turn = (1.0 - alpha) * dt + alpha * speed_per_force;
+            // From rest the force alone gives the direction: nothing to turn.
+            [0.0, state.memory.dt]
+        } else {
+            if power > 0.0 {
+                flight.uphill = 0;
+                flight.downhill = flight.downhill.saturating_add(1);
+                if flight.downhill > self.delay {
+                    flight.dt = self.dt_max.min(flight.dt * self.dt_grow);
+                    flight.alpha *= self.alpha_shrink;
+                }
+            }
+            let Flight { dt, alpha, .. } = *flight;
+            // |v + Δt f|², the velocity after the force has acted and before it turns.
+            let speed = speed + dt * (2.0 * power + dt * force);
+            let speed_per_force = if force > 0.0 { (speed / force).sqrt() } else { 0.0 };
+            [1.0 - alpha, (1.0 - alpha) * dt + alpha * speed_per_force]
+        };
+        let dt = state.memory.dt;
         changes += glided(problem, state, [keep, turn, dt]);
         state.step += 1;
         state.settled = if changes == 0 { state.settled + 1 } else { 0 };

@@ -1,10 +1,10 @@
 //! Relaxation methods for constrained minimisation: U(u) → min, each entry of u within its bounds. No physics inside.
 //!
-//! | method                            | asks of the problem              | good at                                    |
-//! |-----------------------------------|----------------------------------|--------------------------------------------|
-//! | [`Verlet`]                        | force, softest and stiffest mode | convex problems, predictable by [`Damping`] |
-//! | [`Fire`]                          | force, stiffest mode             | landscapes of which little is known        |
-//! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`] with non-negative variables  |
+//! | method                            | asks of the problem              | good at                                 |
+//! |-----------------------------------|----------------------------------|-----------------------------------------|
+//! | [`Verlet`]                        | force, softest and stiffest mode | convex problems; [`Damping`] has rates  |
+//! | [`Fire`]                          | force, stiffest mode             | landscapes of which little is known     |
+//! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
 //!
 //! For the first two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A
 //! [`Method`] holds parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and

@@ -152,6 +152,38 @@ fn gives_up_after_too_many_steps_uphill() {
     }
 }
 
+/// The same overshoot, seen from the time step: constant for `grace` steps, then halved at each step uphill.
+#[test]
+fn uphill_steps_shorten_the_time_step_after_the_grace() {
+    let mut problem = Chain::modes(&[1.9, 1.9]);
+    for (dt_min, shortened) in [(0.1, 0.5), (0.6, 0.6)] {
+        let fire = Fire { dt_start: 1.0, dt_min, grace: 3, uphill: Uphill::Halt, ..Fire::v2(1.0) };
+        let mut state = fire.start(&mut problem, vec![1.0, 0.5]).unwrap();
+        let mut seen = Vec::new();
+        for _ in 0..5 {
+            fire.step(&mut problem, &mut state).unwrap();
+            seen.push((state.memory.dt, state.memory.uphill, state.memory.downhill));
+        }
+        // The shortened step does not overshoot.
+        assert_eq!(seen, [(1.0, 0, 0), (1.0, 1, 0), (1.0, 2, 0), (shortened, 3, 0), (shortened, 0, 1)]);
+    }
+}
+
+/// Overshoots to its bound, from −1 to 1/2 instead of 0.9, and is pulled off: the step back takes it away from there.
+#[test]
+fn an_entry_that_a_step_back_takes_off_its_bound_has_left_it() {
+    let mut problem = Chain::modes(&[1.9, 1.9]).below(vec![0.5; 2]);
+    let fire = Fire { dt_start: 1.0, grace: 0, ..Fire::v2(1.0) };
+    let mut state = fire.start(&mut problem, vec![-1.0, -1.0]).unwrap();
+    fire.step(&mut problem, &mut state).unwrap();
+    assert_eq!((&state.u[..], &state.memory.velocity[..], state.settled), (&[0.5; 2][..], &[1.5; 2][..], 0));
+    fire.step(&mut problem, &mut state).unwrap();
+    // Back by ½ Δt v with Δt = ½, then from rest by Δt² f.
+    let exact = (0.5 - 0.25 * 1.5) * (1.0 - 0.25 * 1.9);
+    assert!((state.u[0] - exact).abs() < 1e-15, "{}", state.u[0]);
+    assert_eq!((state.settled, state.evaluations), (0, 4));
+}
+
 /// Two entries on their bounds and nothing else: a velocity into the wall is no step uphill.
 #[test]
 fn entries_that_arrive_at_their_bound_stay_there() {
