@@ -35,7 +35,7 @@ impl Blocks {
         Self { longitudinal, normal, transverse, coupling: [coupling, -coupling] }
     }
 
-    /// The same number on all three components.
+    /// No coupling; the same number along and across the wave vector.
     pub(crate) fn diagonal(lateral: f64, normal: f64) -> Self {
         Self { longitudinal: lateral, normal, transverse: lateral, coupling: [0.0; 2] }
     }
@@ -47,6 +47,11 @@ impl Blocks {
             transverse: f(self.transverse),
             coupling: self.coupling.map(f),
         }
+    }
+
+    /// The same seen from below, z mirrored.
+    pub(crate) fn mirrored(self) -> Self {
+        Self { coupling: self.coupling.map(|c| -c), ..self }
     }
 
     /// Of a Hermitian matrix: its inverse.

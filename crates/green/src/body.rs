@@ -6,6 +6,7 @@ use crate::{
     blocks::{VECTOR_ROWS, average_aliases, direction},
     half_space,
     slab::LayerMode,
+    stack::Basis,
 };
 
 /// How far a body reaches below its surface.
@@ -112,13 +113,7 @@ impl Body {
             return self.uniform_compliance().map(f64::recip);
         }
         let Height::Finite(height) = self.height else { return half_space::stiffness(&self.material, q) };
-        let layer = LayerMode::new(&self.material, height, q);
-        match &self.base {
-            Base::Bonded => layer.bonded_stiffness(),
-            Base::Sliding => layer.sliding_stiffness(),
-            Base::Free => layer.free_stiffness(),
-            Base::Elastic(below) => layer.on(&below.stiffness_blocks(q)).stiffness,
-        }
+        LayerMode::new(&self.material, height, q).stiffness_on(&self.base)
     }
 
     /// Compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse of
@@ -129,27 +124,29 @@ impl Body {
             return self.uniform_compliance();
         }
         let Height::Finite(height) = self.height else { return half_space::compliance(&self.material, q) };
+        LayerMode::new(&self.material, height, q).compliance_on(&self.base)
+    }
+
+    /// All that can happen at the surface, at q > 0.
+    pub(crate) fn basis(&self, q: f64) -> Basis {
+        let Height::Finite(height) = self.height else {
+            return Basis::of_stiffness(half_space::stiffness(&self.material, q));
+        };
         let layer = LayerMode::new(&self.material, height, q);
         match &self.base {
-            Base::Bonded => layer.bonded_compliance(),
-            Base::Sliding => layer.sliding_compliance(),
-            Base::Free => layer.free_compliance(),
-            Base::Elastic(below) => layer.on(&below.stiffness_blocks(q)).stiffness.inverse_hermitian(),
+            base if !layer.is_thin() => Basis::of_stiffness(layer.stiffness_on(base)),
+            // Displacement and traction that the base allows, laterally and normally.
+            Base::Bonded => layer.basis_of([0.0, 1.0], [0.0, 1.0]),
+            Base::Sliding => layer.basis_of([1.0, 0.0], [0.0, 1.0]),
+            Base::Free => layer.basis_of([1.0, 0.0], [1.0, 0.0]),
+            Base::Elastic(below) => layer.basis_on(below),
         }
     }
 
-    /// q = 0: layers in series.
     fn uniform_compliance(&self) -> Blocks {
-        let Height::Finite(height) = self.height else { return Blocks::diagonal(f64::INFINITY, f64::INFINITY) };
-        let (lateral, normal) = (height / self.material.shear_modulus(), height * self.material.p_wave_compliance());
-        match &self.base {
-            Base::Bonded => Blocks::diagonal(lateral, normal),
-            Base::Sliding => Blocks::diagonal(f64::INFINITY, normal),
-            Base::Free => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
-            Base::Elastic(below) => {
-                let below = below.uniform_compliance();
-                Blocks::diagonal(lateral + below.transverse, normal + below.normal)
-            }
+        match self.height {
+            Height::Finite(height) => uniform_compliance(&self.material, height, &self.base),
+            Height::Infinite => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
         }
     }
 
@@ -240,6 +237,20 @@ impl Body {
             let factor = if mode.nyquist[axis] { 0.0 } else { -ratio * direction[axis] };
             Complex64::new(0.0, factor)
         })
+    }
+}
+
+/// q = 0: layers in series (theory.md, section 3).
+pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) -> Blocks {
+    let (lateral, normal) = (height / material.shear_modulus(), height * material.p_wave_compliance());
+    match base {
+        Base::Bonded => Blocks::diagonal(lateral, normal),
+        Base::Sliding => Blocks::diagonal(f64::INFINITY, normal),
+        Base::Free => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
+        Base::Elastic(below) => {
+            let below = below.uniform_compliance();
+            Blocks::diagonal(lateral + below.transverse, normal + below.normal)
+        }
     }
 }
 

@@ -18,3 +18,10 @@ pub(crate) fn compliance(material: &Material, q: f64) -> Blocks {
 pub(crate) fn normal_compliance(material: &Material, q: f64) -> f64 {
     2.0 / (material.contact_modulus() * q)
 }
+
+/// Displacement at the depth ζ per displacement of the surface, b = q ζ (theory.md, section 5).
+pub(crate) fn transfer(material: &Material, b: f64) -> Blocks {
+    let decay = (-b).exp();
+    let bent = if decay > 0.0 { material.r() * b * decay } else { 0.0 };
+    Blocks { longitudinal: decay - bent, normal: decay + bent, transverse: decay, coupling: [bent; 2] }
+}

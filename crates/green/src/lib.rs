@@ -9,9 +9,11 @@
 //! | plate, free base         | (E* q/2)(sinh² h − h²)/(sinh h cosh h + h)          | theory.md, section 4   |
 //! | coating, stack of layers | layer by layer from below                           | theory.md, section 4   |
 //!
-//! Start at [`Body`]: make a [`Material`], then a half-space or a slab of it, and ask for the stiffness of a wave vector
-//! or for the table of a whole grid. Displacement u and traction t are those of the body's surface, +z out of the
-//! body; fields go like e^(+i q·r). The mode q = 0 is told by its numbers, never by a small wavenumber. ν = 1/2 is exact.
+//! Start at [`Body`]: make a [`Material`], then a half-space or a slab of it on some [`Base`], and ask for the stiffness
+//! of a wave vector or for the table of a whole grid. [`Body::at_depth`] leads to displacements and stresses inside,
+//! [`Layer`] to a layer whose both faces move. Displacement u and traction t are those of the body's surface, +z out of
+//! the body; fields go like e^(+i q·r). The mode q = 0 is told by its numbers, never by a small wavenumber. ν = 1/2 is
+//! exact, and no product q·height overflows.
 //!
 //! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping.
 //!
@@ -42,15 +44,20 @@ mod error;
 mod half_space;
 mod layer;
 mod material;
+mod sagittal;
 mod slab;
+mod stack;
 mod tables;
 mod thickness;
+mod transfer;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
 pub use error::GreenError;
+pub use layer::Layer;
 pub use material::Material;
 pub use tables::{
     StiffnessRange, normal_compliance_table, normal_stiffness_range, normal_stiffness_table,
     restricted_normal_stiffness_table, stiffness_range,
 };
+pub use transfer::{Section, StressMatrix2, StressMatrix3};

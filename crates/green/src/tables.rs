@@ -88,14 +88,12 @@ pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange
 pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let line = grid.is_line();
     range(grid, |mode| {
-        let matrix = body.stiffness_of(mode);
-        if mode.nyquist == [false, false] && !mode.is_uniform() {
-            let blocks = body.stiffness_blocks(mode.wavenumber());
-            let [low, high] = eigenvalues(blocks.longitudinal, blocks.normal, blocks.coupling[0]);
-            [low, high, if line { low } else { blocks.transverse }]
-        } else {
-            nyquist_eigenvalues(&matrix, mode.nyquist, line)
+        if mode.is_uniform() || mode.nyquist != [false, false] {
+            return special_eigenvalues(&body.stiffness_of(mode), mode.nyquist, line);
         }
+        let blocks = body.stiffness_blocks(mode.wavenumber());
+        let [low, high] = eigenvalues(blocks.longitudinal, blocks.normal, blocks.coupling[0]);
+        [low, high, if line { low } else { blocks.transverse }]
     })
 }
 
@@ -106,7 +104,7 @@ fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
 }
 
 /// Of a uniform or Nyquist mode, whose matrix couples at most one lateral axis with z.
-fn nyquist_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
+fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let coupling = matrix[other][2].im;
     let [low, high] = if coupling == 0.0 {
@@ -122,32 +120,32 @@ fn nyquist_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
     }
 }
 
-/// Softest and stiffest of the positive finite numbers that `stiffness` finds, with ties going to the first mode.
+/// Softest and stiffest of the positive finite numbers that `stiffness` finds, the same for ±m; ties go to the first.
 fn range(grid: &Grid, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
+    let different = if grid.is_line() { positions } else { positions / 2 + 1 };
     let of_lane = |lane: usize| {
-        (0..positions)
-            .flat_map(|position| {
-                let mode = grid.mode(lane, position);
-                stiffness(&mode).map(|value| (value, mode))
-            })
-            .filter(|(value, _)| value.is_finite() && *value > 0.0)
-            .map(|(value, mode)| StiffnessRange {
-                softest: value,
-                softest_mode: mode,
-                stiffest: value,
-                stiffest_mode: mode,
-            })
-            .reduce(wider)
+        let mut extremes = [(f64::INFINITY, lane, 0), (0.0, lane, 0)];
+        for position in 0..different {
+            for value in stiffness(&grid.mode(lane, position)) {
+                if value > 0.0 && value < extremes[0].0 {
+                    extremes[0] = (value, lane, position);
+                }
+                if value.is_finite() && value > extremes[1].0 {
+                    extremes[1] = (value, lane, position);
+                }
+            }
+        }
+        extremes
     };
     let of_lanes: Vec<_> = (0..lanes).into_par_iter().map(of_lane).collect();
-    of_lanes.into_iter().flatten().reduce(wider)
-}
-
-fn wider(a: StiffnessRange, b: StiffnessRange) -> StiffnessRange {
-    let (softest, softest_mode) =
-        if b.softest < a.softest { (b.softest, b.softest_mode) } else { (a.softest, a.softest_mode) };
-    let (stiffest, stiffest_mode) =
-        if b.stiffest > a.stiffest { (b.stiffest, b.stiffest_mode) } else { (a.stiffest, a.stiffest_mode) };
-    StiffnessRange { softest, softest_mode, stiffest, stiffest_mode }
+    let [low, high] = of_lanes.into_iter().reduce(|[low, high], [other_low, other_high]| {
+        [if other_low.0 < low.0 { other_low } else { low }, if other_high.0 > high.0 { other_high } else { high }]
+    })?;
+    (high.0 > 0.0).then(|| StiffnessRange {
+        softest: low.0,
+        softest_mode: grid.mode(low.1, low.2),
+        stiffest: high.0,
+        stiffest_mode: grid.mode(high.1, high.2),
+    })
 }

@@ -1,6 +1,10 @@
 //! Every number of the reference files in data/reference that concerns this crate.
 
-use gfmd_green::{Base, Body, Material};
+use std::f64::consts::TAU;
+
+use gfmd_field::Grid;
+use gfmd_green::{Base, Body, Layer, Material, normal_stiffness_range};
+use num_complex::Complex64;
 
 /// The rows of a reference file, with the names of their columns.
 struct Table {
@@ -38,6 +42,10 @@ impl Row<'_> {
     fn optional(&self, column: &str) -> Option<f64> {
         let index = self.columns.iter().position(|c| c == column);
         self.values[index.unwrap_or_else(|| panic!("no column {column}"))]
+    }
+
+    fn complex(&self, column: &str) -> Complex64 {
+        Complex64::new(self.get(&format!("Re_{column}")), self.get(&format!("Im_{column}")))
     }
 
     fn material(&self) -> Material {
@@ -80,7 +88,7 @@ impl Worst {
     }
 }
 
-const KERNEL: f64 = 1e-13;
+const KERNEL: f64 = 2e-14;
 
 fn slab(row: &Row) -> Body {
     Body::slab(row.material(), row.get("zm")).unwrap()
@@ -217,6 +225,133 @@ fn coated_half_space() {
             ("Gzz", body.normal_compliance(row.get("q"))),
         ] {
             worst.compare(name, &row, found, row.get(name));
+        }
+    }
+    worst.within(KERNEL);
+}
+
+#[test]
+fn layer_matrix() {
+    let mut worst = Worst::default();
+    for row in Table::read("layer_matrix_4x4").rows() {
+        let layer = Layer::new(row.material(), row.get("d")).unwrap();
+        let q = row.get("q");
+        let (l, reversed) = (layer.plane_matrix(q), layer.plane_matrix(-q));
+        let cross = layer.cross_blocks(q);
+        for (name, found) in [
+            ("L11", l[0][0].re),
+            ("L11", l[2][2].re),
+            ("ImL12", l[0][1].im),
+            ("ImL12", -l[1][0].im),
+            ("ImL12", -l[2][3].im),
+            ("ImL12", -reversed[0][1].im),
+            ("L22", l[1][1].re),
+            ("L22", l[3][3].re),
+            ("L13", l[0][2].re),
+            ("L13", l[2][0].re),
+            ("ImL14", l[0][3].im),
+            ("ImL14", -l[3][0].im),
+            ("ImL23", l[1][2].im),
+            ("ImL23", -l[2][1].im),
+            ("ImL23", -reversed[1][2].im),
+            ("L24", l[1][3].re),
+            ("L24", l[3][1].re),
+            ("ImL34", l[2][3].im),
+            ("ST", layer.top_blocks(q).transverse),
+            ("ST", layer.bottom_blocks(q).transverse),
+            ("SB", cross.transverse),
+        ] {
+            worst.compare(name, &row, found, row.get(name));
+        }
+    }
+    worst.within(KERNEL);
+}
+
+const BODY: f64 = 5e-14;
+
+#[test]
+fn transfer_into_the_body() {
+    let mut worst = Worst::default();
+    for row in Table::read("body_transfer").rows() {
+        let body = Body::slab(Material::from_young(1.0, row.get("nu")).unwrap(), row.get("zm")).unwrap();
+        let (z, q) = (row.get("z"), row.get("q"));
+        let by_height = body.at_height(z).unwrap();
+        let by_depth = body.at_depth(row.get("zm") - z).unwrap();
+        for section in [by_height, by_depth] {
+            let t = section.displacement_transfer([0.0, q]);
+            for (name, found) in [
+                ("Txx", t[1][1].re),
+                ("ImTxz", t[1][2].im),
+                ("ImTzx", t[2][1].im),
+                ("Tzz", t[2][2].re),
+                ("Ttt", t[0][0].re),
+            ] {
+                worst.compare(name, &row, found, row.get(name));
+            }
+        }
+    }
+    worst.within(BODY);
+}
+
+#[test]
+fn fields_in_the_body() {
+    let mut worst = Worst::default();
+    for row in Table::read("body_fields").rows() {
+        let body = slab(&row);
+        let section = body.at_height(row.get("z")).unwrap();
+        let [qx, qy] = [row.get("qx"), row.get("qy")];
+        let surface = ["us_x", "us_y", "us_z"].map(|name| row.complex(name));
+        let of_surface = |entries: &[Complex64; 3]| entries.iter().zip(surface).map(|(e, u)| e * u).sum::<Complex64>();
+        let u = section.displacement_transfer([qx, qy]).each_ref().map(of_surface);
+        let stress = section.stress_transfer([qx, qy]).each_ref().map(of_surface);
+        let (material, i) = (row.material(), Complex64::I);
+        let shear = material.shear_modulus();
+        let (exx, eyy) = (i * qx * u[0], i * qy * u[1]);
+        let ezz = stress[2] * material.p_wave_compliance() - (1.0 - 2.0 * material.s()) * (exx + eyy);
+        let fields = [
+            ("ux", u[0]),
+            ("uy", u[1]),
+            ("uz", u[2]),
+            ("exx", exx),
+            ("eyy", eyy),
+            ("ezz", ezz),
+            ("gyz", stress[3] / shear),
+            ("gxz", stress[4] / shear),
+            ("gxy", stress[5] / shear),
+            ("sxx", stress[0]),
+            ("syy", stress[1]),
+            ("szz", stress[2]),
+            ("syz", stress[3]),
+            ("sxz", stress[4]),
+            ("sxy", stress[5]),
+        ];
+        for (name, found) in fields {
+            let wanted = row.complex(name);
+            worst.compare_to(name, &row, (found - wanted).norm(), 0.0, wanted.norm().max(f64::MIN_POSITIVE));
+        }
+    }
+    worst.within(BODY);
+}
+
+#[test]
+fn softest_mode() {
+    let mut worst = Worst::default();
+    for row in Table::read("softest_mode").rows() {
+        let material = Material::from_young(1.0, row.get("nu")).unwrap();
+        let body = Body::slab(material, 1.0).unwrap();
+        let at_minimum = row.get("h_at_minimum (0 = uniform mode)");
+        // The mode (0, 1) of this cell is the softest there is.
+        let length = if at_minimum > 0.0 { TAU / at_minimum } else { 3.0 };
+        let softest = normal_stiffness_range(&body, &Grid::square(16, length).unwrap()).unwrap();
+        let ratio = softest.softest * material.p_wave_compliance();
+        worst.compare("minimum", &row, ratio, row.get("min (1/Gzz)/(C11/zm)"));
+        if at_minimum > 0.0 {
+            assert_eq!(softest.softest_mode.wavenumber(), TAU / length);
+            for nearby in [0.999, 1.001] {
+                assert!(body.normal_stiffness(at_minimum * nearby) > softest.softest);
+            }
+        } else {
+            assert!(softest.softest_mode.is_uniform());
         }
     }
     worst.within(KERNEL);

@@ -1,0 +1,192 @@
+//! A layer on something below it: the stiffness at its top, and the state at its bottom.
+
+use crate::{
+    Base, Blocks, Body,
+    sagittal::{Real2, add, blocks, hermitian, inverse, product, real, scaled, times, transposed},
+    slab::LayerMode,
+};
+
+/// Displacement and traction (σ_xz, σ_yz, σ_zz) on one plane of a body, per displacement of a plane above it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub(crate) displacement: Blocks,
+    /// In stress/length.
+    pub(crate) traction: Blocks,
+}
+
+/// All that can happen at the top of a body, as a basis: states that obey everything below it.
+///
+/// Stiffness is traction · displacement⁻¹ and compliance the reverse. Dividing only at the end keeps the digits of both
+/// where one of them is nearly singular, as on a thin sliding layer that hardly changes its volume.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Basis {
+    state: State,
+    /// q·thickness of the thin layers since the last division. States differ less and less the deeper they come from.
+    reach: f64,
+}
+
+impl Basis {
+    pub(crate) fn of_stiffness(stiffness: Blocks) -> Self {
+        Self { state: State { displacement: Blocks::diagonal(1.0, 1.0), traction: stiffness }, reach: 0.0 }
+    }
+
+    pub(crate) fn stiffness(&self) -> Blocks {
+        quotient(&self.state.traction, &self.state.displacement)
+    }
+
+    pub(crate) fn compliance(&self) -> Blocks {
+        quotient(&self.state.displacement, &self.state.traction)
+    }
+}
+
+/// a b⁻¹, known to be Hermitian.
+fn quotient(a: &Blocks, b: &Blocks) -> Blocks {
+    hermitian(times(real(a), inverse(real(b))), a.transverse / b.transverse)
+}
+
+impl LayerMode<'_> {
+    /// Stiffness at the top of the layer on `base`.
+    pub(crate) fn stiffness_on(&self, base: &Base) -> Blocks {
+        match base {
+            Base::Bonded => self.bonded_stiffness(),
+            Base::Sliding => self.sliding_stiffness(),
+            Base::Free => self.free_stiffness(),
+            Base::Elastic(below) => self.basis_on(below).stiffness(),
+        }
+    }
+
+    /// Compliance at the top of the layer on `base`.
+    pub(crate) fn compliance_on(&self, base: &Base) -> Blocks {
+        match base {
+            Base::Bonded => self.bonded_compliance(),
+            Base::Sliding => self.sliding_compliance(),
+            Base::Free => self.free_compliance(),
+            Base::Elastic(below) => self.basis_on(below).compliance(),
+        }
+    }
+
+    /// Basis at the top of the layer bonded to a body.
+    pub(crate) fn basis_on(&self, below: &Body) -> Basis {
+        let below = below.basis(self.q);
+        if !self.is_thin() {
+            return Basis::of_stiffness(self.thick_stiffness(&below.stiffness()));
+        }
+        let reach = below.reach + self.t.raw;
+        let (below, reach) =
+            if reach < 1.0 { (below, reach) } else { (Basis::of_stiffness(below.stiffness()), self.t.raw) };
+        Basis { state: self.propagated(&below.state), reach }
+    }
+
+    /// Basis at the top of the layer on a base without elasticity of its own.
+    pub(crate) fn basis_of(&self, lateral: [f64; 2], normal: [f64; 2]) -> Basis {
+        let state = State {
+            displacement: Blocks::diagonal(lateral[0], normal[0]),
+            traction: Blocks::diagonal(lateral[1], normal[1]).map(|entry| self.shear_unit() * entry),
+        };
+        Basis { state: self.propagated(&state), reach: self.t.raw }
+    }
+
+    /// Displacement of the bottom per displacement of the top, where what is below resists with `support`.
+    pub(crate) fn transfer_to(&self, support: &Blocks) -> Blocks {
+        if self.is_thin() {
+            let bottom = State { displacement: Blocks::diagonal(1.0, 1.0), traction: *support };
+            let top = self.propagated(&bottom).displacement;
+            blocks(inverse(real(&top)), 1.0 / top.transverse)
+        } else {
+            self.thick_transfer(&self.bonded_stiffness(), &self.cross_stiffness(), support)
+        }
+    }
+
+    /// Displacement and traction at the bottom of the layer on `base`.
+    pub(crate) fn base_state(&self, base: &Base) -> State {
+        let nothing = Blocks::diagonal(0.0, 0.0);
+        match base {
+            Base::Bonded => {
+                let up = self.cross_stiffness();
+                let traction = scaled(transposed(real(&up)), -1.0);
+                State { displacement: nothing, traction: blocks(traction, -up.transverse) }
+            }
+            Base::Free => State { displacement: self.transfer_to(&nothing), traction: nothing },
+            Base::Sliding => self.sliding_state(),
+            Base::Elastic(below) => {
+                let support = below.stiffness_blocks(self.q);
+                let displacement = self.transfer_to(&support);
+                State { displacement, traction: product(&support, &displacement) }
+            }
+        }
+    }
+
+    /// u_z = 0 and σ_xz = 0 at the bottom: u_long and σ_zz follow.
+    fn sliding_state(&self) -> State {
+        let (longitudinal, normal) = if self.is_thin() {
+            let [uu, us, ..] = self.propagator();
+            let [longitudinal, normal] = inverse([[uu[0][0], us[0][1]], [uu[1][0], us[1][1]]]);
+            (longitudinal, normal.map(|entry| entry * self.shear_unit()))
+        } else {
+            let bottom = real(&self.bonded_stiffness().mirrored());
+            let down = transposed(real(&self.cross_stiffness()));
+            let longitudinal = down[0].map(|entry| -entry / bottom[0][0]);
+            (longitudinal, [0, 1].map(|column| -down[1][column] - bottom[1][0] * longitudinal[column]))
+        };
+        State {
+            displacement: blocks([longitudinal, [0.0; 2]], self.t.one / self.t.cosh),
+            traction: blocks([[0.0; 2], normal], 0.0),
+        }
+    }
+
+    /// Displacement and traction at the top of the layer, if it is thin, from those at its bottom.
+    pub(crate) fn propagated(&self, bottom: &State) -> State {
+        let unit = self.shear_unit();
+        let [uu, us, su, ss] = self.propagator();
+        let (u, sigma) = (real(&bottom.displacement), scaled(real(&bottom.traction), 1.0 / unit));
+        let (transverse, shear) = (bottom.displacement.transverse, bottom.traction.transverse / unit);
+        let (sinh, cosh) = (self.t.sinh, self.t.cosh);
+        State {
+            displacement: blocks(add(times(uu, u), times(us, sigma)), cosh * transverse + sinh * shear),
+            traction: blocks(
+                scaled(add(times(su, u), times(ss, sigma)), unit),
+                unit * (sinh * transverse + cosh * shear),
+            ),
+        }
+    }
+
+    /// K_top = L_tt − L_tb (L_bb + K_below)⁻¹ L_bt: every term decays with h (theory.md, section 4).
+    ///
+    /// As the layer thins, L grows like 1/h, and the difference loses as much: [`Self::propagated`] does not.
+    fn thick_stiffness(&self, support: &Blocks) -> Blocks {
+        let (face, cross) = (self.bonded_stiffness(), self.cross_stiffness());
+        let through = product(&cross, &self.thick_transfer(&face, &cross, support));
+        hermitian(add(real(&face), real(&through)), face.transverse + through.transverse)
+    }
+
+    /// −(L_bb + K_below)⁻¹ L_bt, from L_tt and L_tb.
+    fn thick_transfer(&self, face: &Blocks, cross: &Blocks, support: &Blocks) -> Blocks {
+        let bottom = add(real(&face.mirrored()), real(support));
+        let sagittal = scaled(times(inverse(bottom), transposed(real(cross))), -1.0);
+        blocks(sagittal, -cross.transverse / (face.transverse + support.transverse))
+    }
+
+    /// From (u, σ/(C44 q)) at the bottom of a thin layer to the same at its top, sagittal part in the real form: the
+    /// blocks uu, us, su, ss.
+    ///
+    /// The equations of elasticity read d/d(qz) (a, w, σ, τ) = A (a, w, σ, τ), and B = A² − 1 has B² = 0, so that
+    /// exp(h A) = cosh h + A sinh h + B (h/2) sinh h + A B (h cosh h − sinh h)/2.
+    fn propagator(&self) -> [Real2; 4] {
+        let (h, s, k) = (self.t.raw, self.material.s(), self.material.one_minus_s());
+        let (sinh, cosh) = (self.t.sinh, self.t.cosh);
+        let half = (0.5 * h).sinh();
+        let p = 0.5 * k * h * sinh;
+        let g = 0.5 * k * (h * 2.0 * half * half - self.t.sinh_minus_h);
+        let e = 1.0 - 2.0 * s;
+        [
+            [[cosh + 2.0 * p, -sinh - 2.0 * g], [e * sinh + 2.0 * g, cosh - 2.0 * p]],
+            [[sinh + g, -p], [p, s * sinh - g]],
+            [[4.0 * (k * sinh + g), -4.0 * p], [4.0 * p, -4.0 * g]],
+            [[cosh + 2.0 * p, -e * sinh - 2.0 * g], [sinh + 2.0 * g, cosh - 2.0 * p]],
+        ]
+    }
+
+    pub(crate) fn is_thin(&self) -> bool {
+        self.t.raw < 1.0
+    }
+}

@@ -1,0 +1,284 @@
+use gfmd_field::Mode;
+use num_complex::Complex64;
+
+use crate::{
+    Base, Blocks, Body, GreenError, Height, Material, Matrix2, Matrix3,
+    blocks::{VECTOR_ROWS, average_aliases},
+    body::{on_axes, uniform_compliance, wavevector},
+    half_space,
+    sagittal::product,
+    slab::LayerMode,
+    stack::State,
+    thickness::{cosh_minus, sinh_minus},
+};
+
+/// Stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
+pub type StressMatrix3 = [[Complex64; 3]; 6];
+
+/// The same in plane strain: rows xx, zz, xz, columns x, z.
+pub type StressMatrix2 = [[Complex64; 2]; 3];
+
+/// Axes named by the rows of [`StressMatrix3`].
+const STRESS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
+
+/// A plane inside a body, parallel to its surface: displacements and stresses there, per displacement of the surface
+/// (theory.md, section 5).
+#[derive(Clone, Debug)]
+pub struct Section<'a> {
+    surface: &'a Body,
+    /// Layers that lie wholly above the plane, from the top.
+    above: Vec<Above<'a>>,
+    /// The layer or half-space that the plane cuts.
+    local: &'a Body,
+    /// Below the top of `local`.
+    depth: f64,
+    /// Above the base of `local`, unless that is a half-space.
+    height: f64,
+}
+
+/// A layer that stands on another body.
+#[derive(Clone, Copy, Debug)]
+struct Above<'a> {
+    material: &'a Material,
+    thickness: f64,
+    below: &'a Body,
+}
+
+impl Body {
+    /// The plane at `height` (length) above the base of the body; of its top layer, if it stands on another body.
+    ///
+    /// # Errors
+    /// A height outside the body, or any height in a half-space.
+    pub fn at_height(&self, height: f64) -> Result<Section<'_>, GreenError> {
+        let Height::Finite(largest) = self.height() else { return Err(GreenError::HalfSpaceHeight(height)) };
+        if !(0.0..=largest).contains(&height) {
+            return Err(GreenError::Outside { what: "height above the base", found: height, largest });
+        }
+        Ok(Section { surface: self, above: Vec::new(), local: self, depth: largest - height, height })
+    }
+
+    /// The plane at `depth` (length) below the surface. In a stack it may lie in any layer.
+    ///
+    /// # Errors
+    /// A depth outside the body.
+    pub fn at_depth(&self, depth: f64) -> Result<Section<'_>, GreenError> {
+        let outside = |largest| GreenError::Outside { what: "depth below the surface", found: depth, largest };
+        let (mut above, mut local, mut top) = (Vec::new(), self, 0.0);
+        if !(depth.is_finite() && depth >= 0.0) {
+            return Err(outside(self.total_height()));
+        }
+        loop {
+            let Height::Finite(thickness) = local.height() else {
+                return Ok(Section { surface: self, above, local, depth: depth - top, height: f64::INFINITY });
+            };
+            let bottom = top + thickness;
+            if depth <= bottom {
+                return Ok(Section { surface: self, above, local, depth: depth - top, height: bottom - depth });
+            }
+            let Base::Elastic(below) = local.base() else { return Err(outside(bottom)) };
+            above.push(Above { material: local.material(), thickness, below });
+            (local, top) = (below, bottom);
+        }
+    }
+
+    fn total_height(&self) -> f64 {
+        let Height::Finite(thickness) = self.height() else { return f64::INFINITY };
+        match self.base() {
+            Base::Elastic(below) => thickness + below.total_height(),
+            _ => thickness,
+        }
+    }
+}
+
+impl Section<'_> {
+    /// What the body is made of here. On the plane between two layers: that of the upper one.
+    pub fn material(&self) -> &Material {
+        self.local.material()
+    }
+
+    /// Displacement here per displacement of the surface, of the wave vector `q` (rad/length); dimensionless.
+    pub fn displacement_transfer(&self, q: [f64; 2]) -> Matrix3 {
+        on_axes(q, |q| self.state(q).displacement)
+    }
+
+    /// Stress here per displacement of the surface, of the wave vector `q` (rad/length), in stress/length.
+    ///
+    /// At q = 0 infinite where the stiffness is: an incompressible slab on a rigid base.
+    pub fn stress_transfer(&self, q: [f64; 2]) -> StressMatrix3 {
+        let displacement = self.displacement_transfer(q);
+        let traction = on_axes(q, |q| self.state(q).traction);
+        let mut stress = [[Complex64::ZERO; 3]; 6];
+        for column in 0..3 {
+            let [ux, uy] = [displacement[0][column], displacement[1][column]];
+            let [xz, yz, zz] = [traction[0][column], traction[1][column], traction[2][column]];
+            let [xx, yy] = self.lateral_stress([i_times(q[0], ux), i_times(q[1], uy)], zz);
+            let xy = self.material().shear_modulus() * (i_times(q[1], ux) + i_times(q[0], uy));
+            for (row, value) in stress.iter_mut().zip([xx, yy, zz, yz, xz, xy]) {
+                row[column] = value;
+            }
+        }
+        stress
+    }
+
+    /// Displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    pub fn displacement_transfer_of(&self, mode: &Mode) -> Matrix3 {
+        let mut matrix = self.displacement_transfer(wavevector(mode));
+        average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
+        matrix
+    }
+
+    /// Stress transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    pub fn stress_transfer_of(&self, mode: &Mode) -> StressMatrix3 {
+        let mut matrix = self.stress_transfer(wavevector(mode));
+        average_aliases(&mut matrix, &STRESS_ROWS, mode.nyquist);
+        matrix
+    }
+
+    /// Plane strain: displacement (x, z) here per displacement of the surface, of the wave vector `q` along x.
+    pub fn plane_displacement_transfer(&self, q: f64) -> Matrix2 {
+        self.state(q.abs()).displacement.plane(q.signum())
+    }
+
+    /// Plane strain: stress here per displacement of the surface, of the wave vector `q` along x, in stress/length.
+    pub fn plane_stress_transfer(&self, q: f64) -> StressMatrix2 {
+        let state = self.state(q.abs());
+        let (displacement, traction) = (state.displacement.plane(q.signum()), state.traction.plane(q.signum()));
+        let mut stress = [[Complex64::ZERO; 2]; 3];
+        for column in 0..2 {
+            let [xz, zz] = [traction[0][column], traction[1][column]];
+            let [xx, _] = self.lateral_stress([i_times(q, displacement[0][column]), Complex64::ZERO], zz);
+            for (row, value) in stress.iter_mut().zip([xx, zz, xz]) {
+                row[column] = value;
+            }
+        }
+        stress
+    }
+
+    /// σ_xx and σ_yy from ε_xx, ε_yy and σ_zz, finite at ν = 1/2.
+    fn lateral_stress(&self, strain: [Complex64; 2], normal: Complex64) -> [Complex64; 2] {
+        let (s, shear) = (self.material().s(), self.material().shear_modulus());
+        // An infinite stress has no part in a strain that is zero.
+        let elastic = if s > 0.0 { normal * (s / shear) } else { Complex64::ZERO };
+        let thickening = elastic - (strain[0] + strain[1]) * (1.0 - 2.0 * s);
+        strain.map(|strain| normal + (strain - thickening) * (2.0 * shear))
+    }
+
+    /// Displacement and traction here per displacement of the surface, at |q| = `q`.
+    fn state(&self, q: f64) -> State {
+        if q == 0.0 {
+            return self.uniform_state();
+        }
+        self.above.iter().rev().fold(self.local_state(q), |state, layer| {
+            let support = layer.below.stiffness_blocks(q);
+            let transfer = LayerMode::new(layer.material, layer.thickness, q).transfer_to(&support);
+            State {
+                displacement: product(&state.displacement, &transfer),
+                traction: product(&state.traction, &transfer),
+            }
+        })
+    }
+
+    /// The same per displacement of the top of the local layer.
+    fn local_state(&self, q: f64) -> State {
+        let material = self.local.material();
+        let Height::Finite(thickness) = self.local.height() else {
+            let displacement = half_space::transfer(material, q * self.depth);
+            return State { displacement, traction: product(&half_space::stiffness(material, q), &displacement) };
+        };
+        let base = self.local.base();
+        let whole = LayerMode::new(material, thickness, q);
+        let below = LayerMode::new(material, self.height, q);
+        let transfer = || bonded_transfer(material, q * self.height, q * self.depth);
+        if below.is_thin() {
+            let state = below.propagated(&whole.base_state(base));
+            return if *base == Base::Bonded { State { displacement: transfer(), ..state } } else { state };
+        }
+        // What lies below the plane is a slab too, on the same base.
+        let support = below.stiffness_on(base);
+        let displacement = match base {
+            Base::Bonded => transfer(),
+            _ => LayerMode::new(material, self.depth, q).transfer_to(&support),
+        };
+        State { displacement, traction: product(&support, &displacement) }
+    }
+
+    /// q = 0: each layer is strained uniformly, and bears the same stress.
+    fn uniform_state(&self) -> State {
+        let below = match self.local.height() {
+            Height::Finite(_) => uniform_compliance(self.local.material(), self.height, self.local.base()),
+            Height::Infinite => self.local.compliance_blocks(0.0),
+        };
+        let total = self.surface.compliance_blocks(0.0);
+        let share = |below: f64, total: f64| match total {
+            f64::INFINITY => 1.0,
+            // Incompressible throughout: nothing moves along z. Continue what any other ν has.
+            0.0 => self.remaining_height() / self.surface.total_height(),
+            _ => below / total,
+        };
+        let lateral = share(below.transverse, total.transverse);
+        State {
+            displacement: Blocks::diagonal(lateral, share(below.normal, total.normal)),
+            traction: total.map(f64::recip),
+        }
+    }
+
+    fn remaining_height(&self) -> f64 {
+        match self.local.base() {
+            Base::Elastic(below) => self.height + below.total_height(),
+            _ => self.height,
+        }
+    }
+}
+
+/// Transfer from the top of a slab on a bonded base to the plane at Z = q·height above it, b = q·depth below its top
+/// (theory.md, section 5).
+fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
+    if z > OUT_OF_REACH {
+        return half_space::transfer(material, b);
+    }
+    let b = b.min(2.0 * OUT_OF_REACH);
+    let (r, h) = (material.r(), z + b);
+    if h < 1.0 {
+        let (m, mz, a) = (sinh_minus(h), sinh_minus(z), h + z);
+        let (one_minus_r, one_plus_r) = (material.one_minus_r(), material.one_plus_r());
+        let determinant = (one_minus_r * h + m) * (one_plus_r * h + m);
+        let half = (0.5 * b).sinh();
+        let mean = one_minus_r * one_plus_r * h * z + 0.5 * (cosh_minus(a) - cosh_minus(b))
+            - 2.0 * r * r * h * z * half * half;
+        let x = 0.5 * r * (a * sinh_minus(b) - b * sinh_minus(a));
+        let y = b * (h * mz + z * m + m * mz);
+        let w = r * h * z * sinh_minus(b);
+        Blocks {
+            longitudinal: (mean + x) / determinant,
+            normal: (mean - x) / determinant,
+            transverse: z.sinh() / h.sinh(),
+            coupling: [
+                r * (one_plus_r * b * h * z + y + w) / determinant,
+                r * (one_minus_r * b * h * z + y - w) / determinant,
+            ],
+        }
+    } else {
+        let (ez, oz) = ((-2.0 * z).exp(), -(-2.0 * z).exp_m1());
+        let (e, o) = ((-2.0 * h).exp(), -(-2.0 * h).exp_m1());
+        let g = (-b).exp() / (o * o - 4.0 * r * r * h * h * e);
+        let difference = -ez * (-2.0 * b).exp_m1();
+        let product = oz * o;
+        // Z (1 + E) o − h O (1 + e), written so that it keeps its digits at either end.
+        let x = if z < b { z * (1.0 + ez) * o - h * oz * (1.0 + e) } else { 2.0 * h * difference - b * (1.0 + ez) * o };
+        let w = 2.0 * r * h * z * difference;
+        let mean = product - 2.0 * r * r * h * z * (ez + e);
+        Blocks {
+            longitudinal: g * (mean + r * x),
+            normal: g * (mean - r * x),
+            transverse: (-b).exp() * oz / o,
+            coupling: [r * g * (b * product + w), r * g * (b * product - w)],
+        }
+    }
+}
+
+/// Beyond this q·height above the base, nothing of the base is felt: e^(−2 Z) times any power of it is zero.
+const OUT_OF_REACH: f64 = 400.0;
+
+fn i_times(factor: f64, value: Complex64) -> Complex64 {
+    Complex64::new(-factor * value.im, factor * value.re)
+}
