@@ -100,12 +100,12 @@ pub enum Divergence {
     /// Displacement, energy or residual is infinite or not a number.
     #[error("displacement, energy or residual is not finite")]
     NotFinite,
-    /// The energy is far above that of the start.
+    /// The energy is far above its scale at the start.
     #[error("the energy is {found:e}, allowed is {allowed:e}")]
     Energy {
         /// The energy.
         found: f64,
-        /// The limit, set when the run started.
+        /// The limit.
         allowed: f64,
     },
 }

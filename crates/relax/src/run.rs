@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::{Bounds, Divergence, Landscape, Observer, RelaxError};
 
-/// A run counts as diverged when its energy is this many times its own scale above the start. A stable scheme started
+/// A run counts as diverged when its energy is this many times [`State::energy_scale`]. A stable scheme started
 /// from rest stays far below: the strongest transient, that of the stiffest mode under optimal damping, gains about
 /// k_max / (7 k_min).
 const GROWTH: f64 = 1e8;
@@ -39,8 +39,8 @@ pub struct State<Memory> {
     pub settled: u64,
     /// Evaluations of [`Landscape::force`] so far.
     pub evaluations: u64,
-    /// Energy above which the run counts as diverged.
-    pub energy_limit: f64,
+    /// What counts as much energy: |U| at the start plus the work of the forces over a first step.
+    pub energy_scale: f64,
     /// What the method remembers.
     pub memory: Memory,
 }
@@ -58,10 +58,9 @@ impl<Memory> State<Memory> {
         problem.bounds().project(&mut u);
         let mut force = vec![0.0; u.len()];
         let energy = problem.force(&u, &mut force);
-        // Work of the forces over the first step: the scale of the energy where U itself happens to be zero.
-        let work = tau * gfmd_vector::dot(&force, &force);
-        let energy_limit = energy + GROWTH * (energy.abs() + work);
-        Ok(Self { u, force, energy, step: 0, settled: 0, evaluations: 1, energy_limit, memory })
+        // The work tells where U itself happens to be zero.
+        let energy_scale = energy.abs() + tau * gfmd_vector::dot(&force, &force);
+        Ok(Self { u, force, energy, step: 0, settled: 0, evaluations: 1, energy_scale, memory })
     }
 
     /// Where the run stands. Costs one [`Landscape::residual`], no force.
@@ -89,10 +88,11 @@ impl<Memory> State<Memory> {
     }
 
     fn divergence(&self) -> Option<Divergence> {
+        let allowed = GROWTH * self.energy_scale;
         if !self.energy.is_finite() {
             Some(Divergence::NotFinite)
-        } else if self.energy > self.energy_limit {
-            Some(Divergence::Energy { found: self.energy, allowed: self.energy_limit })
+        } else if self.energy > allowed {
+            Some(Divergence::Energy { found: self.energy, allowed })
         } else {
             None
         }

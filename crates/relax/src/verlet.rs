@@ -7,7 +7,7 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Rises of the energy below this fraction of it may be rounding.
+/// Rises of the energy below this fraction of its scale may be rounding.
 const RISE: f64 = 1e-12;
 
 /// Damped position Verlet, u₊ = Π(u + β (u − u₋) + τ f), with Π the projection on the bounds and u₋ the previous
@@ -49,6 +49,8 @@ pub type VerletState = State<Trail>;
 pub struct Trail {
     /// u₋: u one step earlier, or u itself at rest.
     pub previous: Vec<f64>,
+    /// Whether nothing moves, u₋ = u.
+    pub at_rest: bool,
 }
 
 impl Verlet {
@@ -119,7 +121,7 @@ impl Method for Verlet {
     type Memory = Trail;
 
     fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<VerletState, RelaxError> {
-        let mut state = State::at_rest(problem, u, self.damping.tau, Trail { previous: Vec::new() })?;
+        let mut state = State::at_rest(problem, u, self.damping.tau, Trail { previous: Vec::new(), at_rest: true })?;
         state.memory.previous.clone_from(&state.u);
         Ok(state)
     }
@@ -134,11 +136,15 @@ impl Method for Verlet {
         state.settled = if changes == 0 { state.settled + 1 } else { 0 };
         let before = state.energy;
         state.evaluate(problem);
-        if self.on_rise == OnRise::StepBack && state.energy > before + RISE * before.abs() {
+        let tolerance = RISE * state.energy_scale.max(before.abs());
+        // From rest the step was one of plain descent; taken back, it would only be repeated.
+        let back = self.on_rise == OnRise::StepBack && !state.memory.at_rest && state.energy > before + tolerance;
+        if back {
             std::mem::swap(&mut state.u, &mut state.memory.previous);
             state.memory.previous.copy_from_slice(&state.u);
             state.evaluate(problem);
         }
+        state.memory.at_rest = back;
         Ok(())
     }
 

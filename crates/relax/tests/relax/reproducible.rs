@@ -41,10 +41,10 @@ trait Reload {
 
 impl Reload for gfmd_relax::Trail {
     fn reload(&self) -> Self {
-        Self { previous: through_bytes(&self.previous) }
+        Self { previous: through_bytes(&self.previous), at_rest: self.at_rest }
     }
     fn all_bits(&self) -> Vec<u64> {
-        bits(&self.previous)
+        [bits(&self.previous), vec![self.at_rest.into()]].concat()
     }
 }
 
@@ -61,7 +61,7 @@ impl Reload for gfmd_relax::Flight {
 
 impl<M: Reload> Reload for State<M> {
     fn reload(&self) -> Self {
-        let Self { u, force, energy, step, settled, evaluations, energy_limit, memory } = self;
+        let Self { u, force, energy, step, settled, evaluations, energy_scale, memory } = self;
         Self {
             u: through_bytes(u),
             force: through_bytes(force),
@@ -69,12 +69,12 @@ impl<M: Reload> Reload for State<M> {
             step: *step,
             settled: *settled,
             evaluations: *evaluations,
-            energy_limit: *energy_limit,
+            energy_scale: *energy_scale,
             memory: memory.reload(),
         }
     }
     fn all_bits(&self) -> Vec<u64> {
-        let numbers = [self.energy.to_bits(), self.step, self.settled, self.evaluations, self.energy_limit.to_bits()];
+        let numbers = [self.energy.to_bits(), self.step, self.settled, self.evaluations, self.energy_scale.to_bits()];
         [bits(&self.u), bits(&self.force), numbers.to_vec(), self.memory.all_bits()].concat()
     }
 }
