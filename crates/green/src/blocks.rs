@@ -54,6 +54,11 @@ impl Blocks {
         Self { coupling: self.coupling.map(|c| -c), ..self }
     }
 
+    /// Of a matrix without coupling: its inverse. Zero becomes infinite, and infinite zero.
+    pub(crate) fn inverse_diagonal(&self) -> Self {
+        Self::diagonal(1.0 / self.transverse, 1.0 / self.normal)
+    }
+
     /// Of a Hermitian matrix: its inverse.
     pub(crate) fn inverse_hermitian(&self) -> Self {
         let coupling = self.coupling[0];

@@ -110,7 +110,7 @@ impl Body {
     pub fn stiffness_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
-            return self.uniform_compliance().map(f64::recip);
+            return self.uniform_compliance().inverse_diagonal();
         }
         let Height::Finite(height) = self.height else { return half_space::stiffness(&self.material, q) };
         LayerMode::new(&self.material, height, q).stiffness_on(&self.base)

@@ -56,6 +56,7 @@ pub use body::{Base, Body, Height};
 pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
+pub use num_complex::Complex64;
 pub use tables::{
     StiffnessRange, normal_compliance_table, normal_stiffness_range, normal_stiffness_table,
     restricted_normal_stiffness_table, stiffness_range,

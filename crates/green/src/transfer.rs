@@ -218,7 +218,7 @@ impl Section<'_> {
         let lateral = share(below.transverse, total.transverse);
         State {
             displacement: Blocks::diagonal(lateral, share(below.normal, total.normal)),
-            traction: total.map(f64::recip),
+            traction: total.inverse_diagonal(),
         }
     }
 

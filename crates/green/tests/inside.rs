@@ -270,4 +270,7 @@ fn the_uniform_mode_shears_and_squeezes_evenly() {
     assert_eq!(diagonal(&rubber, 0.5), [0.75; 3]);
     let stress = rubber.at_depth(0.5).unwrap().stress_transfer([0.0, 0.0]);
     assert!([0, 1, 2].iter().all(|&row| stress[row][2].re == f64::INFINITY));
+    let [xx, zz, xz] = rubber.at_depth(0.5).unwrap().plane_stress_transfer(0.0);
+    assert!(xx[1].re == f64::INFINITY && zz[1].re == f64::INFINITY);
+    assert_eq!((xx[0], zz[0], xz[1]), (Complex64::ZERO, Complex64::ZERO, Complex64::ZERO));
 }

@@ -213,6 +213,13 @@ fn the_uniform_mode_is_a_stack_of_springs() {
     assert_eq!((slab.lateral_ratio(0.0), Body::half_space(material).lateral_ratio(0.0)), (0.0, 0.0));
     let rubber = Body::slab(Material::from_young(1.0, 0.5).unwrap(), 0.5).unwrap();
     assert_eq!((rubber.normal_compliance(0.0), rubber.normal_stiffness(0.0)), (0.0, f64::INFINITY));
+    for body in [&slab, &rubber, &Body::half_space(material)] {
+        for m in [body.plane_stiffness(0.0), body.plane_compliance(0.0)] {
+            assert_eq!((m[0][1], m[1][0]), (Complex64::ZERO, Complex64::ZERO));
+        }
+        assert_eq!(body.plane_stiffness(0.0)[1][1].re, body.normal_stiffness(0.0));
+        assert_eq!(body.plane_compliance(0.0)[1][1].re, body.normal_compliance(0.0));
+    }
     // A long wave is not the uniform mode: an incompressible slab can only be squeezed sideways.
     assert!(rubber.normal_compliance(1e-8) > 0.0);
 }
