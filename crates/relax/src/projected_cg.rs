@@ -19,6 +19,9 @@ pub struct ProjectedCg {
     pub preconditioned: bool,
 }
 
+/// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
+const LEAST_DESCENT: f64 = 0.1;
+
 impl ProjectedCg {
     /// Minimises from `x` on, in place; `watch` sees every iterate.
     ///
@@ -71,7 +74,11 @@ impl ProjectedCg {
             product_before = product;
 
             let shift = z_mean + beta * mean(direction_sum);
-            let slope = turn(&mut direction, x, &residual, z, beta, shift);
+            let mut slope = turn(&mut direction, x, &residual, z, beta, shift);
+            if slope < LEAST_DESCENT * product {
+                // What the projection left of the old direction leads uphill: start over from steepest descent.
+                slope = turn(&mut direction, x, &residual, z, 0.0, z_mean);
+            }
             let step = step_length(slope, problem.curvature(&direction), now)?;
             let sum = advance(x, &direction, step);
             rescale(x, sum, target.mean);

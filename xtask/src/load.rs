@@ -1,0 +1,149 @@
+//! What is recorded of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
+
+use gfmd_contact::{Residual, Solution};
+use gfmd_measure::{contact_area, elastic_energy_density, kappa, pressure_statistics, reduced_pressure};
+use serde::{Deserialize, Serialize};
+
+/// The scalars of one load. Units: those of the input (stress, length).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+pub struct LoadRecord {
+    pub mean_pressure: f64,
+    pub p_star: f64,
+    pub displacement: f64,
+    pub area_fraction: f64,
+    pub area_fraction_corrected: f64,
+    pub kappa: f64,
+    pub kappa_corrected: f64,
+    pub contact_nodes: u64,
+    pub boundary_links: u64,
+    pub mean_gap: f64,
+    pub max_pressure: f64,
+    pub mean_pressure_in_contact: f64,
+    pub pressure_deviation_in_contact: f64,
+    pub pressure_moment_2: f64,
+    pub elastic_energy: f64,
+    pub iterations: u64,
+    pub transform_pairs: f64,
+    pub converged: bool,
+    pub residual: ResidualRecord,
+    pub seconds: f64,
+}
+
+/// The four residuals (docs/interface.md).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+pub struct ResidualRecord {
+    pub complementarity: f64,
+    pub penetration: f64,
+    pub negative_pressure: f64,
+    pub load: f64,
+}
+
+impl From<Residual> for ResidualRecord {
+    fn from(residual: Residual) -> Self {
+        let Residual { complementarity, penetration, negative_pressure, load } = residual;
+        Self { complementarity, penetration, negative_pressure, load }
+    }
+}
+
+impl LoadRecord {
+    /// Measures a solution. `rms_gradient` is the spectral one of the whole surface.
+    pub fn measure(solution: &Solution, contact_modulus: f64, rms_gradient: f64, tolerance: f64, seconds: f64) -> Self {
+        let area = contact_area(solution.pressure.view());
+        let pressure = pressure_statistics(solution.pressure.view());
+        let p_star = reduced_pressure(solution.mean_pressure, contact_modulus, rms_gradient);
+        Self {
+            mean_pressure: solution.mean_pressure,
+            p_star,
+            displacement: solution.approach,
+            area_fraction: area.fraction,
+            area_fraction_corrected: area.corrected_fraction,
+            kappa: kappa(area.fraction, p_star),
+            kappa_corrected: kappa(area.corrected_fraction, p_star),
+            contact_nodes: area.nodes as u64,
+            boundary_links: area.boundary_links as u64,
+            mean_gap: solution.gap.mean().unwrap_or(f64::NAN),
+            max_pressure: pressure.max,
+            mean_pressure_in_contact: pressure.mean_in_contact,
+            pressure_deviation_in_contact: pressure.deviation_in_contact,
+            pressure_moment_2: pressure.moments[0],
+            elastic_energy: elastic_energy_density(solution.pressure.view(), solution.displacement.view()),
+            iterations: solution.iterations,
+            transform_pairs: solution.transform_pairs,
+            converged: solution.residual.worst() <= tolerance,
+            residual: solution.residual.into(),
+            seconds,
+        }
+    }
+}
+
+/// One scalar of [`LoadRecord`] as a variable of a file.
+pub struct Scalar {
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Kind of quantity.
+    pub units: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// The value.
+    pub value: fn(&LoadRecord) -> f64,
+}
+
+const fn scalar(
+    name: &'static str,
+    units: &'static str,
+    long_name: &'static str,
+    value: fn(&LoadRecord) -> f64,
+) -> Scalar {
+    Scalar { name, units, long_name, value }
+}
+
+/// All scalars, in the order of the files.
+pub const SCALARS: &[Scalar] = &[
+    scalar("mean_pressure", "stress", "mean pressure over the whole surface", |r| r.mean_pressure),
+    scalar("p_star", "1", "reduced pressure p/(E* g)", |r| r.p_star),
+    scalar("displacement", "length", "rigid approach beyond first touch", |r| r.displacement),
+    scalar("area_fraction", "1", "contact area fraction, points in contact over all points", |r| r.area_fraction),
+    scalar(
+        "area_fraction_corrected",
+        "1",
+        "contact area fraction less the pixels' excess along the perimeter (Yastrebov et al. 2017)",
+        |r| r.area_fraction_corrected,
+    ),
+    scalar("kappa", "1", "area_fraction / p_star", |r| r.kappa),
+    scalar("kappa_corrected", "1", "area_fraction_corrected / p_star", |r| r.kappa_corrected),
+    scalar("contact_nodes", "1", "number of points in contact", |r| r.contact_nodes as f64),
+    scalar("boundary_links", "1", "neighbouring pairs with one point in contact and one not", |r| {
+        r.boundary_links as f64
+    }),
+    scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
+    scalar("max_pressure", "stress", "largest pressure", |r| r.max_pressure),
+    scalar("mean_pressure_in_contact", "stress", "mean pressure over the points in contact", |r| {
+        r.mean_pressure_in_contact
+    }),
+    scalar(
+        "pressure_deviation_in_contact",
+        "stress",
+        "standard deviation of the pressure over the points in contact",
+        |r| r.pressure_deviation_in_contact,
+    ),
+    scalar("pressure_moment_2", "stress^2", "mean square pressure over the whole surface", |r| r.pressure_moment_2),
+    scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
+    scalar("iterations", "1", "iterations or time steps of the solver", |r| r.iterations as f64),
+    scalar("transform_pairs", "1", "forward and inverse real transforms of the full grid, in pairs", |r| {
+        r.transform_pairs
+    }),
+    scalar("converged", "1", "1 if all four residuals are at most the tolerance", |r| f64::from(u8::from(r.converged))),
+    scalar("residual_complementarity", "1", "sum(p gap) / (sum(p) h_rms), from the final fields", |r| {
+        r.residual.complementarity
+    }),
+    scalar("residual_penetration", "1", "max(0, -min gap) / h_rms, from the final fields", |r| r.residual.penetration),
+    scalar("residual_negative_pressure", "1", "max(0, -min p) / mean p, from the final fields", |r| {
+        r.residual.negative_pressure
+    }),
+    scalar("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
+];
+
+/// Wall time of a load: recorded, but not among the numbers that repeat.
+pub const SECONDS: Scalar = scalar("seconds", "s", "wall time of the solve", |r| r.seconds);

@@ -1,0 +1,77 @@
+//! Progress on stderr: a bar on a terminal, a plain line every few seconds elsewhere, nothing when quiet.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::session::Common;
+
+/// Work shorter than this shows nothing.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Time between two plain lines.
+const PAUSE: Duration = Duration::from_secs(5);
+
+/// Progress through work of known total size. The size of a piece is its expected cost, so that the time left is honest
+/// when pieces differ.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    plain: Option<Mutex<Plain>>,
+    total: f64,
+}
+
+struct Plain {
+    what: String,
+    started: Instant,
+    shown: Instant,
+    done: f64,
+}
+
+impl Progress {
+    /// Progress of `what`; `total` in the unit of the pieces.
+    pub fn new(common: &Common, what: &str, total: f64) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = (terminal && !common.quiet).then(|| {
+            let bar = ProgressBar::new(SCALE);
+            let template = "{prefix} [{wide_bar}] {percent}% {msg} {elapsed} < {eta}";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            bar.set_prefix(what.to_owned());
+            bar
+        });
+        let now = Instant::now();
+        let plain = (!terminal && !common.quiet)
+            .then(|| Mutex::new(Plain { what: what.into(), started: now, shown: now + PATIENCE - PAUSE, done: 0.0 }));
+        Self { bar, plain, total }
+    }
+
+    /// A piece is done; `note` says where the work stands.
+    pub fn advance(&self, piece: f64, note: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(note.to_owned());
+            bar.inc((piece / self.total * SCALE as f64).round() as u64);
+        }
+        let Some(plain) = &self.plain else { return };
+        let Ok(mut plain) = plain.lock() else { return };
+        plain.done += piece;
+        if plain.shown.elapsed() >= PAUSE {
+            plain.shown = Instant::now();
+            let part = (plain.done / self.total).min(1.0);
+            let elapsed = plain.started.elapsed().as_secs_f64();
+            let left = elapsed * (1.0 - part) / part.max(1e-6);
+            tracing::info!("{}: {:.0} %, {note}, {elapsed:.0} s, about {left:.0} s left", plain.what, 100.0 * part);
+        }
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+const SCALE: u64 = 1_000_000;
