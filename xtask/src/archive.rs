@@ -225,12 +225,18 @@ impl<'a> Archive<'a> {
     pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), ArchiveError> {
         self.check_length(path, variable, values.len())?;
         let dataset = self.new_dataset::<T>(path, variable, None)?;
-        let written = if variable.dimensions.is_empty() { dataset.write_scalar(&values[0]) } else { dataset.write_raw(values) };
+        let written =
+            if variable.dimensions.is_empty() { dataset.write_scalar(&values[0]) } else { dataset.write_raw(values) };
         written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
     /// Writes a variable of words.
-    pub fn write_text<S: AsRef<str>>(&mut self, path: &str, variable: &Variable, values: &[S]) -> Result<(), ArchiveError> {
+    pub fn write_text<S: AsRef<str>>(
+        &mut self,
+        path: &str,
+        variable: &Variable,
+        values: &[S],
+    ) -> Result<(), ArchiveError> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
         self.write(path, variable, &texts)
     }
@@ -396,7 +402,12 @@ impl Drop for Archive<'_> {
 }
 
 /// Chunked by the first dimension and compressed, unless small; without time stamps, so that equal values give equal bytes.
-fn create_dataset<T: H5Type>(group: &Group, name: &str, shape: &[usize], fill: Option<f64>) -> Result<Dataset, hdf5::Error> {
+fn create_dataset<T: H5Type>(
+    group: &Group,
+    name: &str,
+    shape: &[usize],
+    fill: Option<f64>,
+) -> Result<Dataset, hdf5::Error> {
     let size = size_of::<T>();
     let mut builder = group.new_dataset_builder().obj_track_times(false);
     if let Some(fill) = fill {

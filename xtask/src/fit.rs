@@ -42,7 +42,7 @@ use std::fmt;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use projection::{Data, Minimum, Shape, is_interior, log_node};
+use projection::{Data, Minimum, Nodes, Search, Shape, is_interior, log_node};
 use resample::{Strata, quantile, student_975};
 
 pub use projection::Parameters;
@@ -287,7 +287,7 @@ pub fn fit(cells: &[Cell], settings: &Settings) -> Result<Fit, FitError> {
         return Err(FitError::TooFewCells { parameters, cells: cells.len() });
     }
     let (data, noise_known) = weighted(cells, settings.weighting);
-    let minimum = data.minimise(&shapes, None).map_err(|_| FitError::Dependent)?;
+    let minimum = data.minimise(&shapes, Search::Thorough, None).map_err(|_| FitError::Dependent)?;
     let degrees_of_freedom = cells.len() - parameters;
 
     let strata = Strata::new(cells, settings.paired);
@@ -443,7 +443,7 @@ fn profile(data: &Data, shapes: &[Shape], k: usize, minimum: &Minimum) -> Vec<Pr
         .filter_map(|exponent| {
             let mut shapes = shapes.to_vec();
             shapes[k] = Shape { min: exponent, max: exponent, ..shapes[k] };
-            let at = data.minimise(&shapes, Some(&minimum.parameters)).ok()?;
+            let at = data.minimise(&shapes, Search::Near, Some(&minimum.parameters)).ok()?;
             Some(ProfilePoint { exponent, chi_squared: at.sum_of_squares, kappa_tfc: at.parameters.kappa_tfc })
         })
         .collect()
@@ -456,7 +456,8 @@ fn cell_reports(cells: &[Cell], data: &Data, shapes: &[Shape], minimum: &Minimum
         rest.kappa.remove(left_out);
         rest.root_weight.remove(left_out);
         let needed = 1 + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
-        let refit = (needed <= rest.kappa.len()).then(|| rest.minimise(shapes, Some(&minimum.parameters)).ok());
+        let refit =
+            (needed <= rest.kappa.len()).then(|| rest.minimise(shapes, Search::Near, Some(&minimum.parameters)).ok());
         refit.flatten().map(|minimum| minimum.parameters.kappa_tfc)
     };
     (0..cells.len())
@@ -501,12 +502,13 @@ impl<'a> Errors<'a> {
         degrees_of_freedom: usize,
     ) -> Result<Self, FitError> {
         let sensitivities = data.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
+        let nodes = Nodes::new(data, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
         let bootstrap = (strata.can_resample() && settings.resamples > 0).then(|| {
             let refits: Vec<Option<Parameters>> = (0..settings.resamples as u64)
                 .into_par_iter()
                 .map(|index| {
                     let resampled = Data { kappa: strata.draw(settings.seed, index)?, ..data.clone() };
-                    Some(resampled.minimise(shapes, Some(&minimum.parameters)).ok()?.parameters)
+                    Some(nodes.minimise(&resampled, Some(&minimum.parameters)).ok()?.parameters)
                 })
                 .collect();
             let samples: Vec<Parameters> = refits.iter().flatten().copied().collect();
@@ -529,8 +531,7 @@ impl<'a> Errors<'a> {
             _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
             _ => Uncertainty::None,
         };
-        let mut errors =
-            Self { data, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
+        let mut errors = Self { data, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
         if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
             report.stretch = strata.spread(row).map_or(1.0, |spread| spread.stretch);
         }
@@ -555,8 +556,7 @@ impl<'a> Errors<'a> {
             (Uncertainty::Misfit, _) => {
                 let freedom = self.degrees_of_freedom as f64;
                 let unit = self.minimum.sum_of_squares / freedom;
-                let variance: f64 =
-                    row.iter().zip(&self.data.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
+                let variance: f64 = row.iter().zip(&self.data.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
                 let half = student_975(freedom) * variance.sqrt();
                 (Some(variance.sqrt()), Some([value - half, value + half]))
             }

@@ -34,7 +34,8 @@ fn write_all(path: &std::path::Path) {
     archive.write("/loads/converged", &Variable { long_name: "1 if converged", ..count }, &[1_u8, 0]).unwrap();
     let words = Variable { dimensions: &[&load], units: "1", long_name: "method" };
     archive.write_text("/loads/solver", &words, &["cg", "größer"]).unwrap();
-    let field = Variable { dimensions: &[&load, &x, &y], units: "stress", long_name: "normal traction, compression positive" };
+    let field =
+        Variable { dimensions: &[&load, &x, &y], units: "stress", long_name: "normal traction, compression positive" };
     archive.define("/fields/pressure", &field).unwrap();
     archive.write_slab("/fields/pressure", 1, &height).unwrap();
     let vector = Variable { dimensions: &[&x, &y, &component], units: "length", long_name: "displacement" };
@@ -144,45 +145,28 @@ fn a_second_claim_is_refused_until_the_first_ends() {
     Output::claim(&path).unwrap();
 }
 
-/// Not a test of its own: the child process of the tests below, told what to do by `ARCHIVE_CHILD`.
-#[test]
-fn child() {
-    let Ok(task) = std::env::var("ARCHIVE_CHILD") else { return };
-    let (task, path) = task.split_once(' ').unwrap();
-    if task == "hold" {
-        let _output = Output::claim(path).unwrap();
-        fs::write(format!("{path}.ready"), b"").unwrap();
-        std::thread::sleep(std::time::Duration::from_secs(60));
-    } else {
-        let output = Output::claim(path).unwrap();
-        let mut archive = Archive::create(&output, &provenance()).unwrap();
-        let x = Dimension::index("x", 1 << 20, "position");
-        let noise: Vec<f64> = (0..1 << 20).map(|i| (f64::from(i) * 0.618).fract()).collect();
-        let written = archive.write("/noise", &variable(&[&x]), &noise);
-        let error = written.and_then(|()| archive.finish().map(drop)).unwrap_err();
-        fs::write(format!("{path}.message"), error.to_string()).unwrap();
-    }
-}
-
-fn spawn_child(task: &str, path: &std::path::Path) -> Command {
+/// Runs the named test once more in a process of its own, which finds the path of its file in the environment.
+fn again(test: &str, path: &std::path::Path, limit: &str) -> Command {
     let mut command = Command::new("sh");
-    let myself = std::env::current_exe().unwrap();
-    // Blocks of 512 bytes; with SIGXFSZ ignored a write beyond the limit fails as on a full disk.
-    let limit = if task == "fill" { "trap '' XFSZ; ulimit -f 2048;" } else { "" };
-    command.arg("-c").arg(format!("{limit} exec \"$0\" --exact archive::tests::child")).arg(myself);
-    command.env("ARCHIVE_CHILD", format!("{task} {}", path.display())).stdout(Stdio::null()).stderr(Stdio::null());
+    command.arg("-c").arg(format!("{limit} exec \"$0\" --exact archive::tests::{test}"));
+    command.arg(std::env::current_exe().unwrap()).env("ARCHIVE_TEST_FILE", path);
+    command.stdout(Stdio::null()).stderr(Stdio::null());
     command
 }
 
 #[cfg(unix)]
 #[test]
 fn the_claim_ends_with_a_killed_process() {
+    if let Some(path) = std::env::var_os("ARCHIVE_TEST_FILE").map(PathBuf::from) {
+        let output = Output::claim(path).unwrap();
+        fs::write(output.beside(".ready"), b"").unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(60));
+    }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
-    let mut child = spawn_child("hold", &path).spawn().unwrap();
-    let ready = folder.path().join("a.h5.ready");
+    let mut child = again("the_claim_ends_with_a_killed_process", &path, "").spawn().unwrap();
     for _ in 0..600 {
-        if ready.exists() {
+        if folder.path().join("a.h5.ready").exists() {
             break;
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
@@ -197,10 +181,23 @@ fn the_claim_ends_with_a_killed_process() {
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_one_clear_line_and_the_good_file_stays() {
+    if let Some(path) = std::env::var_os("ARCHIVE_TEST_FILE").map(PathBuf::from) {
+        let output = Output::claim(path).unwrap();
+        let mut archive = Archive::create(&output, &provenance()).unwrap();
+        let x = Dimension::index("x", 1 << 20, "position");
+        let noise: Vec<f64> = (0..1 << 20).map(|i| (1e5 * f64::from(i).sin()).fract()).collect();
+        let written = archive.write("/noise", &variable(&[&x]), &noise);
+        let error = written.and_then(|()| archive.finish().map(drop)).unwrap_err();
+        fs::write(output.beside(".message"), error.to_string()).unwrap();
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     fs::write(&path, b"good").unwrap();
-    assert!(spawn_child("fill", &path).status().unwrap().success());
+    // A limit in blocks of 512 bytes; with SIGXFSZ ignored a write beyond it fails as on a full disk.
+    let limit = "trap '' XFSZ; ulimit -f 2048;";
+    let status = again("a_full_disk_is_one_clear_line_and_the_good_file_stays", &path, limit).status().unwrap();
+    assert!(status.success());
     let line = fs::read_to_string(folder.path().join("a.h5.message")).unwrap();
     assert!(line.starts_with("cannot write /noise to ") && line.ends_with("a.h5.part: File too large"), "{line}");
     assert_eq!(fs::read(&path).unwrap(), b"good");

@@ -10,6 +10,10 @@ pub(super) const AXES: usize = 3;
 /// A pivot below this fraction of the column's length makes the columns dependent.
 const DEPENDENT: f64 = 1e-10;
 
+/// A step of the exponents below which they count as found. Steps shrink at least tenfold each, so the next would be far
+/// below.
+const SHORT: f64 = 1e-10;
+
 /// One term C eps^alpha of the sum, with alpha given (`min == max`) or to be found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
@@ -65,39 +69,94 @@ pub(super) struct Minimum {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dependent;
 
-impl Data {
-    /// Minimises over the coefficients and the free exponents; `guess` is a further start beside the grid.
-    pub(super) fn minimise(&self, shapes: &[Shape], guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
+/// How densely the box of exponents is looked through before the descent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Search {
+    /// For a first fit.
+    Thorough,
+    /// For a refit of similar data, which has a good guess besides.
+    Near,
+}
+
+/// The nodes of a grid over the free exponents with their factorised columns, which do not depend on the ordinates and
+/// serve all resamples.
+pub(super) struct Nodes {
+    shapes: Vec<Shape>,
+    free: Vec<usize>,
+    nodes: Vec<(Vec<f64>, Qr)>,
+}
+
+impl Nodes {
+    pub(super) fn new(data: &Data, shapes: &[Shape], search: Search) -> Result<Self, Dependent> {
         let free: Vec<usize> = (0..shapes.len()).filter(|&k| shapes[k].is_free()).collect();
-        let mut exponents: Vec<f64> = shapes.iter().map(|shape| shape.min).collect();
-        if free.is_empty() {
-            return Ok(self.project(shapes, &exponents)?.into_minimum(shapes, &exponents));
-        }
-        let mut best: Option<(f64, Vec<f64>)> = None;
-        let mut consider = |data: &Self, candidate: &[f64]| {
-            if let Ok(projection) = data.project(shapes, candidate) {
-                let value = projection.sum_of_squares();
-                if value.is_finite() && best.as_ref().is_none_or(|(least, _)| value < *least) {
-                    best = Some((value, candidate.to_vec()));
-                }
-            }
+        let per_axis = match (search, free.len()) {
+            (_, 0) => 1,
+            (Search::Thorough, 1) => 25,
+            (Search::Thorough, 2) => 9,
+            (Search::Thorough, _) => 6,
+            (Search::Near, 1) => 9,
+            (Search::Near, 2) => 4,
+            (Search::Near, _) => 3,
         };
-        if let Some(guess) = guess {
-            let start: Vec<f64> =
-                shapes.iter().map(|shape| guess.exponents[shape.axis].clamp(shape.min, shape.max)).collect();
-            consider(self, &start);
-        }
-        let nodes = [25, 9, 6][free.len() - 1];
-        for index in 0..usize::pow(nodes, free.len() as u32) {
+        let mut exponents: Vec<f64> = shapes.iter().map(|shape| shape.min).collect();
+        let mut nodes = Vec::new();
+        for index in 0..usize::pow(per_axis, free.len() as u32) {
             let mut rest = index;
             for &k in &free {
-                exponents[k] = log_node(shapes[k].min, shapes[k].max, rest % nodes, nodes);
-                rest /= nodes;
+                exponents[k] = log_node(shapes[k].min, shapes[k].max, rest % per_axis, per_axis);
+                rest /= per_axis;
             }
-            consider(self, &exponents);
+            if let Ok(qr) = Qr::new(data.columns(shapes, &exponents)) {
+                nodes.push((exponents.clone(), qr));
+            }
         }
-        let (_, start) = best.ok_or(Dependent)?;
-        self.descend(shapes, &free, start)
+        if nodes.is_empty() { Err(Dependent) } else { Ok(Self { shapes: shapes.to_vec(), free, nodes }) }
+    }
+
+    /// Minimises over the coefficients and the free exponents; `guess` is a further start beside the nodes.
+    pub(super) fn minimise(&self, data: &Data, guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
+        let values = data.weighted_values();
+        let mut least = f64::INFINITY;
+        let mut start = None;
+        for (exponents, qr) in &self.nodes {
+            let rotated = qr.rotate(values.clone());
+            let value = square(&rotated[self.shapes.len() + 1..]);
+            if value < least {
+                (least, start) = (value, Some(exponents.clone()));
+            }
+        }
+        let mut start = start.ok_or(Dependent)?;
+        if let Some(guess) = guess {
+            let exponents: Vec<f64> = self.shapes.iter().map(|s| guess.exponents[s.axis].clamp(s.min, s.max)).collect();
+            if data.project(&self.shapes, &exponents).is_ok_and(|projection| projection.sum_of_squares() < least) {
+                start = exponents;
+            }
+        }
+        data.descend(&self.shapes, &self.free, start)
+    }
+}
+
+impl Data {
+    /// One minimisation on its own.
+    pub(super) fn minimise(
+        &self,
+        shapes: &[Shape],
+        search: Search,
+        guess: Option<&Parameters>,
+    ) -> Result<Minimum, Dependent> {
+        Nodes::new(self, shapes, search)?.minimise(self, guess)
+    }
+
+    fn weighted_values(&self) -> Vec<f64> {
+        self.kappa.iter().zip(&self.root_weight).map(|(k, w)| k * w).collect()
+    }
+
+    /// The weighted columns 1 and eps^alpha of each term.
+    fn columns(&self, shapes: &[Shape], exponents: &[f64]) -> Vec<Vec<f64>> {
+        let terms = shapes.iter().zip(exponents).map(|(shape, &exponent)| {
+            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * eps[shape.axis].powf(exponent)).collect()
+        });
+        std::iter::once(self.root_weight.clone()).chain(terms).collect()
     }
 
     /// Damped Gauss-Newton steps from `exponents`, inside the bounds.
@@ -121,31 +180,22 @@ impl Data {
             }
             let length = trial.iter().zip(&exponents).fold(0.0_f64, |far, (a, b)| far.max((a - b).abs()));
             let next = self.project(shapes, &trial).ok().filter(|p| p.sum_of_squares() <= here.sum_of_squares());
-            match next {
-                Some(next) => {
-                    (here, exponents) = (next, trial);
-                    damping = (damping * 0.1).max(1e-15);
-                    if length <= 1e-13 {
-                        break;
-                    }
-                }
-                None if length <= 1e-13 || damping > 1e12 => break,
-                None => damping *= 10.0,
+            let accepted = next.is_some();
+            if let Some(next) = next {
+                (here, exponents) = (next, trial);
             }
+            if length <= SHORT {
+                break;
+            }
+            damping = if accepted { (damping * 0.1).max(1e-15) } else { damping * 10.0 };
         }
         Ok(here.into_minimum(shapes, &exponents))
     }
 
     /// The best coefficients at given exponents.
     fn project(&self, shapes: &[Shape], exponents: &[f64]) -> Result<Projection, Dependent> {
-        let ones = self.root_weight.clone();
-        let terms = shapes.iter().zip(exponents).map(|(shape, &exponent)| {
-            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * eps[shape.axis].powf(exponent)).collect()
-        });
-        let columns: Vec<Vec<f64>> = std::iter::once(ones).chain(terms).collect();
-        let values: Vec<f64> = self.kappa.iter().zip(&self.root_weight).map(|(k, w)| k * w).collect();
-        let qr = Qr::new(columns)?;
-        let rotated = qr.rotate(values);
+        let qr = Qr::new(self.columns(shapes, exponents))?;
+        let rotated = qr.rotate(self.weighted_values());
         let coefficients = qr.back_substitute(&rotated);
         Ok(Projection { qr, rotated, coefficients })
     }
@@ -202,7 +252,7 @@ impl Projection {
     }
 
     fn sum_of_squares(&self) -> f64 {
-        dot(self.residual(), self.residual())
+        square(self.residual())
     }
 
     /// d(residual)/d(exponent of term `k`), Kaufman's form: exact in the gradient of the sum of squares.
@@ -269,16 +319,17 @@ impl Qr {
             if k >= column.len() {
                 return Err(Dependent);
             }
-            let length = dot(&column, &column).sqrt();
+            let length = square(&column).sqrt();
             let mut column = qr.rotate(column);
-            let tail = dot(&column[k..], &column[k..]).sqrt();
-            if !(tail > DEPENDENT * length) {
+            let tail = square(&column[k..]).sqrt();
+            let independent = tail > DEPENDENT * length; // false for NaN too
+            if !independent {
                 return Err(Dependent);
             }
             let pivot = if column[k] > 0.0 { -tail } else { tail };
             let mut reflector = column.split_off(k);
             reflector[0] -= pivot;
-            let norm = dot(&reflector, &reflector).sqrt();
+            let norm = square(&reflector).sqrt();
             reflector.iter_mut().for_each(|v| *v /= norm);
             column.push(pivot);
             qr.upper.push(column);
@@ -311,4 +362,8 @@ impl Qr {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn square(a: &[f64]) -> f64 {
+    dot(a, a)
 }

@@ -274,7 +274,10 @@ impl fmt::Display for Warning {
             }
             Self::ExponentAtBound { axis, alpha } => write!(f, "alpha_{axis} stopped at its bound {alpha}"),
             Self::RefitsAtBound { axis, stuck, resamples } => {
-                write!(f, "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: intervals depend on the bounds")
+                write!(
+                    f,
+                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: intervals depend on the bounds"
+                )
             }
             Self::NotSignificant { axis, ci95: [low, high] } => {
                 write!(f, "C_{axis} is not distinguishable from zero (95 %: {low:.3} to {high:.3})")

@@ -33,12 +33,12 @@ pub(super) fn triples(cells: &[Cell], axis: Axis) -> Vec<Richardson> {
     for (first, coarse) in cells.iter().enumerate() {
         for (second, middle) in cells.iter().enumerate() {
             let ratio = coarse.eps(axis) / middle.eps(axis);
-            if !(ratio > 1.0 + 1e-6) || !others(coarse, middle) {
+            if ratio <= 1.0 + 1e-6 || !others(coarse, middle) {
                 continue;
             }
-            let third = cells.iter().position(|fine| {
-                same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine)
-            });
+            let third = cells
+                .iter()
+                .position(|fine| same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine));
             // Only neighbouring levels: 1, 1/2, 1/4, not 1, 1/4, 1/16 as well.
             let skips = cells.iter().any(|between| {
                 others(coarse, between)
