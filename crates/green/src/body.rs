@@ -129,17 +129,9 @@ impl Body {
 
     /// All that can happen at the surface, at q > 0.
     pub(crate) fn basis(&self, q: f64) -> Basis {
-        let Height::Finite(height) = self.height else {
-            return Basis::of_stiffness(half_space::stiffness(&self.material, q));
-        };
-        let layer = LayerMode::new(&self.material, height, q);
-        match &self.base {
-            base if !layer.is_thin() => Basis::of_stiffness(layer.stiffness_on(base)),
-            // Displacement and traction that the base allows, laterally and normally.
-            Base::Bonded => layer.basis_of([0.0, 1.0], [0.0, 1.0]),
-            Base::Sliding => layer.basis_of([1.0, 0.0], [0.0, 1.0]),
-            Base::Free => layer.basis_of([1.0, 0.0], [1.0, 0.0]),
-            Base::Elastic(below) => layer.basis_on(below),
+        match self.height {
+            Height::Finite(height) => LayerMode::new(&self.material, height, q).basis_on(&self.base),
+            Height::Infinite => Basis::of_stiffness(half_space::stiffness(&self.material, q)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A layer on something below it: the stiffness at its top, and the state at its bottom.
 
 use crate::{
-    Base, Blocks, Body,
+    Base, Blocks,
     sagittal::{Real2, add, blocks, hermitian, inverse, product, real, scaled, times, transposed},
     slab::LayerMode,
 };
@@ -12,6 +12,14 @@ pub(crate) struct State {
     pub(crate) displacement: Blocks,
     /// In stress/length.
     pub(crate) traction: Blocks,
+}
+
+impl State {
+    /// The same per displacement of another plane, whose displacement is `other` so far.
+    fn per(&self, other: &Blocks) -> Self {
+        let inverse = blocks(inverse(real(other)), 1.0 / other.transverse);
+        Self { displacement: product(&self.displacement, &inverse), traction: product(&self.traction, &inverse) }
+    }
 }
 
 /// All that can happen at the top of a body, as a basis: states that obey everything below it.
@@ -51,7 +59,8 @@ impl LayerMode<'_> {
             Base::Bonded => self.bonded_stiffness(),
             Base::Sliding => self.sliding_stiffness(),
             Base::Free => self.free_stiffness(),
-            Base::Elastic(below) => self.basis_on(below).stiffness(),
+            Base::Elastic(below) if !self.is_thin() => self.thick_stiffness(&below.stiffness_blocks(self.q)),
+            Base::Elastic(_) => self.basis_on(base).stiffness(),
         }
     }
 
@@ -61,53 +70,55 @@ impl LayerMode<'_> {
             Base::Bonded => self.bonded_compliance(),
             Base::Sliding => self.sliding_compliance(),
             Base::Free => self.free_compliance(),
-            Base::Elastic(below) => self.basis_on(below).compliance(),
+            Base::Elastic(_) => self.basis_on(base).compliance(),
         }
     }
 
-    /// Basis at the top of the layer bonded to a body.
-    pub(crate) fn basis_on(&self, below: &Body) -> Basis {
-        let below = below.basis(self.q);
+    /// Basis at the top of the layer on `base`.
+    pub(crate) fn basis_on(&self, base: &Base) -> Basis {
         if !self.is_thin() {
-            return Basis::of_stiffness(self.thick_stiffness(&below.stiffness()));
+            return Basis::of_stiffness(self.stiffness_on(base));
         }
-        let reach = below.reach + self.t.raw;
-        let (below, reach) =
-            if reach < 1.0 { (below, reach) } else { (Basis::of_stiffness(below.stiffness()), self.t.raw) };
-        Basis { state: self.propagated(&below.state), reach }
+        let bottom = self.bottom_basis(base);
+        Basis { state: self.propagated(&bottom.state), reach: bottom.reach + self.t.raw }
     }
 
-    /// Basis at the top of the layer on a base without elasticity of its own.
-    pub(crate) fn basis_of(&self, lateral: [f64; 2], normal: [f64; 2]) -> Basis {
-        let state = State {
-            displacement: Blocks::diagonal(lateral[0], normal[0]),
-            traction: Blocks::diagonal(lateral[1], normal[1]).map(|entry| self.shear_unit() * entry),
+    /// Basis at the bottom of the layer, if it is thin.
+    fn bottom_basis(&self, base: &Base) -> Basis {
+        // Displacement and traction that the base allows, laterally and normally.
+        let allowed = |lateral: [f64; 2], normal: [f64; 2]| {
+            let displacement = Blocks::diagonal(lateral[0], normal[0]);
+            let traction = Blocks::diagonal(lateral[1], normal[1]).map(|entry| self.shear_unit() * entry);
+            Basis { state: State { displacement, traction }, reach: 0.0 }
         };
-        Basis { state: self.propagated(&state), reach: self.t.raw }
-    }
-
-    /// Displacement of the bottom per displacement of the top, where what is below resists with `support`.
-    pub(crate) fn transfer_to(&self, support: &Blocks) -> Blocks {
-        if self.is_thin() {
-            let bottom = State { displacement: Blocks::diagonal(1.0, 1.0), traction: *support };
-            let top = self.propagated(&bottom).displacement;
-            blocks(inverse(real(&top)), 1.0 / top.transverse)
-        } else {
-            self.thick_transfer(&self.bonded_stiffness(), &self.cross_stiffness(), support)
+        match base {
+            Base::Bonded => allowed([0.0, 1.0], [0.0, 1.0]),
+            Base::Sliding => allowed([1.0, 0.0], [0.0, 1.0]),
+            Base::Free => allowed([1.0, 0.0], [1.0, 0.0]),
+            Base::Elastic(below) => {
+                let basis = below.basis(self.q);
+                if basis.reach + self.t.raw < 1.0 { basis } else { Basis::of_stiffness(basis.stiffness()) }
+            }
         }
     }
 
-    /// Displacement and traction at the bottom of the layer on `base`.
+    /// Displacement and traction at the bottom of the layer on `base`, per displacement of its top.
     pub(crate) fn base_state(&self, base: &Base) -> State {
-        let nothing = Blocks::diagonal(0.0, 0.0);
         match base {
             Base::Bonded => {
                 let up = self.cross_stiffness();
                 let traction = scaled(transposed(real(&up)), -1.0);
-                State { displacement: nothing, traction: blocks(traction, -up.transverse) }
+                State { displacement: Blocks::diagonal(0.0, 0.0), traction: blocks(traction, -up.transverse) }
             }
-            Base::Free => State { displacement: self.transfer_to(&nothing), traction: nothing },
-            Base::Sliding => self.sliding_state(),
+            _ if self.is_thin() => {
+                let bottom = self.bottom_basis(base).state;
+                bottom.per(&self.propagated(&bottom).displacement)
+            }
+            Base::Sliding => self.thick_sliding_state(),
+            Base::Free => {
+                let nothing = Blocks::diagonal(0.0, 0.0);
+                State { displacement: self.transfer_to(&nothing), traction: nothing }
+            }
             Base::Elastic(below) => {
                 let support = below.stiffness_blocks(self.q);
                 let displacement = self.transfer_to(&support);
@@ -117,20 +128,24 @@ impl LayerMode<'_> {
     }
 
     /// u_z = 0 and σ_xz = 0 at the bottom: u_long and σ_zz follow.
-    fn sliding_state(&self) -> State {
-        let (longitudinal, normal) = if self.is_thin() {
-            let [uu, us, ..] = self.propagator();
-            let [longitudinal, normal] = inverse([[uu[0][0], us[0][1]], [uu[1][0], us[1][1]]]);
-            (longitudinal, normal.map(|entry| entry * self.shear_unit()))
-        } else {
-            let bottom = real(&self.bonded_stiffness().mirrored());
-            let down = transposed(real(&self.cross_stiffness()));
-            let longitudinal = down[0].map(|entry| -entry / bottom[0][0]);
-            (longitudinal, [0, 1].map(|column| -down[1][column] - bottom[1][0] * longitudinal[column]))
-        };
+    fn thick_sliding_state(&self) -> State {
+        let bottom = real(&self.bonded_stiffness().mirrored());
+        let down = transposed(real(&self.cross_stiffness()));
+        let longitudinal = down[0].map(|entry| -entry / bottom[0][0]);
+        let normal = [0, 1].map(|column| -down[1][column] - bottom[1][0] * longitudinal[column]);
         State {
             displacement: blocks([longitudinal, [0.0; 2]], self.t.one / self.t.cosh),
             traction: blocks([[0.0; 2], normal], 0.0),
+        }
+    }
+
+    /// Displacement of the bottom per displacement of the top, where what is below resists with `support`.
+    pub(crate) fn transfer_to(&self, support: &Blocks) -> Blocks {
+        if self.is_thin() {
+            let bottom = Basis::of_stiffness(*support).state;
+            bottom.per(&self.propagated(&bottom).displacement).displacement
+        } else {
+            self.thick_transfer(&self.bonded_stiffness(), &self.cross_stiffness(), support)
         }
     }
 

@@ -24,7 +24,7 @@ pub(crate) struct Thickness {
 }
 
 /// Beyond this h, e^(−h) is zero: the far face is out of reach.
-const FARTHEST: f64 = 800.0;
+pub(crate) const FARTHEST: f64 = 800.0;
 
 impl Thickness {
     #[inline]

@@ -9,7 +9,7 @@ use crate::{
     sagittal::product,
     slab::LayerMode,
     stack::State,
-    thickness::{cosh_minus, sinh_minus},
+    thickness::{FARTHEST, cosh_minus, sinh_minus},
 };
 
 /// Stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
@@ -41,7 +41,7 @@ pub struct Section<'a> {
 struct Above<'a> {
     material: &'a Material,
     thickness: f64,
-    below: &'a Body,
+    base: &'a Base,
 }
 
 impl Body {
@@ -76,7 +76,7 @@ impl Body {
                 return Ok(Section { surface: self, above, local, depth: depth - top, height: bottom - depth });
             }
             let Base::Elastic(below) = local.base() else { return Err(outside(bottom)) };
-            above.push(Above { material: local.material(), thickness, below });
+            above.push(Above { material: local.material(), thickness, base: local.base() });
             (local, top) = (below, bottom);
         }
     }
@@ -169,8 +169,7 @@ impl Section<'_> {
             return self.uniform_state();
         }
         self.above.iter().rev().fold(self.local_state(q), |state, layer| {
-            let support = layer.below.stiffness_blocks(q);
-            let transfer = LayerMode::new(layer.material, layer.thickness, q).transfer_to(&support);
+            let transfer = LayerMode::new(layer.material, layer.thickness, q).base_state(layer.base).displacement;
             State {
                 displacement: product(&state.displacement, &transfer),
                 traction: product(&state.traction, &transfer),
@@ -236,7 +235,7 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     if z > OUT_OF_REACH {
         return half_space::transfer(material, b);
     }
-    let b = b.min(2.0 * OUT_OF_REACH);
+    let b = b.min(FARTHEST);
     let (r, h) = (material.r(), z + b);
     if h < 1.0 {
         let (m, mz, a) = (sinh_minus(h), sinh_minus(z), h + z);
@@ -263,8 +262,7 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
         let g = (-b).exp() / (o * o - 4.0 * r * r * h * h * e);
         let difference = -ez * (-2.0 * b).exp_m1();
         let product = oz * o;
-        // Z (1 + E) o − h O (1 + e), written so that it keeps its digits at either end.
-        let x = if z < b { z * (1.0 + ez) * o - h * oz * (1.0 + e) } else { 2.0 * h * difference - b * (1.0 + ez) * o };
+        let x = z * (1.0 + ez) * o - h * oz * (1.0 + e);
         let w = 2.0 * r * h * z * difference;
         let mean = product - 2.0 * r * r * h * z * (ez + e);
         Blocks {
@@ -276,8 +274,8 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     }
 }
 
-/// Beyond this q·height above the base, nothing of the base is felt: e^(−2 Z) times any power of it is zero.
-const OUT_OF_REACH: f64 = 400.0;
+/// Beyond this q·height Z above the base, nothing of the base is felt: e^(−2 Z), even times Z² or 800 Z, is below 1e-30.
+const OUT_OF_REACH: f64 = 40.0;
 
 fn i_times(factor: f64, value: Complex64) -> Complex64 {
     Complex64::new(-factor * value.im, factor * value.re)

@@ -35,6 +35,25 @@ proptest! {
         }
     }
 
+    /// Many thin layers are carried upwards without dividing, but not for ever.
+    #[test]
+    fn a_hundred_thin_layers_are_one_slab(material in material(), h in decades(0.1, 90.0)) {
+        for base in [Base::Bonded, Base::Sliding, Base::Free] {
+            let whole = Body::slab(material, 1.0).unwrap().on(base.clone()).unwrap();
+            let sheet = || Body::slab(material, 0.01).unwrap();
+            let lowest = sheet().on(base.clone()).unwrap();
+            let stack = (1..100).fold(lowest, |below, _| sheet().bonded_to(below).unwrap());
+            let error = blocks_apart(&whole.stiffness_blocks(h), &stack.stiffness_blocks(h));
+            prop_assert!(error < 1e-12, "stiffness: {error:e} on {base:?}");
+            let error = blocks_apart(&whole.compliance_blocks(h), &stack.compliance_blocks(h));
+            prop_assert!(error < 1e-12, "compliance: {error:e} on {base:?}");
+            let q = [0.6 * h, -0.8 * h];
+            let (a, b) = (whole.at_depth(0.015).unwrap(), stack.at_depth(0.015).unwrap());
+            let scale = largest(&a.displacement_transfer(q)).max(1.0);
+            prop_assert!(matrices_apart(&a.displacement_transfer(q), &b.displacement_transfer(q)) < 1e-12 * scale);
+        }
+    }
+
     /// A plate bent evenly about its mid-plane is two slabs that slide on it.
     #[test]
     fn the_symmetric_mode_of_a_plate_slides_on_its_middle(material in material(), h in decades(0.1, 1e3)) {

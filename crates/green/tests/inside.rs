@@ -268,6 +268,8 @@ fn the_uniform_mode_shears_and_squeezes_evenly() {
 
     let rubber = Body::slab(Material::from_young(1.0, 0.5).unwrap(), 2.0).unwrap();
     assert_eq!(diagonal(&rubber, 0.5), [0.75; 3]);
+    let stack = rubber.clone().bonded_to(Body::slab(Material::from_young(3.0, 0.5).unwrap(), 1.0).unwrap()).unwrap();
+    assert_eq!([diagonal(&stack, 0.0)[2], diagonal(&stack, 1.5)[2], diagonal(&stack, 2.25)[2]], [1.0, 0.5, 0.25]);
     let stress = rubber.at_depth(0.5).unwrap().stress_transfer([0.0, 0.0]);
     assert!([0, 1, 2].iter().all(|&row| stress[row][2].re == f64::INFINITY));
     let [xx, zz, xz] = rubber.at_depth(0.5).unwrap().plane_stress_transfer(0.0);

@@ -28,11 +28,13 @@ proptest! {
     fn compliance_is_the_inverse(body in body(), q in decades(1e-6, 1e6)) {
         let (k, g) = (body.plane_stiffness(q), body.plane_compliance(q));
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let terms = || (0..2).map(|j| k[row][j] * g[j][column]);
-            let size: f64 = terms().map(|term| term.norm()).sum();
-            let wanted = if row == column { 1.0 } else { 0.0 };
-            let error = (terms().sum::<Complex64>() - wanted).norm();
-            prop_assert!(error <= 1e-13 * size + f64::MIN_POSITIVE, "{row} {column}: {error:e} of {size:e}");
+            let terms = (0..2).map(|j| k[row][j] * g[j][column]);
+            // What the terms may be at most, as both matrices are positive definite.
+            let sizes = (0..2).map(|j| {
+                (k[row][row].re.sqrt() * k[j][j].re.sqrt()) * (g[j][j].re.sqrt() * g[column][column].re.sqrt())
+            });
+            let (error, size) = (terms.sum::<Complex64>() - f64::from(u8::from(row == column)), sizes.sum::<f64>());
+            prop_assert!(error.norm() <= 1e-13 * size, "{row} {column}: {error} of {size:e}");
         }
         let transverse = body.stiffness_blocks(q).transverse * body.compliance_blocks(q).transverse;
         prop_assert!(apart(transverse, 1.0, 1.0) < 1e-14);
@@ -150,6 +152,14 @@ proptest! {
             for (i, row) in one.iter().enumerate() {
                 let error = row.iter().enumerate().map(|(j, e)| (e - f64::from(u8::from(i == j))).norm());
                 prop_assert!(error.fold(0.0, f64::max) < 1e-9 * largest(&k) * largest(&g));
+            }
+            // A pressure without friction moves the surface sideways by −i ρ u_z along the wave, but not along Nyquist.
+            let factors = body.lateral_displacement(&mode);
+            let along = body.compliance(mode.wavevector);
+            for axis in [0, 1] {
+                let wanted = if mode.nyquist[axis] { Complex64::ZERO } else { along[axis][2] / along[2][2] };
+                let scale = 1.0 + (along[axis][axis].re / along[2][2].re).sqrt();
+                prop_assert!((factors[axis] - wanted).norm() < 1e-12 * scale);
             }
             if mode.is_self_conjugate() {
                 prop_assert!(k.iter().flatten().chain(g.iter().flatten()).all(|entry| entry.im == 0.0));
