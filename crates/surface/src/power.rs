@@ -120,7 +120,7 @@ impl PowerSpectrum {
     }
 
     /// The longest and shortest wavelengths of modes that carry power, length: the cut-offs that the heights have.
-    /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the whole band.
+    /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the band.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
         let floor = CARRIES_POWER * self.moments.height;
         let mut ends: Option<[f64; 2]> = None;
@@ -138,7 +138,7 @@ impl PowerSpectrum {
     ///
     /// The likelihood of independent Gaussian modes, |h̃|² distributed exponentially about c q^{−s}, is maximised over
     /// c and s (Whittle's estimate): unlike a straight line through a logarithmic plot it has no bias from the
-    /// logarithm of noise nor from bins. Window, mirror and trends correlate modes: the standard error is then too small.
+    /// logarithm of noise nor from bins. Windows, mirrors and trends correlate modes: the error stated is then too small.
     ///
     /// # Errors
     /// Wavelengths out of order; less than two different wavenumbers with power in the range.

@@ -28,7 +28,7 @@ pub enum Periodisation {
     AsIs,
     /// The heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long: no step,
     /// but a crease where the images meet. Height distribution and peak-to-valley stay exactly, gradients but for
-    /// the seams; the cell has mirror planes, the longest wavelengths double, and any correlation of h_x with h_y is lost.
+    /// the seams; the cell has mirror planes, its longest wavelength doubles, any correlation of h_x with h_y is lost.
     Mirror,
     /// The deviations from the mean times a window that falls to zero at the edges as a cosine over the given fraction
     /// of each side (half of it at either end; Tukey; 1: Hann, 0: none), divided by the rms value of the window so that

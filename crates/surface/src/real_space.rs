@@ -13,8 +13,8 @@ const MOST_OVER_THE_PLANE: u32 = 14;
 /// Fractional Brownian motion by repeated halving of intervals (theory.md, section 9).
 ///
 /// Simple, fast and inexact; for quantitative work take [`crate::SelfAffine`]. The heights are not periodic, they have
-/// no sharp cut-offs (the band ends somewhere near the spacing), and on a surface they are not isotropic: the lattice of
-/// the subdivision shows as creases. With midpoint displacement, increments that do not lie on that lattice have the
+/// no sharp cut-offs (the band ends somewhere near the spacing), and on a surface they are not isotropic: the lattice
+/// of the subdivision shows as creases. With midpoint displacement, increments that do not lie on that lattice have the
 /// wrong variance: up to +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealSpace {
@@ -68,7 +68,7 @@ impl RealSpace {
         Array2::from_shape_vec((intervals + 1, 1), heights).map_err(|_| SurfaceError::Shape { found, expected: found })
     }
 
-    /// A surface, shape `[2^k + 1, 2^k + 1]`, length: corners drawn with variance σ²/2, then the centres of squares from
+    /// A surface, shape `[2^k + 1, 2^k + 1]`, length: corners drawn with variance σ²/2, then centres of squares from
     /// four corners (diamond) and the centres of edges from four neighbours, three at the border (square). Each of the
     /// two shortens lengths by √2, so that Δ_i² ∝ 2^{−Hi} in half-step i.
     ///

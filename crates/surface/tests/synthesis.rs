@@ -32,6 +32,10 @@ fn the_size_asked_for_is_the_size_made() {
         assert_relative_eq!(moment(&heights, &grid, 0).sqrt(), 0.4, max_relative = 1e-12);
         assert_relative_eq!(heights.iter().map(|h| h * h).sum::<f64>() / grid.len() as f64, 0.16, max_relative = 1e-12);
         assert!(heights.mean().unwrap().abs() < 1e-15);
+        for roll_off in [RollOff::Plateau(0.8), RollOff::Smooth(0.8)] {
+            let rolled = SelfAffine { roll_off, ..height }.heights(&grid, 5).unwrap();
+            assert_relative_eq!(moment(&rolled, &grid, 0).sqrt(), 0.4, max_relative = 1e-12);
+        }
     }
 }
 

@@ -1,0 +1,403 @@
+//! A surface from flags: the numbers of a self-affine spectrum and a seed in, heights out.
+
+use std::fmt;
+
+use clap::{Args, ValueEnum};
+use gfmd_field::Grid;
+use gfmd_surface::{
+    Amplitudes, Dimension, Discretisation, Displacement, Normalisation, PowerSpectrum, RealSpace, RollOff, SelfAffine,
+    SurfaceError,
+};
+use ndarray::{Array2, s};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::session::available_bytes;
+
+/// Points of a generated surface along one side, unless a flag says otherwise.
+const POINTS: usize = 256;
+
+/// 1/eps_t unless a flag says otherwise.
+const EPS_T_INV: f64 = 2.0;
+
+/// 1/eps_f unless a flag says otherwise.
+const EPS_F_INV: f64 = 32.0;
+
+/// Memory of a synthesis per point, in bytes: heights, half spectrum, work of the transform.
+const BYTES_PER_POINT: u64 = 40;
+
+/// Flags that describe a generated surface. Without any: 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
+#[derive(Args, Clone, Debug, PartialEq, Serialize)]
+pub struct GeneratorArgs {
+    /// Points along a side, or NX,NY; or give --eps-c-inv [default: 256]
+    #[arg(long, value_delimiter = ',', value_name = "N")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub n: Vec<usize>,
+    /// Hurst exponent, 0 to 1
+    #[arg(long, default_value_t = 0.8, value_name = "H", allow_negative_numbers = true)]
+    pub hurst: f64,
+    /// Cell length over longest wavelength, at least 1 [default: 2]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eps_t_inv: Option<f64>,
+    /// Longest over shortest wavelength, at least 1 [default: 32]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eps_f_inv: Option<f64>,
+    /// Grid points per shortest wavelength, at least 2: another way to give --n [default: follows from --n]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eps_c_inv: Option<f64>,
+    /// Root-mean-square of the full gradient, spectral, that every surface is scaled to
+    #[arg(long, default_value_t = 0.1, value_name = "G", allow_negative_numbers = true)]
+    pub rms_gradient: f64,
+    /// Root-mean-square height to scale to instead, length
+    #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<f64>,
+    /// Names the realisation: the same seed and cell give the same surface on any grid
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// 3: a surface; 2: a profile, for plane strain
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub dim: u8,
+    /// How: by spectrum (psd), or by subdivision, neither periodic nor isotropic nor with cut-offs (sra, rmd)
+    #[arg(long, value_enum, default_value_t = Method::Psd)]
+    pub method: Method,
+    /// Roll-off wavelength, length: beyond it the spectrum is flat
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roll_off: Option<f64>,
+    /// How the spectrum goes from power law to flat
+    #[arg(long, value_enum, default_value_t = RollOffShape::Plateau, requires = "roll_off")]
+    pub roll_off_shape: RollOffShape,
+    /// How large each mode is: drawn, or as expected with a random phase only
+    #[arg(long, value_enum, default_value_t = AmplitudeKind::Gaussian)]
+    pub amplitudes: AmplitudeKind,
+}
+
+/// The ways to make a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Random phases under a power spectral density
+    #[default]
+    Psd,
+    /// Successive random addition
+    Sra,
+    /// Random midpoint displacement
+    Rmd,
+}
+
+/// The ways to roll off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RollOffShape {
+    /// Constant beyond the roll-off wavelength
+    #[default]
+    Plateau,
+    /// (1 + (q/q_r)²)^-(1+H)
+    Smooth,
+}
+
+/// The ways to draw amplitudes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AmplitudeKind {
+    /// Normal real and imaginary parts
+    #[default]
+    Gaussian,
+    /// All as large as expected
+    Fixed,
+}
+
+impl GeneratorArgs {
+    /// These flags with every default filled in, as they belong into the record of a run.
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        let mut whole = self.clone();
+        if self.method == Method::Psd {
+            whole.eps_t_inv = Some(self.eps_t_inv.unwrap_or(EPS_T_INV));
+            whole.eps_f_inv = Some(self.eps_f_inv.unwrap_or(EPS_F_INV));
+        }
+        let [nx, ny] = self.points()?;
+        (whole.n, whole.eps_c_inv) = (if self.dim == 2 || nx == ny { vec![nx] } else { vec![nx, ny] }, None);
+        Ok(whole)
+    }
+
+    /// The grid in a cell of `length`: L, or Lx and Ly, or nothing for 1. One length is that along x; the points are as
+    /// far apart along y.
+    ///
+    /// # Errors
+    /// Numbers that make no grid, lengths that make no cell, more points than fit into memory.
+    pub fn grid(&self, length: &[f64]) -> Result<Grid, Failure> {
+        let [nx, ny] = self.points()?;
+        let bytes = BYTES_PER_POINT.saturating_mul(nx as u64).saturating_mul(ny as u64);
+        if let Some(available) = available_bytes().filter(|available| bytes > *available) {
+            let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+            let reason =
+                format!("{nx} x {ny} points need {:.1} GiB, {:.1} GiB are available", gib(bytes), gib(available));
+            return Err(Failure::input("--n", reason));
+        }
+        let along_x = length.first().copied().unwrap_or(1.0);
+        let grid = match (self.dim, length) {
+            (2, [] | [_]) => Grid::line(nx, along_x),
+            (2, _) => return Err(Failure::input("--length", format!("a profile has one length, found {length:?}"))),
+            (_, [lx, ly]) => Grid::new([nx, ny], [*lx, *ly]),
+            (_, [] | [_]) => Grid::new([nx, ny], [along_x, along_x * ny as f64 / nx as f64]),
+            _ => return Err(Failure::input("--length", format!("L or Lx,Ly is allowed, found {length:?}"))),
+        };
+        grid.map_err(|error| Failure::input("--length", error))
+    }
+
+    /// Makes the heights on a grid made by [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
+    ///
+    /// # Errors
+    /// A flag out of its range, flags that do not go together.
+    pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
+        match self.method {
+            Method::Psd => self.spectrum(grid)?.heights(grid, self.seed).map_err(|error| flagged(&error)),
+            Method::Sra => self.subdivided(grid, Displacement::AllPoints),
+            Method::Rmd => self.subdivided(grid, Displacement::Midpoints),
+        }
+    }
+
+    /// Number of points along x and y.
+    fn points(&self) -> Result<[usize; 2], Failure> {
+        let allowed = || Failure::input("--n", format!("N, or NX,NY of a surface, is allowed, found {:?}", self.n));
+        let [nx, ny] = match (&self.n[..], self.eps_c_inv) {
+            (_, Some(_)) if self.method != Method::Psd => return Err(self.no_cut_offs("--eps-c-inv")),
+            ([_, ..], Some(_)) => {
+                return Err(Failure::input("--eps-c-inv", "it follows from --n: give one of the two"));
+            }
+            ([], Some(eps_c_inv)) => {
+                let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
+                let eps_f_inv = self.eps_f_inv.unwrap_or(EPS_F_INV);
+                let points = Discretisation { eps_t_inv, eps_f_inv, eps_c_inv }.points();
+                [points.map_err(|error| flagged(&error))?; 2]
+            }
+            ([], None) => [POINTS; 2],
+            ([n], None) => [*n; 2],
+            ([nx, ny], None) if self.dim == 3 => [*nx, *ny],
+            _ => return Err(allowed()),
+        };
+        if nx < 2 || ny < 2 {
+            return Err(Failure::input("--n", format!("at least 2 points are allowed, found {}", nx.min(ny))));
+        }
+        Ok([nx, if self.dim == 2 { 1 } else { ny }])
+    }
+
+    /// The spectrum that `--method psd` follows; the discretisation numbers count from the shorter side of the cell.
+    ///
+    /// # Errors
+    /// A number out of its range, or a grid too coarse for the shortest wavelength.
+    pub fn spectrum(&self, grid: &Grid) -> Result<SelfAffine, Failure> {
+        let (eps_t_inv, eps_f_inv) = (self.eps_t_inv.unwrap_or(EPS_T_INV), self.eps_f_inv.unwrap_or(EPS_F_INV));
+        for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
+            if !(found.is_finite() && found >= 1.0) {
+                return Err(Failure::input(flag, format!("at least 1 is allowed, found {found}")));
+            }
+        }
+        let sides = if grid.is_line() { 1 } else { 2 };
+        let smaller = |values: [f64; 2]| values[..sides].iter().copied().fold(f64::INFINITY, f64::min);
+        let larger = |values: [f64; 2]| values[..sides].iter().copied().fold(0.0, f64::max);
+        let longest = smaller(grid.lengths()) / eps_t_inv;
+        let shortest = smaller(grid.lengths()) / (eps_t_inv * eps_f_inv);
+        let per_wave = shortest / larger(grid.spacing());
+        if per_wave < 2.0 * (1.0 - 1e-12) {
+            let n = self.n.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
+            let n = if n.is_empty() { POINTS.to_string() } else { n };
+            return Err(Failure::input(
+                "--n",
+                format!(
+                    "{n} points with --eps-t-inv {eps_t_inv} and --eps-f-inv {eps_f_inv} leave {per_wave} points per \
+                     shortest wavelength, at least 2 are allowed"
+                ),
+            ));
+        }
+        let roll_off = match (self.roll_off, self.roll_off_shape) {
+            (None, _) => RollOff::None,
+            (Some(wavelength), RollOffShape::Plateau) => RollOff::Plateau(wavelength),
+            (Some(wavelength), RollOffShape::Smooth) => RollOff::Smooth(wavelength),
+        };
+        let amplitudes = match self.amplitudes {
+            AmplitudeKind::Gaussian => Amplitudes::Gaussian,
+            AmplitudeKind::Fixed => Amplitudes::Fixed,
+        };
+        let normalisation = self.normalisation();
+        Ok(SelfAffine {
+            roll_off,
+            amplitudes,
+            normalisation,
+            ..SelfAffine::new(self.hurst, longest, shortest, self.rms_gradient)
+        })
+    }
+
+    /// What the heights are scaled to.
+    pub fn normalisation(&self) -> Normalisation {
+        self.rms_height.map_or(Normalisation::RmsGradient(self.rms_gradient), Normalisation::RmsHeight)
+    }
+
+    /// The first points of a subdivision that has enough of them, without their mean, scaled to the size asked for.
+    fn subdivided(&self, grid: &Grid, method: Displacement) -> Result<Array2<f64>, Failure> {
+        let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
+        if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
+            return Err(self.no_cut_offs(flag));
+        }
+        if self.amplitudes == AmplitudeKind::Fixed {
+            return Err(Failure::input("--amplitudes", "fixed ones belong to --method psd"));
+        }
+        let [nx, ny] = grid.points();
+        let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
+        let generator = RealSpace { hurst: self.hurst, subdivisions, rms_increment: 1.0, method };
+        let made = match Dimension::of(grid) {
+            Dimension::Profile => generator.profile(self.seed),
+            Dimension::Surface => generator.surface(self.seed),
+        };
+        let mut heights = made.map_err(|error| flagged(&error))?.slice(s![..nx, ..ny]).to_owned();
+        heights -= heights.mean().unwrap_or(0.0);
+        let moments = PowerSpectrum::of(&heights, grid).map_err(|error| flagged(&error))?.moments();
+        let (flag, found, asked) = match self.normalisation() {
+            Normalisation::RmsGradient(asked) => ("--rms-gradient", moments.rms_gradient(), asked),
+            Normalisation::RmsHeight(asked) => ("--rms-height", moments.rms_height(), asked),
+        };
+        if !(asked.is_finite() && asked > 0.0) {
+            return Err(Failure::input(flag, format!("positive and finite is allowed, found {asked}")));
+        }
+        if found == 0.0 {
+            return Err(Failure::input("--n", format!("{nx} by {ny} points make a flat surface")));
+        }
+        heights *= asked / found;
+        Ok(heights)
+    }
+
+    fn no_cut_offs(&self, flag: &str) -> Failure {
+        Failure::input(flag, format!("--method {} has no cut-offs, --method psd has", self.method))
+    }
+}
+
+impl fmt::Display for GeneratorArgs {
+    /// What kind of surface, in words.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let what = if self.dim == 2 { "profile" } else { "surface" };
+        write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst, self.seed)
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Psd => "psd",
+            Self::Sra => "sra",
+            Self::Rmd => "rmd",
+        })
+    }
+}
+
+/// The error of the library under the flag that it comes from.
+fn flagged(error: &SurfaceError) -> Failure {
+    let flag = match error {
+        SurfaceError::Hurst(_) => "--hurst",
+        SurfaceError::RollOff { .. } => "--roll-off",
+        SurfaceError::NotPositive { what: "rms height", .. } => "--rms-height",
+        SurfaceError::NotPositive { .. } => "--rms-gradient",
+        SurfaceError::Discretisation { name: "1/eps_t", .. } | SurfaceError::LongerThanCell { .. } => "--eps-t-inv",
+        SurfaceError::Discretisation { name: "1/eps_f", .. } | SurfaceError::Wavelengths { .. } => "--eps-f-inv",
+        SurfaceError::NoModes { .. } => "--eps-t-inv, --eps-f-inv",
+        SurfaceError::Discretisation { .. } | SurfaceError::PointCount { .. } => "--eps-c-inv",
+        _ => "--n",
+    };
+    Failure::input(flag, error)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use gfmd_surface::Statistics;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        generator: GeneratorArgs,
+    }
+
+    fn flags(line: &str) -> GeneratorArgs {
+        Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().generator
+    }
+
+    /// The heights that a line of flags makes in a cell of length 1, and their grid.
+    fn made(line: &str) -> Result<(Array2<f64>, Grid), Failure> {
+        let generator = flags(line);
+        let grid = generator.grid(&[])?;
+        Ok((generator.heights(&grid)?, grid))
+    }
+
+    #[test]
+    fn flags_left_out_have_their_defaults_and_resolve_to_them() {
+        let (heights, grid) = made("").unwrap();
+        assert_eq!((grid.points(), grid.lengths()), ([256, 256], [1.0, 1.0]));
+        let spectrum = flags("").spectrum(&grid).unwrap();
+        assert_eq!((spectrum.longest_wavelength, spectrum.shortest_wavelength), (0.5, 1.0 / 64.0));
+        assert!((Statistics::of(&heights, &grid).unwrap().moments.rms_gradient() - 0.1).abs() < 1e-14);
+        let resolved = flags("").resolved().unwrap();
+        assert_eq!((&resolved.n[..], resolved.eps_t_inv, resolved.eps_f_inv), (&[256][..], Some(2.0), Some(32.0)));
+        assert_eq!(resolved.heights(&grid).unwrap(), heights);
+    }
+
+    #[test]
+    fn points_follow_from_the_discretisation_numbers() {
+        let grid = |line: &str| flags(line).grid(&[3.0]).unwrap();
+        assert_eq!(grid("--eps-t-inv 1.5 --eps-f-inv 24 --eps-c-inv 3").points(), [108, 108]);
+        assert_eq!(flags("--eps-c-inv 8").resolved().unwrap().n, [512]);
+        assert_eq!(grid("--n 64,96").lengths(), [3.0, 4.5]);
+        assert!(grid("--n 64 --dim 2").is_line());
+    }
+
+    #[test]
+    fn subdivisions_have_the_size_asked_for() {
+        for line in ["--method rmd --n 100", "--method sra --n 48,33", "--method rmd --n 64 --dim 2"] {
+            for (size, words) in [(0.3, "--rms-gradient 0.3"), (0.02, "--rms-height 0.02")] {
+                let (heights, grid) = made(&format!("{line} {words}")).unwrap();
+                let moments = Statistics::of(&heights, &grid).unwrap().moments;
+                let found = if words.contains("height") { moments.rms_height() } else { moments.rms_gradient() };
+                assert!((found / size - 1.0).abs() < 1e-12, "{line} {words}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_error_names_its_flag() {
+        let says = |line: &str, words: &str| {
+            let message = made(line).unwrap_err().to_string();
+            assert!(message.starts_with(words), "{message:?} is not {words:?}");
+        };
+        says("--hurst 1.5", "--hurst: the Hurst exponent must be from 0 to 1, found 1.5");
+        says("--eps-t-inv 0.5", "--eps-t-inv: at least 1 is allowed, found 0.5");
+        says("--eps-f-inv nan", "--eps-f-inv: at least 1 is allowed, found NaN");
+        says(
+            "--n 64",
+            "--n: 64 points with --eps-t-inv 2 and --eps-f-inv 32 leave 1 points per shortest wavelength, at least 2",
+        );
+        says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c must be at least 2 and finite, found 1.9");
+        says("--eps-c-inv 2.51", "--eps-c-inv: 1/eps_t * 1/eps_f * 1/eps_c must be a whole number of points");
+        says("--n 512 --eps-c-inv 8", "--eps-c-inv: it follows from --n");
+        says("--rms-gradient 0", "--rms-gradient: the rms gradient must be positive and finite, found 0");
+        says("--rms-height -1", "--rms-height: the rms height must be positive and finite, found -1");
+        says("--roll-off 0.7", "--roll-off: the roll-off wavelength must be from 0.015625 to 0.5, found 0.7");
+        says("--method rmd --rms-gradient -1", "--rms-gradient: positive and finite is allowed, found -1");
+        says("--method rmd --eps-t-inv 4", "--eps-t-inv: --method rmd has no cut-offs");
+        says("--method sra --eps-c-inv 4", "--eps-c-inv: --method sra has no cut-offs");
+        says("--method sra --amplitudes fixed", "--amplitudes: fixed ones belong to --method psd");
+        says("--n 1", "--n: at least 2 points are allowed, found 1");
+        says("--n 64,64 --dim 2", "--n: N, or NX,NY of a surface, is allowed, found [64, 64]");
+        says("--n 100000000", "--n: 100000000 x 100000000 points need");
+        says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: no wave vector of this cell");
+        let length = |length: &[f64]| flags("").grid(length).unwrap_err().to_string();
+        assert!(length(&[-1.0]).starts_with("--length: cell lengths must be positive and finite"));
+        assert!(length(&[1.0, 2.0, 3.0]).starts_with("--length: L or Lx,Ly is allowed"));
+    }
+}

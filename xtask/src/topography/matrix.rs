@@ -1,0 +1,230 @@
+//! Text: a matrix of numbers, with or without the header that instruments write above it.
+//!
+//! ```text
+//! # Channel: ZSensor
+//! # Width: 10.00 µm
+//! # Height: 10.00 µm
+//! # Value units: m
+//! 1.8823e-008    1.8497e-008    ...
+//! ```
+//!
+//! A line is a row of constant y, its numbers run along x: heights\[x, y\] is the number in column x of line y. UTF-8
+//! or Latin-1; numbers with a decimal point, separated by blanks, tabs, commas or semicolons.
+
+use ndarray::Array2;
+
+use super::Found;
+
+/// Words that stand for a point without a height.
+const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
+
+/// Units of length, so many to a metre: whole numbers, which make conversions exact to one rounding.
+const UNITS: [(&str, f64); 14] = [
+    ("m", 1.0),
+    ("meter", 1.0),
+    ("cm", 1e2),
+    ("mm", 1e3),
+    ("µm", 1e6), // micro sign
+    ("μm", 1e6), // Greek letter mu
+    ("um", 1e6),
+    ("~m", 1e6), // as some instruments print it
+    ("micron", 1e6),
+    ("nm", 1e9),
+    ("pm", 1e12),
+    ("Å", 1e10),
+    ("Å", 1e10), // Angstrom sign
+    ("in", 1.0 / 0.0254),
+];
+
+/// Heights of a text file.
+pub(super) fn read(path: &str) -> Result<Found, String> {
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    if bytes.contains(&0) {
+        return Err(
+            "neither text nor named .npy or .h5: a matrix of numbers as text, FILE.npy or FILE.h5:/dataset is \
+                    allowed"
+                .into(),
+        );
+    }
+    parse(&decode(bytes))
+}
+
+/// UTF-8 if it is that, Latin-1 otherwise: there each byte is the character of its number.
+fn decode(bytes: Vec<u8>) -> String {
+    let text =
+        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
+    text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)
+}
+
+fn parse(text: &str) -> Result<Found, String> {
+    let (mut header, mut rows) = (Header::default(), Rows::default());
+    for (line, content) in text.lines().enumerate().map(|(index, content)| (index + 1, content.trim())) {
+        if let Some(comment) = content.strip_prefix(['#', '%']) {
+            header.read(line, comment)?;
+        } else if !content.is_empty() {
+            rows.push(line, content)?;
+        }
+    }
+    let heights = rows.heights()?;
+    let (unit, lengths) = header.sizes(heights.dim())?;
+    Ok(Found { heights, lengths, unit, channel: header.channel })
+}
+
+/// The numbers line by line.
+#[derive(Default)]
+struct Rows {
+    values: Vec<f64>,
+    columns: usize,
+    rows: usize,
+    separator: Option<char>,
+}
+
+impl Rows {
+    fn push(&mut self, line: usize, content: &str) -> Result<(), String> {
+        let separator = *self.separator.get_or_insert_with(|| separator(content));
+        let before = self.values.len();
+        if separator == ' ' {
+            for (column, word) in content.split_whitespace().enumerate() {
+                self.values.push(number(word, line, column + 1)?);
+            }
+        } else {
+            for (column, word) in content.split(separator).enumerate() {
+                self.values.push(number(word.trim(), line, column + 1)?);
+            }
+            // A separator that ends the line separates nothing, unless a number is missing there.
+            let surplus = self.rows == 0 || self.values.len() - before == self.columns + 1;
+            if surplus && content.ends_with(separator) {
+                self.values.pop();
+            }
+        }
+        let found = self.values.len() - before;
+        if self.rows == 0 {
+            self.columns = found;
+        } else if found != self.columns {
+            return Err(format!("line {line} has {found} numbers, the lines before have {}", self.columns));
+        }
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// `[x, y]` from lines of constant y; a single line or column is a profile.
+    fn heights(self) -> Result<Array2<f64>, String> {
+        let Self { values, columns, rows, .. } = self;
+        if columns == 3 && is_point_list(&values) {
+            return Err(format!(
+                "{rows} lines of three numbers that look like points x y z; a matrix is allowed, one line per y"
+            ));
+        }
+        let lines = Array2::from_shape_vec((rows, columns), values).map_err(|error| error.to_string())?;
+        Ok(if columns == 1 { lines } else { lines.reversed_axes().as_standard_layout().into_owned() })
+    }
+}
+
+/// What separates the numbers, judged by the first line of them.
+fn separator(content: &str) -> char {
+    [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)).unwrap_or(' ')
+}
+
+/// A number, or NaN for a point without a height.
+fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
+    if word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str()) {
+        return Ok(f64::NAN);
+    }
+    word.parse().map_err(|_| {
+        let hint = if word.contains(',') { ", with a decimal point" } else { "" };
+        let word: String = word.chars().take(40).collect();
+        format!("line {line}, column {column}: a number is allowed{hint}, found {word:?}")
+    })
+}
+
+/// Whether rows of three numbers run through all pairs of their first two: a lattice, given point by point.
+fn is_point_list(values: &[f64]) -> bool {
+    let column = |k: usize| values.iter().skip(k).step_by(3).copied();
+    let count = |column: &mut dyn Iterator<Item = f64>| {
+        let mut sorted: Vec<f64> = column.collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup();
+        sorted.len()
+    };
+    let [x, y] = [count(&mut column(0)), count(&mut column(1))];
+    let mut pairs: Vec<[u64; 2]> = column(0).zip(column(1)).map(|(x, y)| [x.to_bits(), y.to_bits()]).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    x > 1 && y > 1 && x * y == values.len() / 3 && pairs.len() == x * y
+}
+
+/// What the lines above the numbers say.
+#[derive(Debug, Default)]
+struct Header {
+    channel: Option<String>,
+    width: Option<Length>,
+    height: Option<Length>,
+    value_unit: Option<String>,
+}
+
+/// A size with its unit, as written.
+#[derive(Clone, Debug)]
+struct Length {
+    value: f64,
+    unit: Option<String>,
+}
+
+impl Header {
+    /// Takes `Key: value`; other comments are nobody's business.
+    fn read(&mut self, line: usize, comment: &str) -> Result<(), String> {
+        let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
+        let value = value.trim();
+        match key.trim().to_ascii_lowercase().as_str() {
+            "channel" => self.channel = Some(value.into()),
+            "width" => self.width = Some(length(line, value)?),
+            "height" => self.height = Some(length(line, value)?),
+            "value units" | "value unit" => self.value_unit = Some(value.into()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The unit of the heights, and the sizes converted to it.
+    fn sizes(&self, (nx, ny): (usize, usize)) -> Result<(Option<String>, Option<[f64; 2]>), String> {
+        let unit = self.value_unit.clone();
+        let along = |name: &str, length: &Length| match (&length.unit, &unit) {
+            (None, None) => Ok(length.value),
+            (Some(from), Some(to)) if from == to => Ok(length.value),
+            (Some(from), Some(to)) => {
+                let (from, to) = (per_metre(from)?, per_metre(to)?);
+                Ok(if to >= from { length.value * (to / from) } else { length.value / (from / to) })
+            }
+            (Some(from), None) => Err(format!(
+                "{name} is given in {from} but the unit of the heights is not: a line \"# Value units: ...\" is needed"
+            )),
+            (None, Some(to)) => Err(format!("heights are given in {to} but {name} has no unit")),
+        };
+        let lengths = match (&self.width, &self.height) {
+            (Some(width), Some(height)) if nx > 1 && ny > 1 => Some([along("Width", width)?, along("Height", height)?]),
+            // A profile: the longer of the two, the other is one pixel or nothing.
+            (Some(one), Some(other)) => Some([along("Width", one)?.max(along("Height", other)?), 1.0]),
+            (Some(one), None) | (None, Some(one)) if ny == 1 => Some([along("the length", one)?, 1.0]),
+            (None, None) => None,
+            _ => return Err("Width and Height are needed, found only one of them".into()),
+        };
+        Ok((unit, lengths))
+    }
+}
+
+/// `10.00 µm`: a number with or without a unit.
+fn length(line: usize, text: &str) -> Result<Length, String> {
+    let end = text.find(char::is_whitespace).unwrap_or(text.len());
+    let (value, unit) = text.split_at(end);
+    let value =
+        value.parse().map_err(|_| format!("line {line}: a length such as 10.00 µm is allowed, found {text:?}"))?;
+    let unit = unit.trim();
+    Ok(Length { value, unit: (!unit.is_empty()).then(|| unit.into()) })
+}
+
+/// How many of this unit make a metre.
+fn per_metre(unit: &str) -> Result<f64, String> {
+    UNITS.iter().find(|(name, _)| *name == unit).map(|(_, count)| *count).ok_or_else(|| {
+        let names: Vec<&str> = UNITS.iter().map(|(name, _)| *name).collect();
+        format!("the units {} are known, found {unit:?}", names.join(", "))
+    })
+}
