@@ -228,7 +228,8 @@ impl Prepared {
             .chain(args.control.p_star.iter().map(|p| Control::MeanPressure(p * unit_pressure)))
             .chain(args.control.displacement.iter().map(|d| Control::Approach(*d)))
             .collect();
-        let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let output =
+            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
         Ok(Self { surface, grid, body, controls, output })
     }
 

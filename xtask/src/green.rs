@@ -6,6 +6,8 @@ use clap::ValueEnum;
 use gfmd_green::{Base, Body, Complex64, GreenError, Height, Material, Section};
 use serde::Serialize;
 
+use crate::failure::Failure;
+
 /// Flags of `green`.
 #[derive(clap::Args, Clone, Debug)]
 #[command(after_help = "Examples:
@@ -101,7 +103,7 @@ pub struct Inside {
 ///
 /// # Errors
 /// A flag whose value cannot be used: one line with the flag, what was found and what is allowed.
-pub fn run(args: &Args) -> anyhow::Result<Report> {
+pub fn run(args: &Args) -> Result<Report, Failure> {
     for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
         if !value.is_finite() {
             return Err(invalid(flag, value, "a finite number"));
@@ -138,12 +140,12 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     Ok(Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside })
 }
 
-fn body(args: &Args) -> anyhow::Result<Body> {
+fn body(args: &Args) -> Result<Body, Failure> {
     let material = material(["--young", "--poisson"], args.young, args.poisson)?;
     let body = match (args.height, Body::new(material, args.height)) {
         (_, Ok(body)) => body,
         (Height::Finite(height), Err(_)) => return Err(invalid("--height", height, "a positive length, or inf")),
-        (Height::Infinite, Err(error)) => return Err(error.into()),
+        (Height::Infinite, Err(error)) => return Err(Failure::Input(error.to_string())),
     };
     if args.base != BaseName::HalfSpace {
         for (flag, value) in [("--base-young", args.base_young), ("--base-poisson", args.base_poisson)] {
@@ -169,15 +171,15 @@ fn body(args: &Args) -> anyhow::Result<Body> {
     body.on(base).map_err(|_| invalid("--base", name, "bonded with --height inf (a half-space has no base)"))
 }
 
-fn material(flags: [&str; 2], young: f64, poisson: f64) -> anyhow::Result<Material> {
+fn material(flags: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
     Material::from_young(young, poisson).map_err(|error| match error {
         GreenError::Young(found) => invalid(flags[0], found, "a positive, finite number"),
         GreenError::Poisson(found) => invalid(flags[1], found, "above -1 and up to 0.5"),
-        other => other.into(),
+        other => Failure::Input(other.to_string()),
     })
 }
 
-fn section<'a>(args: &Args, body: &'a Body) -> anyhow::Result<Option<Section<'a>>> {
+fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {
     let (flag, place, section) = match (args.z, args.depth) {
         (Some(z), _) => ("--z", z, body.at_height(z)),
         (None, Some(depth)) => ("--depth", depth, body.at_depth(depth)),
@@ -187,13 +189,13 @@ fn section<'a>(args: &Args, body: &'a Body) -> anyhow::Result<Option<Section<'a>
         GreenError::Outside { largest, .. } if largest.is_finite() => invalid(flag, place, format!("0 to {largest}")),
         GreenError::Outside { .. } => invalid(flag, place, "a finite depth of 0 or more"),
         GreenError::HalfSpaceHeight(_) => invalid(flag, place, "a finite --height, or --depth in a half-space"),
-        other => other.into(),
+        other => Failure::Input(other.to_string()),
     })
 }
 
 /// An unusable value of a flag.
-fn invalid(flag: &str, found: impl Display, allowed: impl Display) -> anyhow::Error {
-    anyhow::anyhow!("{flag}: found {found}, allowed: {allowed}")
+fn invalid(flag: &str, found: impl Display, allowed: impl Display) -> Failure {
+    Failure::input(flag, format!("{allowed} is allowed, found {found}"))
 }
 
 /// A length, or `inf`.
@@ -267,7 +269,7 @@ mod tests {
         args: Args,
     }
 
-    fn evaluate(flags: &str) -> anyhow::Result<Report> {
+    fn evaluate(flags: &str) -> Result<Report, Failure> {
         let flags = std::iter::once("green").chain(flags.split_whitespace());
         run(&Command::try_parse_from(flags)?.args)
     }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 pub use config::{Config, Preset};
 pub use plan::{Plan, Point, Run};
-pub use report::Report;
+pub use report::{Analysis, Report};
 
 use crate::archive::Output;
 use crate::failure::Failure;

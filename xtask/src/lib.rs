@@ -1,4 +1,19 @@
-//! The commands of gfmd, as a library so that tests can call them.
+//! The commands of gfmd, as a library so that tests can call them. One file per command: flags in, one function, a
+//! report out that prints itself as a table or as JSON (docs/interface.md).
 
 pub mod archive;
+pub mod contact;
+pub mod elastic;
+pub mod failure;
+pub mod figures;
 pub mod fit;
+pub mod generator;
+pub mod green;
+pub mod json;
+pub mod kappa_sweep;
+pub mod load;
+pub mod progress;
+pub mod session;
+pub mod source;
+pub mod surface;
+pub mod topography;

@@ -1,3 +1,106 @@
-//! Entry point.
+//! Parses, dispatches, prints, and maps failures to exit codes.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is where results and errors are printed")]
 
-fn main() {}
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+use gfmd_xtask::failure::Failure;
+use gfmd_xtask::session::{Common, Session};
+use gfmd_xtask::{contact, green, json, kappa_sweep, surface};
+use serde::Serialize;
+
+/// Contact mechanics of rough surfaces by Green's function molecular dynamics
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Press a rough surface on an elastic body, at one or more loads
+    Contact(Box<contact::Args>),
+    /// The main job: kappa in the thermodynamic, fractal and continuum limit, with its uncertainty
+    KappaSweep(Box<kappa_sweep::Args>),
+    /// Make a rough surface, or measure one
+    Surface(Box<surface::Args>),
+    /// Look up stiffness, compliance and transfer matrices of one wave vector
+    Green(Box<green::Args>),
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error),
+    };
+    let outcome = Session::start(cli.common).and_then(|session| dispatch(&cli.command, &session));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
+    let as_json = session.common.json;
+    match command {
+        Command::Contact(args) => match contact::run(args, session) {
+            Ok(report) => print(&report, as_json),
+            Err((report, failure)) => {
+                if let Some(report) = report {
+                    print(&report, as_json)?;
+                }
+                Err(failure)
+            }
+        },
+        Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
+            kappa_sweep::Outcome::Done(report) => print(&*report, as_json),
+            kappa_sweep::Outcome::Planned(plan) => print(&plan, as_json),
+            kappa_sweep::Outcome::Config(text) => write(&text),
+        },
+        Command::Surface(args) => print(&surface::run(args, session)?, as_json),
+        Command::Green(args) => print(&green::run(args)?, as_json),
+    }
+}
+
+fn print(report: &(impl Display + Serialize), as_json: bool) -> Result<(), Failure> {
+    if as_json {
+        let text = json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?;
+        return write(&(text + "\n"));
+    }
+    write(&report.to_string())
+}
+
+fn write(text: &str) -> Result<(), Failure> {
+    use std::io::Write;
+    let mut stdout = std::io::stdout().lock();
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    written.map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
+}
+
+/// Help and version are results; everything else that clap says is one line of unusable input.
+fn refuse(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            print!("{}", error.render());
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            eprint!("{}", error.render());
+            ExitCode::from(2)
+        }
+        _ => {
+            let text = error.render().to_string();
+            let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
+            eprintln!("{}", lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "));
+            ExitCode::from(2)
+        }
+    }
+}

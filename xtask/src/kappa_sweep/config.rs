@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::fit::{Exponent, Model};
 
 /// A sweep. Every field has a default: those of the preset `default`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
     /// The rough surfaces.
@@ -102,8 +102,11 @@ pub struct LoadsConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatisticsConfig {
-    /// Surfaces per point.
+    /// Surfaces per point, where eps_t_inv is that of the centre (of a grid: its first one).
     pub realisations: u64,
+    /// Whether points of larger cells get fewer surfaces, and points of smaller cells more, so that all sample the same
+    /// area and are equally certain; between 4 and 4 times `realisations`.
+    pub equal_area: bool,
     /// First seed. Points that differ only in eps_c share their seeds, so their surfaces; all others are independent.
     pub seed: u64,
 }
@@ -126,7 +129,8 @@ pub struct SolverConfig {
 pub struct FitConfig {
     /// The load of the result that is printed large; all loads are fitted.
     pub p_star: f64,
-    /// Exponent of the term in eps_t.
+    /// Exponent of the term in eps_t. A cell is a finite sample of roughness: its bias, like its variance, falls with the
+    /// area, so 2 for surfaces and 1 for profiles.
     pub alpha_t: AlphaConfig,
     /// Exponent of the term in eps_f.
     pub alpha_f: AlphaConfig,
@@ -144,20 +148,6 @@ pub enum AlphaConfig {
     Fixed(f64),
     /// `"free"` or `"none"`.
     Named(String),
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            surface: SurfaceConfig::default(),
-            body: BodyConfig::default(),
-            points: PointsConfig::default(),
-            loads: LoadsConfig::default(),
-            statistics: StatisticsConfig::default(),
-            solver: SolverConfig::default(),
-            fit: FitConfig::default(),
-        }
-    }
 }
 
 impl Default for SurfaceConfig {
@@ -193,7 +183,7 @@ impl Default for LoadsConfig {
 
 impl Default for StatisticsConfig {
     fn default() -> Self {
-        Self { realisations: 12, seed: 1 }
+        Self { realisations: 12, equal_area: true, seed: 1 }
     }
 }
 
@@ -207,7 +197,7 @@ impl Default for FitConfig {
     fn default() -> Self {
         Self {
             p_star: 0.02,
-            alpha_t: AlphaConfig::Fixed(1.0),
+            alpha_t: AlphaConfig::Fixed(2.0),
             alpha_f: AlphaConfig::Fixed(1.0),
             alpha_c: AlphaConfig::Named("free".into()),
             resamples: 2000,
@@ -239,9 +229,9 @@ impl Preset {
             Self::Smoke => Config {
                 points: PointsConfig {
                     eps_t_inv: vec![1.0, 2.0],
-                    eps_f_inv: vec![4.0, 8.0],
+                    eps_f_inv: vec![8.0, 16.0],
                     eps_c_inv: vec![4.0, 8.0, 16.0],
-                    centre: [2.0, 8.0, 8.0],
+                    centre: [2.0, 16.0, 4.0],
                     ..base.points
                 },
                 statistics: StatisticsConfig { realisations: 4, ..base.statistics },
@@ -287,6 +277,7 @@ impl Preset {
                 },
                 loads: LoadsConfig { p_star: vec![0.02, 0.05, 0.1] },
                 statistics: StatisticsConfig { realisations: 32, ..base.statistics },
+                fit: FitConfig { p_star: 0.02, alpha_t: AlphaConfig::Fixed(1.0), ..base.fit },
                 ..base
             },
         }
@@ -349,6 +340,21 @@ impl Config {
         self.body()?;
         self.model()?;
         Ok(())
+    }
+
+    /// Number of realisations at a point.
+    pub fn realisations(&self, at: &Discretisation) -> u64 {
+        let StatisticsConfig { realisations, equal_area, .. } = self.statistics;
+        let reference = match self.points.design {
+            Design::Star => self.points.centre[0],
+            Design::Grid => self.points.eps_t_inv.first().copied().unwrap_or(1.0),
+        };
+        if !equal_area || at.eps_t_inv == reference {
+            return realisations;
+        }
+        let sides = if self.surface.dim == 2 { 1 } else { 2 };
+        let wanted = realisations as f64 * (reference / at.eps_t_inv).powi(sides);
+        (wanted.round() as u64).clamp(realisations.min(4), 4 * realisations)
     }
 
     /// The elastic body.

@@ -27,13 +27,13 @@ struct Entry {
 }
 
 /// A journal open for writing.
-pub struct Journal {
+pub(super) struct Journal {
     path: PathBuf,
     file: Mutex<File>,
 }
 
 /// Finished runs by index.
-pub type Finished = BTreeMap<usize, Vec<LoadRecord>>;
+pub(super) type Finished = BTreeMap<usize, Vec<LoadRecord>>;
 
 impl Journal {
     /// Starts a journal, or continues the one that is there.
@@ -41,7 +41,7 @@ impl Journal {
     /// # Errors
     /// A journal that is there although `resume` is false, or that belongs to another sweep; a file that cannot be
     /// written.
-    pub fn open(path: &Path, config: &str, resume: bool) -> Result<(Self, Finished), Failure> {
+    pub(super) fn open(path: &Path, config: &str, resume: bool) -> Result<(Self, Finished), Failure> {
         let head = Head { version: env!("CARGO_PKG_VERSION").into(), config: config.into() };
         let name = path.display();
         let failed = |error: std::io::Error| Failure::Computation(format!("cannot write {name}: {error}"));
@@ -67,7 +67,7 @@ impl Journal {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn record(&self, run: usize, loads: &[LoadRecord]) -> Result<(), Failure> {
+    pub(super) fn record(&self, run: usize, loads: &[LoadRecord]) -> Result<(), Failure> {
         let text = line(&Entry { run, loads: loads.to_vec() })?;
         let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         file.write_all(text.as_bytes())
@@ -76,12 +76,12 @@ impl Journal {
     }
 
     /// Where it is.
-    pub fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Removes it: the sweep is complete and stored.
-    pub fn remove(self) {
+    pub(super) fn remove(self) {
         if let Err(error) = std::fs::remove_file(&self.path) {
             tracing::warn!("cannot remove {}: {error}", self.path.display());
         }
@@ -99,11 +99,14 @@ fn read(path: &Path, expected: &Head) -> Result<Finished, Failure> {
     let file = File::open(path).map_err(|error| Failure::input(&name, error))?;
     let mut lines = BufReader::new(file).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return Ok(Finished::new()) };
-    let head: Head = serde_json::from_str(&first)
-        .map_err(|_| Failure::input(&name, "this is not the journal of a sweep"))?;
+    let head: Head =
+        serde_json::from_str(&first).map_err(|_| Failure::input(&name, "this is not the journal of a sweep"))?;
     if head != *expected {
         let reason = "it belongs to a sweep of another configuration or version: finish that one, or delete the file";
         return Err(Failure::input(&name, reason));
     }
-    Ok(lines.map_while(|line| serde_json::from_str::<Entry>(&line).ok()).map(|entry| (entry.run, entry.loads)).collect())
+    Ok(lines
+        .map_while(|line| serde_json::from_str::<Entry>(&line).ok())
+        .map(|entry| (entry.run, entry.loads))
+        .collect())
 }

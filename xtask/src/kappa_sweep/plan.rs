@@ -9,7 +9,7 @@ use crate::contact::{check_memory, memory_bytes};
 use crate::failure::Failure;
 
 /// Points along one axis up to which realisations run side by side; larger grids use all threads for one.
-pub const SIDE_BY_SIDE: usize = 512;
+pub(super) const SIDE_BY_SIDE: usize = 512;
 
 /// One discretisation of one family of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,11 +73,19 @@ impl Plan {
             }
         }
         let runs = points.iter().enumerate().flat_map(|(point, at)| {
-            (0..config.statistics.realisations)
-                .map(move |realisation| Run { point, realisation, seed: at.first_seed + realisation })
+            (0..config.statistics.realisations).map(move |realisation| Run {
+                point,
+                realisation,
+                seed: at.first_seed + realisation,
+            })
         });
         let runs = runs.collect();
         Ok(Self { points, runs, dim: config.surface.dim, loads: config.loads.p_star.clone() })
+    }
+
+    /// Number of realisations of a point.
+    pub fn realisations(&self, point: usize) -> usize {
+        self.runs.iter().filter(|run| run.point == point).count()
     }
 
     /// The grid of a point, on a cell of length 1.
@@ -132,7 +140,6 @@ const MILLION: f64 = 1_048_576.0;
 
 /// A line of `--dry-run`.
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PlannedPoint {
     pub dim: u8,
     pub hurst: f64,
@@ -140,7 +147,7 @@ pub struct PlannedPoint {
     pub eps_f_inv: f64,
     pub eps_c_inv: f64,
     pub n: usize,
-    pub realisations: u64,
+    pub realisations: usize,
     pub memory_bytes: u64,
     pub seconds: f64,
 }

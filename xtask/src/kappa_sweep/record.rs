@@ -59,12 +59,7 @@ fn write_columns(
     Ok(())
 }
 
-fn write_runs(
-    archive: &mut Archive,
-    config: &Config,
-    plan: &Plan,
-    records: &[Vec<LoadRecord>],
-) -> Result<(), Failure> {
+fn write_runs(archive: &mut Archive, config: &Config, plan: &Plan, records: &[Vec<LoadRecord>]) -> Result<(), Failure> {
     let loads = &config.loads.p_star;
     let run = Dimension::index("run", plan.runs.len() * loads.len(), "one realisation of one point at one load");
     let each = |value: &dyn Fn(&super::Run, f64) -> f64| -> Vec<f64> {
@@ -96,9 +91,7 @@ fn write_points(archive: &mut Archive, config: &Config, plan: &Plan, analysis: &
     let dimension = Dimension::index("point", measured.len(), "one discretisation at one load");
     let point = |index: usize| plan.points[measured[index].point];
     let each = |value: &dyn Fn(usize) -> f64| (0..measured.len()).map(value).collect::<Vec<f64>>();
-    let kappa = |way: usize, index: usize| {
-        measured[index].kappa.get(way).map_or((f64::NAN, None), mean_and_error)
-    };
+    let kappa = |way: usize, index: usize| measured[index].kappa.get(way).map_or((f64::NAN, None), mean_and_error);
     let error = |way, index| kappa(way, index).1.unwrap_or(f64::NAN);
     let columns: Vec<Column> = vec![
         ("dim", "dimension of the body: 3, or 2 in plane strain", each(&|_| f64::from(config.surface.dim))),
@@ -132,9 +125,30 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         ("degrees_of_freedom", "cells minus parameters", each(&|e| e.fit.degrees_of_freedom as f64)),
     ];
     let names: [[&'static str; 6]; 3] = [
-        ["coefficient_t", "coefficient_t_ci95_low", "coefficient_t_ci95_high", "exponent_t", "exponent_t_ci95_low", "exponent_t_ci95_high"],
-        ["coefficient_f", "coefficient_f_ci95_low", "coefficient_f_ci95_high", "exponent_f", "exponent_f_ci95_low", "exponent_f_ci95_high"],
-        ["coefficient_c", "coefficient_c_ci95_low", "coefficient_c_ci95_high", "exponent_c", "exponent_c_ci95_low", "exponent_c_ci95_high"],
+        [
+            "coefficient_t",
+            "coefficient_t_ci95_low",
+            "coefficient_t_ci95_high",
+            "exponent_t",
+            "exponent_t_ci95_low",
+            "exponent_t_ci95_high",
+        ],
+        [
+            "coefficient_f",
+            "coefficient_f_ci95_low",
+            "coefficient_f_ci95_high",
+            "exponent_f",
+            "exponent_f_ci95_low",
+            "exponent_f_ci95_high",
+        ],
+        [
+            "coefficient_c",
+            "coefficient_c_ci95_low",
+            "coefficient_c_ci95_high",
+            "exponent_c",
+            "exponent_c_ci95_low",
+            "exponent_c_ci95_high",
+        ],
     ];
     let long_name = "kappa = kappa_tfc + sum over axes of coefficient * eps^exponent; NaN: no such term or interval";
     for (axis, names) in Axis::ALL.into_iter().zip(names) {
@@ -148,17 +162,14 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         }
     }
     write_columns(archive, "/fit", &fit, columns)?;
-    let areas: Vec<&str> =
-        all.iter().map(|e| if e.area == Area::Raw { "raw" } else { "corrected" }).collect();
+    let areas: Vec<&str> = all.iter().map(|e| if e.area == Area::Raw { "raw" } else { "corrected" }).collect();
     let variable = Variable { dimensions: &[&fit], units: "1", long_name: "how contact area is counted" };
     archive.write_text("/fit/area", &variable, &areas)?;
     let sources: Vec<String> = all.iter().map(|e| e.fit.uncertainty.to_string()).collect();
     let variable = Variable { dimensions: &[&fit], units: "1", long_name: "where the intervals come from" };
     archive.write_text("/fit/uncertainty", &variable, &sources)?;
-    let warnings: Vec<String> = all
-        .iter()
-        .map(|e| e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
-        .collect();
+    let warnings: Vec<String> =
+        all.iter().map(|e| e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")).collect();
     let variable = Variable { dimensions: &[&fit], units: "1", long_name: "what a reader of the numbers has to know" };
     archive.write_text("/fit/warnings", &variable, &warnings)?;
 
@@ -196,7 +207,8 @@ fn write_theory(archive: &mut Archive, config: &Config) -> Result<(), Failure> {
 fn write_example(archive: &mut Archive, config: &Config, plan: &Plan, example: &Example) -> Result<(), Failure> {
     let grid = plan.grid(&example.point)?;
     let [x, y] = axes(&grid, "length");
-    let field = |units, long_name| Variable { dimensions: &[&x, &y], units, long_name };
+    let dimensions = [&x, &y];
+    let field = |units, long_name| Variable { dimensions: &dimensions, units, long_name };
     let values = |field: &Array2<f64>| field.iter().copied().collect::<Vec<f64>>();
     let height = field("length", "height of the rigid surface, peaks towards the elastic body");
     archive.write("/example/height", &height, &values(&example.heights))?;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::config::Config;
 use super::plan::{Plan, PlannedPoint};
 use crate::failure::Failure;
-use crate::fit::{Axis, Cell, Estimate, Fit, Settings, Uncertainty, fit};
+use crate::fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
 use crate::load::LoadRecord;
 
 /// How contact area was counted.
@@ -85,7 +85,14 @@ impl Analysis {
                 measured.push(Measured { point, load, kappa: areas.iter().map(kappa).collect() });
             }
         }
-        let settings = Settings { model: config.model()?, resamples: config.fit.resamples, ..Settings::default() };
+        let settings = |area: Area| -> Result<Settings, Failure> {
+            let mut model = config.model()?;
+            // What the correction leaves of the perimeter term is too small to say with which power it vanishes.
+            if area == Area::Corrected && matches!(model.c, Some(Exponent::Free { .. })) {
+                model.c = Some(Exponent::Fixed(1.0));
+            }
+            Ok(Settings { model, resamples: config.fit.resamples, ..Settings::default() })
+        };
         let mut extrapolations = Vec::new();
         for &hurst in &config.surface.hurst {
             for (load, &p_star) in config.loads.p_star.iter().enumerate() {
@@ -102,7 +109,7 @@ impl Analysis {
                             }
                         })
                         .collect();
-                    let fit = fit(&cells, &settings).map_err(|error| Failure::input("fit", error))?;
+                    let fit = fit(&cells, &settings(area)?).map_err(|error| Failure::input("fit", error))?;
                     extrapolations.push(Extrapolation { hurst, p_star, area, cells, fit });
                 }
             }
@@ -117,7 +124,7 @@ impl Analysis {
 }
 
 /// Mean and standard error of the mean; no error from a single value.
-pub fn mean_and_error(values: &BTreeMap<u64, f64>) -> (f64, Option<f64>) {
+pub(super) fn mean_and_error(values: &BTreeMap<u64, f64>) -> (f64, Option<f64>) {
     let n = values.len() as f64;
     let mean = values.values().sum::<f64>() / n;
     let squares: f64 = values.values().map(|value| (value - mean).powi(2)).sum();
@@ -139,7 +146,6 @@ pub struct Report {
 }
 
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PointReport {
     pub dim: u8,
     pub hurst: f64,
@@ -158,7 +164,6 @@ pub struct PointReport {
 }
 
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct FitReport {
     pub hurst: f64,
     pub p_star: f64,
@@ -174,7 +179,6 @@ pub struct FitReport {
 }
 
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct TermReport {
     pub axis: char,
     pub coefficient: f64,
@@ -187,7 +191,6 @@ pub struct TermReport {
 
 /// Limits of comparison theories at vanishing load, for surfaces.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct TheoryReport {
     pub persson: f64,
     pub bush_gibson_thomas: f64,
@@ -342,7 +345,6 @@ impl fmt::Display for Headline<'_> {
 
 /// What `--dry-run` prints.
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PlanReport {
     pub points: Vec<PlannedPoint>,
     pub loads: Vec<f64>,
@@ -358,18 +360,17 @@ impl PlanReport {
     /// Never for a plan that was made.
     pub fn new(config: &Config, plan: &Plan) -> Result<Self, Failure> {
         let pair = Plan::calibrate()?;
-        let realisations = config.statistics.realisations;
-        let points: Vec<PlannedPoint> = (plan.points.iter())
-            .map(|point| PlannedPoint {
+        let points: Vec<PlannedPoint> = (plan.points.iter().enumerate())
+            .map(|(index, point)| PlannedPoint {
                 dim: config.surface.dim,
                 hurst: point.hurst,
                 eps_t_inv: point.discretisation.eps_t_inv,
                 eps_f_inv: point.discretisation.eps_f_inv,
                 eps_c_inv: point.discretisation.eps_c_inv,
                 n: point.n,
-                realisations,
+                realisations: plan.realisations(index),
                 memory_bytes: plan.memory(point),
-                seconds: plan.cost(point, pair) * realisations as f64,
+                seconds: plan.cost(point, pair) * plan.realisations(index) as f64,
             })
             .collect();
         Ok(Self {
@@ -416,17 +417,12 @@ impl fmt::Display for PlanReport {
 }
 
 /// The parts of an estimate as a file stores them; NaN where there is none.
-pub fn numbers(estimate: &Estimate) -> [f64; 4] {
+pub(super) fn numbers(estimate: &Estimate) -> [f64; 4] {
     let [low, high] = estimate.ci95.unwrap_or([f64::NAN; 2]);
     [estimate.value, estimate.standard_error.unwrap_or(f64::NAN), low, high]
 }
 
 /// The term of an axis: coefficient and exponent.
-pub fn term(fit: &Fit, axis: Axis) -> Option<(&Estimate, &Estimate)> {
+pub(super) fn term(fit: &Fit, axis: Axis) -> Option<(&Estimate, &Estimate)> {
     fit.terms.iter().find(|term| term.axis == axis).map(|term| (&term.coefficient, &term.exponent))
-}
-
-/// Whether the interval comes from realisations.
-pub fn is_from_realisations(fit: &Fit) -> bool {
-    fit.uncertainty == Uncertainty::Realisations
 }

@@ -1,0 +1,45 @@
+"""Says which Python this is and which FFTW can be had: {"python": .., "fftw": {"library": .., "threads": .., "source": ..}}.
+
+The FFTW is the system's, else the one that comes with pyFFTW, else null. The one inside the package of Tamaas is not
+offered: it has no vector code. Names are fit for loading and preloading.
+"""
+
+import ctypes
+import ctypes.util
+import glob
+import importlib.util
+import json
+import os
+import platform
+
+
+def loads(name):
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return False
+    return True
+
+
+def of_the_system():
+    candidates = filter(None, ["libfftw3.so.3", ctypes.util.find_library("fftw3")])
+    library = next(filter(loads, candidates), None)
+    if library is None:
+        return None
+    threads = filter(loads, ["libfftw3_threads.so.3", "libfftw3_omp.so.3"])
+    return {"library": library, "threads": next(threads, None), "source": "system"}
+
+
+def of_pyfftw():
+    package = importlib.util.find_spec("pyfftw")
+    if package is None:
+        return None
+    folder = os.path.join(os.path.dirname(package.submodule_search_locations[0]), "pyfftw.libs")
+    libraries = glob.glob(os.path.join(folder, "libfftw3-*.so*"))
+    if not libraries:
+        return None
+    threads = glob.glob(os.path.join(folder, "libfftw3_threads-*.so*")) + glob.glob(os.path.join(folder, "libfftw3_omp-*.so*"))
+    return {"library": libraries[0], "threads": next(iter(threads), None), "source": "pyFFTW"}
+
+
+print(json.dumps({"python": platform.python_version(), "fftw": of_the_system() or of_pyfftw()}))

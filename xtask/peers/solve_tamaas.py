@@ -1,0 +1,116 @@
+"""One solve by Tamaas (PolonskyKeerRey), in a process of its own.
+
+    solve_tamaas.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "out": FILE.npy,
+                      "fftw": {"library": NAME, "threads": NAME}, "plans": "estimated" or "measured"}'
+
+With "fftw" the named libraries must be preloaded; they then take the place of the transforms in the package. Prints one
+JSON object. Only the call of the solver is timed: model, operators and plans are ready before.
+"""
+
+import contextlib
+import ctypes
+import json
+import os
+import re
+import resource
+import sys
+import tempfile
+import time
+
+import numpy as np
+import tamaas
+
+
+def peak_bytes():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def set_up_transforms(task, n):
+    """Threads of the preloaded FFTW; measured plans, left in its memory (wisdom) for Tamaas to find."""
+    if task["fftw"] is None:
+        return
+    library = ctypes.CDLL(task["fftw"]["library"])
+    if task["threads"] > 1 and task["fftw"]["threads"] is not None:
+        threads = ctypes.CDLL(task["fftw"]["threads"])
+        threads.fftw_init_threads()
+        threads.fftw_plan_with_nthreads(task["threads"])
+    if task["plans"] == "measured":
+        library.fftw_malloc.restype = ctypes.c_void_p
+        library.fftw_malloc.argtypes = [ctypes.c_size_t]
+        library.fftw_free.argtypes = [ctypes.c_void_p]
+        half = n // 2 + 1
+        real, spectrum = library.fftw_malloc(8 * n * n), library.fftw_malloc(16 * n * half)
+        shape = (ctypes.c_int * 2)(n, n)
+        a, b = ctypes.c_void_p(real), ctypes.c_void_p(spectrum)
+        measure = ctypes.c_uint(0)
+        library.fftw_plan_many_dft_r2c(2, shape, 1, a, None, 1, n * n, b, None, 1, n * half, measure)
+        library.fftw_plan_many_dft_c2r(2, shape, 1, b, None, 1, n * half, a, None, 1, n * n, measure)
+        library.fftw_free(real)
+        library.fftw_free(spectrum)
+
+
+@contextlib.contextmanager
+def captured(lines):
+    """What the library prints by itself goes to `lines`."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = [os.dup(1), os.dup(2)]
+    with tempfile.TemporaryFile("w+") as file:
+        try:
+            os.dup2(file.fileno(), 1)
+            os.dup2(file.fileno(), 2)
+            yield
+        finally:
+            ctypes.CDLL(None).fflush(None)
+            for descriptor, original in enumerate(kept, start=1):
+                os.dup2(original, descriptor)
+                os.close(original)
+        file.seek(0)
+        lines.extend(file)
+
+
+def iterations(lines):
+    """The number that leads the last line of the table of iterations."""
+    found = [re.match(r"\s*(\d+)\s+\S+e[+-]\d+\s+\S+", line) for line in lines]
+    numbers = [int(match[1]) for match in found if match]
+    return numbers[-1] if numbers else None
+
+
+def main():
+    task = json.loads(sys.argv[1])
+    baseline = peak_bytes()
+    heights = np.load(task["heights"])
+    n = heights.shape[0]
+    tamaas.set_log_level(tamaas.LogLevel.info)
+    tamaas.initialize(task["threads"])
+    set_up_transforms(task, n)
+    model = tamaas.Model(tamaas.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
+    model.E = 1.0
+    model.nu = 0.0
+    solver = tamaas.PolonskyKeerRey(model, heights, task["tolerance"])
+    solver.max_iter = 100_000
+    solver.dump_freq = 1_000_000_000
+    # The first application of the operator makes the plans.
+    model.traction[:] = 1.0
+    model.solveNeumann()
+    model.traction[:] = 0.0
+    model.displacement[:] = 0.0
+    lines = []
+    with captured(lines):
+        started, cpu = time.perf_counter(), time.process_time()
+        error = solver.solve(task["mean_pressure"])
+        seconds, cpu = time.perf_counter() - started, time.process_time() - cpu
+    peak = peak_bytes()
+    # At its iteration limit it returns as if it had converged.
+    if not error <= task["tolerance"]:
+        sys.exit(f"no convergence to {task['tolerance']:e}: {error:e}")
+    np.save(task["out"], model.traction)
+    steps = iterations(lines)
+    # Two pairs an iteration and three more: counted with a library that stands between Tamaas and FFTW.
+    pairs = None if steps is None else 2.0 * steps + 3.0
+    report = {"seconds": seconds, "cpu_seconds": cpu, "iterations": steps, "transform_pairs": pairs}
+    report |= {"peak_bytes": peak, "baseline_bytes": baseline}
+    print(json.dumps(report))
+
+
+main()

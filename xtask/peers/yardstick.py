@@ -1,0 +1,76 @@
+"""The yardstick: wall time of one forward and inverse real transform of FFTW, plans measured, n x n doubles.
+
+    yardstick.py '{"sizes": [N, ...], "threads": [T, ...], "fftw": {...}, "wisdom": FILE, "seconds": S}'
+
+Prints {"version": .., "pairs": [{"n": .., "threads": .., "seconds": [one mean per batch]}, ...]}. Plans are kept in FILE,
+since they take long to find.
+"""
+
+import ctypes
+import json
+import os
+import sys
+import time
+
+MEASURE = 0
+
+
+class Fftw:
+    def __init__(self, names):
+        self.library = ctypes.CDLL(names["library"])
+        self.parallel = ctypes.CDLL(names["threads"]) if names["threads"] else None
+        if self.parallel:
+            self.parallel.fftw_init_threads()
+        for function in ("fftw_malloc", "fftw_plan_dft_r2c_2d", "fftw_plan_dft_c2r_2d"):
+            getattr(self.library, function).restype = ctypes.c_void_p
+        self.library.fftw_malloc.argtypes = [ctypes.c_size_t]
+        for function in ("fftw_free", "fftw_destroy_plan", "fftw_execute"):
+            getattr(self.library, function).argtypes = [ctypes.c_void_p]
+            getattr(self.library, function).restype = None
+        self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.library, "fftw_version"))).decode()
+
+    def pair(self, n, threads, budget):
+        """Means of batches of pairs, for `budget` seconds."""
+        if self.parallel:
+            self.parallel.fftw_plan_with_nthreads(threads)
+        real, spectrum = self.library.fftw_malloc(8 * n * n), self.library.fftw_malloc(16 * n * (n // 2 + 1))
+        a, b = ctypes.c_void_p(real), ctypes.c_void_p(spectrum)
+        forward = self.library.fftw_plan_dft_r2c_2d(n, n, a, b, ctypes.c_uint(MEASURE))
+        inverse = self.library.fftw_plan_dft_c2r_2d(n, n, b, a, ctypes.c_uint(MEASURE))
+        ctypes.memset(real, 0, 8 * n * n)
+        execute = self.library.fftw_execute
+
+        def batch(count):
+            started = time.perf_counter()
+            for _ in range(count):
+                execute(forward)
+                execute(inverse)
+            return (time.perf_counter() - started) / count
+
+        batch(2)
+        count = max(1, int(budget / 10 / batch(3)))
+        seconds = [batch(count) for _ in range(10)]
+        self.library.fftw_destroy_plan(forward)
+        self.library.fftw_destroy_plan(inverse)
+        self.library.fftw_free(real)
+        self.library.fftw_free(spectrum)
+        return seconds
+
+
+def main():
+    task = json.loads(sys.argv[1])
+    fftw = Fftw(task["fftw"])
+    wisdom = task["wisdom"].encode()
+    if os.path.exists(wisdom):
+        fftw.library.fftw_import_wisdom_from_filename(wisdom)
+    pairs = []
+    for n in task["sizes"]:
+        for threads in task["threads"]:
+            if threads > 1 and not fftw.parallel:
+                sys.exit("this FFTW has no threads")
+            pairs.append({"n": n, "threads": threads, "seconds": fftw.pair(n, threads, task["seconds"])})
+    fftw.library.fftw_export_wisdom_to_filename(wisdom)
+    print(json.dumps({"version": fftw.version, "pairs": pairs}))
+
+
+main()
