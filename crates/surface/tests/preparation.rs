@@ -106,6 +106,17 @@ fn a_window_closes_the_edges_and_keeps_the_mean_square_of_waves() {
 }
 
 #[test]
+fn a_full_taper_is_the_window_of_hann() {
+    let grid = Grid::line(64, 1.0).unwrap();
+    let signs = Array2::from_shape_fn((64, 1), |(i, _)| if i % 2 == 0 { 1.0 } else { -1.0 });
+    let (windowed, _) = periodise(&signs, &grid, Periodisation::Window(1.0)).unwrap();
+    for (i, (h, sign)) in windowed.iter().zip(&signs).enumerate() {
+        let hann = (std::f64::consts::PI * (i as f64 + 0.5) / 64.0).sin().powi(2) / 0.375_f64.sqrt();
+        assert_relative_eq!(*h, sign * hann, max_relative = 1e-12);
+    }
+}
+
+#[test]
 fn unusable_scans_are_refused() {
     let (mut scan, grid) = scan([2, 30]);
     let few = SurfaceError::TooFewPoints { what: "removing a paraboloid", least: 3, found: [2, 30] };

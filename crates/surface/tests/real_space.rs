@@ -114,6 +114,38 @@ fn surface_increments_grow_with_the_hurst_exponent() {
     }
 }
 
+/// One subdivision of a square: a centre is the mean of four corners, an edge that of two corners and the centre; each
+/// half-step divides the variance of the displacement by 2^H and, with random addition, moves the older points too.
+#[test]
+fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
+    let (hurst, seeds) = (0.4, 40_000);
+    let [first, second] =
+        [1, 2].map(|i| SIGMA.powi(2) * (1.0 - 2.0_f64.powf(2.0 * hurst - 2.0)) / 2.0_f64.powf(hurst * f64::from(i)));
+    for method in [Displacement::Midpoints, Displacement::AllPoints] {
+        let (share, old) = if method == Displacement::AllPoints { (0.5, 1.0) } else { (1.0, 0.0) };
+        let [first, second, corner] = [share * first, share * second, 0.5 * SIGMA.powi(2)];
+        let expected = [
+            ([0, 0], corner + old * (first + second)),
+            ([1, 1], 0.25 * corner + first + old * second),
+            ([0, 1], corner * 52.0 / 144.0 + first * (1.0 + 2.0 * old) / 9.0 + second),
+        ];
+        let mut squares = [0.0; 3];
+        for seed in 0..seeds {
+            let heights = generator(hurst, 1, method).surface(seed).unwrap();
+            for (square, (at, _)) in squares.iter_mut().zip(expected) {
+                *square += heights[at].powi(2) / seeds as f64;
+            }
+        }
+        for (found, (at, expected)) in squares.into_iter().zip(expected) {
+            // Four standard errors of a mean square of normal numbers.
+            assert!(
+                (found / expected - 1.0).abs() < 4.0 * (2.0 / seeds as f64).sqrt(),
+                "{method:?} {at:?}: {found} for {expected}"
+            );
+        }
+    }
+}
+
 #[test]
 fn midpoints_refine_and_seeds_differ() {
     let midpoints = |subdivisions, seed| generator(0.6, subdivisions, Displacement::Midpoints).profile(seed).unwrap();
