@@ -129,7 +129,7 @@ impl Grid {
     pub fn mode(&self, lane: usize, position: usize) -> Mode {
         let index = if self.is_line() { [position, 0] } else { [position, lane] };
         let halved = self.halved_axis();
-        let nyquist = [0, 1].map(|axis| self.points[axis] % 2 == 0 && index[axis] == self.points[axis] / 2);
+        let nyquist = [0, 1].map(|axis| self.points[axis].is_multiple_of(2) && index[axis] == self.points[axis] / 2);
         let number = [0, 1].map(|axis| {
             let (n, k) = (self.points[axis] as i64, index[axis] as i64);
             if 2 * k >= n && n > 1 { k - n } else { k }

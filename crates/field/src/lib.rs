@@ -9,6 +9,10 @@
 #![warn(missing_docs)]
 
 mod grid;
+mod line;
+mod plane;
+mod prefetch;
+mod share;
 mod transform;
 
 pub use grid::{Grid, GridError, Mode};

@@ -1,0 +1,316 @@
+//! Two-dimensional grids: rows, then columns panel by panel.
+//!
+//! The rows of a field become half spectra in [`Block`]s of rows. A panel of neighbouring columns is then copied, block
+//! by block, to where each column is contiguous; it is transformed, multiplied by the kernel and transformed back while
+//! it is in the second-level cache, and copied to where it came from. A convolution thus reads and writes memory three
+//! times, and a transposed spectrum exists only if asked for.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner};
+
+use crate::prefetch::{LINE, prefetch};
+use crate::share::{lock, share};
+
+/// Rows of a block. A panel's part of a block fits the first-level cache.
+const BLOCK: usize = 64;
+/// Columns of a panel: four cache lines of every row. Fewer where columns are so long that a panel would be too large
+/// for the cache, more where they are so short that the copying is in pieces too small.
+const WIDTH: Range<usize> = 4..256;
+/// Complex values in a panel that the width aims at.
+const PANEL: Range<usize> = 1 << 12..1 << 17;
+/// Values of rows handed to a thread at a time, at least.
+const PORTION: usize = 1 << 14;
+/// Fields smaller than this are done before another thread has woken up.
+const SHARED: usize = 1 << 15;
+/// Fields larger than this are not in the cache when they are needed.
+pub(crate) const LARGE: usize = 1 << 19;
+/// Complex values between the ends of neighbouring columns of a panel: columns a power of two apart would compete for
+/// the same places of the cache.
+const GAP: usize = LINE / size_of::<Complex64>();
+
+/// Plans for nx rows of ny points.
+pub(crate) struct Plane {
+    rows: usize,
+    points: usize,
+    width: usize,
+    to_half: Arc<dyn RealToComplex<f64>>,
+    from_half: Arc<dyn ComplexToReal<f64>>,
+    ahead: Arc<dyn Fft<f64>>,
+    back: Arc<dyn Fft<f64>>,
+}
+
+/// Working memory: about one field for the half spectra of the rows, and a panel for each thread.
+#[derive(Default)]
+pub(crate) struct Memory {
+    blocks: Vec<Block>,
+    seats: Vec<Seat>,
+    sums: Vec<f64>,
+}
+
+/// The half spectra of neighbouring rows. Row passes have a block to themselves; a panel pass locks it for as long as it
+/// takes to copy the panel's part in or out.
+type Block = Mutex<Vec<Complex64>>;
+
+/// What one thread works in.
+struct Seat {
+    row: Vec<f64>,
+    tile: Vec<Complex64>,
+    columns: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl Plane {
+    pub(crate) fn new([rows, points]: [usize; 2]) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let width = (PANEL.end / rows).clamp(WIDTH.start, 16).max((PANEL.start / rows).min(WIDTH.end));
+        Self {
+            rows,
+            points,
+            width: width.min(points / 2 + 1),
+            to_half: real.plan_fft_forward(points),
+            from_half: real.plan_fft_inverse(points),
+            ahead: complex.plan_fft_forward(rows),
+            back: complex.plan_fft_inverse(rows),
+        }
+    }
+
+    /// Memory for this plan, with a seat for each of `threads`.
+    pub(crate) fn memory(&self, threads: usize) -> Memory {
+        let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
+        let block = |first| Mutex::new(vec![Complex64::ZERO; BLOCK.min(self.rows - first) * self.stride()]);
+        Memory {
+            blocks: (0..self.rows).step_by(BLOCK).map(block).collect(),
+            seats: (0..threads).map(|_| self.seat()).collect(),
+            sums: vec![0.0; self.half()],
+        }
+    }
+
+    fn seat(&self) -> Seat {
+        let scratch = [
+            self.to_half.get_scratch_len(),
+            self.from_half.get_scratch_len(),
+            self.ahead.get_inplace_scratch_len(),
+            self.back.get_inplace_scratch_len(),
+        ];
+        Seat {
+            row: vec![0.0; self.points],
+            tile: vec![Complex64::ZERO; BLOCK.min(self.rows) * self.width],
+            columns: vec![Complex64::ZERO; self.width * self.column()],
+            scratch: vec![Complex64::ZERO; scratch.into_iter().max().unwrap_or(0)],
+        }
+    }
+
+    /// f̃ of the rows that `source` gives.
+    pub(crate) fn forward(
+        &self,
+        source: &(impl Fn(usize, &mut [f64]) + Sync),
+        spectrum: &mut [Complex64],
+        memory: &mut Memory,
+    ) {
+        self.rows_ahead(source, memory);
+        let Memory { blocks, seats, .. } = memory;
+        let scale = self.scale();
+        share(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
+            self.load(blocks, &panel, columns, self.rows, &mut seat.tile);
+            self.ahead.process_with_scratch(columns, &mut seat.scratch);
+            columns.iter_mut().for_each(|mode| *mode *= scale);
+        });
+    }
+
+    /// f of the spectrum.
+    pub(crate) fn inverse(&self, spectrum: &[Complex64], field: &mut [f64], memory: &mut Memory) {
+        let Memory { blocks, seats, .. } = memory;
+        share(seats, self.panels(), |panel, seat| {
+            let columns = &mut seat.columns[..panel.len() * self.rows];
+            columns.copy_from_slice(&spectrum[panel.start * self.rows..panel.end * self.rows]);
+            self.back.process_with_scratch(columns, &mut seat.scratch);
+            self.store(columns, self.rows, blocks, &panel, &mut seat.tile);
+        });
+        self.rows_back(field, &|_, _| {}, memory);
+    }
+
+    /// K f of the rows that `source` gives; `sink` gets each row of the result.
+    pub(crate) fn convolve(
+        &self,
+        kernel: &[f64],
+        source: &(impl Fn(usize, &mut [f64]) + Sync),
+        out: &mut [f64],
+        sink: &(impl Fn(usize, &mut [f64]) + Sync),
+        memory: &mut Memory,
+    ) {
+        self.rows_ahead(source, memory);
+        let Memory { blocks, seats, .. } = memory;
+        let scale = self.scale();
+        share(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
+            self.load(blocks, &panel, columns, self.column(), tile);
+            let kernels = kernel[panel.start * self.rows..panel.end * self.rows].chunks_exact(self.rows);
+            for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels) {
+                let column = &mut column[..self.rows];
+                self.ahead.process_with_scratch(column, scratch);
+                for (mode, k) in column.iter_mut().zip(kernel) {
+                    *mode *= k * scale;
+                }
+                self.back.process_with_scratch(column, scratch);
+            }
+            self.store(columns, self.column(), blocks, &panel, tile);
+        });
+        self.rows_back(out, sink, memory);
+    }
+
+    /// Σ_q w k |f̃|² of the rows that `source` gives.
+    pub(crate) fn quadratic_form(
+        &self,
+        kernel: &[f64],
+        source: &(impl Fn(usize, &mut [f64]) + Sync),
+        memory: &mut Memory,
+    ) -> f64 {
+        self.rows_ahead(source, memory);
+        let Memory { blocks, seats, sums } = memory;
+        share(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
+            let Seat { tile, columns, scratch, .. } = seat;
+            self.load(blocks, &panel, columns, self.column(), tile);
+            let kernels = kernel[panel.start * self.rows..].chunks_exact(self.rows);
+            let columns = columns.chunks_exact_mut(self.column());
+            for ((sum, number), (column, kernel)) in sums.iter_mut().zip(panel).zip(columns.zip(kernels)) {
+                let column = &mut column[..self.rows];
+                self.ahead.process_with_scratch(column, scratch);
+                let alone = number == 0 || 2 * number == self.points;
+                *sum = if alone { 1.0 } else { 2.0 } * energy(column, kernel);
+            }
+        });
+        sums.iter().sum::<f64>() * self.scale().powi(2)
+    }
+
+    /// Rows of the field to half spectra.
+    fn rows_ahead(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
+        let rows = self.portion();
+        let portions = portions(&mut memory.blocks, rows * self.stride());
+        share(&mut memory.seats, portions.enumerate(), |(number, portion), Seat { row, scratch, .. }| {
+            for (i, half) in portion.chunks_exact_mut(self.stride()).enumerate() {
+                source(number * rows + i, row);
+                let done = self.to_half.process_with_scratch(row, &mut half[..self.half()], scratch);
+                debug_assert!(done.is_ok(), "lengths are those of the plan");
+            }
+        });
+    }
+
+    /// Half spectra to rows of the field.
+    fn rows_back(&self, field: &mut [f64], sink: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
+        let rows = self.portion();
+        let large = field.len() > LARGE;
+        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(field.chunks_mut(rows * self.points));
+        share(&mut memory.seats, portions.enumerate(), |(number, (mut portion, field)), seat| {
+            for (i, row) in field.chunks_exact_mut(self.points).enumerate() {
+                let (half, rest) = std::mem::take(&mut portion).split_at_mut(self.stride());
+                portion = rest;
+                if large && !portion.is_empty() {
+                    prefetch(&portion[..self.stride()]);
+                }
+                let half = &mut half[..self.half()];
+                half[0].im = 0.0;
+                if self.points.is_multiple_of(2) {
+                    half[self.points / 2].im = 0.0;
+                }
+                let done = self.from_half.process_with_scratch(half, row, &mut seat.scratch);
+                debug_assert!(done.is_ok(), "lengths are those of the plan, edges are real");
+                sink(number * rows + i, row);
+            }
+        });
+    }
+
+    /// Copies a panel out of the blocks into columns, `stride` apart.
+    fn load(
+        &self,
+        blocks: &[Block],
+        panel: &Range<usize>,
+        columns: &mut [Complex64],
+        stride: usize,
+        tile: &mut [Complex64],
+    ) {
+        for (number, block) in blocks.iter().enumerate() {
+            let rows = number * BLOCK..self.rows.min((number + 1) * BLOCK);
+            for (to, from) in tile.chunks_exact_mut(panel.len()).zip(lock(block).chunks_exact(self.stride())) {
+                to.copy_from_slice(&from[panel.clone()]);
+            }
+            for (place, column) in columns.chunks_mut(stride).take(panel.len()).enumerate() {
+                for (to, from) in column[rows.clone()].iter_mut().zip(tile.chunks_exact(panel.len())) {
+                    *to = from[place];
+                }
+            }
+        }
+    }
+
+    /// Copies columns, `stride` apart, to where their panel belongs in the blocks.
+    fn store(
+        &self,
+        columns: &[Complex64],
+        stride: usize,
+        blocks: &[Block],
+        panel: &Range<usize>,
+        tile: &mut [Complex64],
+    ) {
+        for (number, block) in blocks.iter().enumerate() {
+            let rows = number * BLOCK..self.rows.min((number + 1) * BLOCK);
+            for (place, column) in columns.chunks(stride).take(panel.len()).enumerate() {
+                for (from, to) in column[rows.clone()].iter().zip(tile.chunks_exact_mut(panel.len())) {
+                    to[place] = *from;
+                }
+            }
+            for (from, to) in tile.chunks_exact(panel.len()).zip(lock(block).chunks_exact_mut(self.stride())) {
+                to[panel.clone()].copy_from_slice(from);
+            }
+        }
+    }
+
+    /// Modes of a row's half spectrum, and columns in all.
+    fn half(&self) -> usize {
+        self.points / 2 + 1
+    }
+
+    /// From row to row in a block: a whole number of cache lines.
+    fn stride(&self) -> usize {
+        self.half().next_multiple_of(LINE / size_of::<Complex64>())
+    }
+
+    /// From column to column in a panel.
+    fn column(&self) -> usize {
+        self.rows + GAP
+    }
+
+    /// Rows handed out at a time: a block has a whole number of portions.
+    fn portion(&self) -> usize {
+        (PORTION / self.points).clamp(1, BLOCK).next_power_of_two()
+    }
+
+    fn scale(&self) -> f64 {
+        1.0 / (self.rows * self.points) as f64
+    }
+
+    fn panels(&self) -> impl Iterator<Item = Range<usize>> + Send + use<> {
+        let (half, width) = (self.half(), self.width);
+        (0..half).step_by(width).map(move |first| first..half.min(first + width))
+    }
+}
+
+/// All blocks in pieces of `length`; nobody else works on them.
+fn portions(blocks: &mut [Block], length: usize) -> impl Iterator<Item = &mut [Complex64]> + Send {
+    blocks.iter_mut().flat_map(move |block| block.get_mut().unwrap_or_else(PoisonError::into_inner).chunks_mut(length))
+}
+
+/// Σ k |f̃|² in an order that depends on the length alone.
+pub(crate) fn energy(modes: &[Complex64], kernel: &[f64]) -> f64 {
+    let (modes, kernel) = (modes.as_chunks::<8>(), kernel.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (modes, kernel) in modes.0.iter().zip(kernel.0) {
+        for (sum, (mode, k)) in sums.iter_mut().zip(modes.iter().zip(kernel)) {
+            *sum += k * mode.norm_sqr();
+        }
+    }
+    let rest: f64 = modes.1.iter().zip(kernel.1).map(|(mode, k)| k * mode.norm_sqr()).sum();
+    sums.iter().sum::<f64>() + rest
+}

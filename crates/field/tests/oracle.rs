@@ -1,0 +1,159 @@
+//! Transforms against independent ones: the sum of the definition, and `ndrustfft` axis by axis.
+
+use std::f64::consts::TAU;
+
+use gfmd_field::{Grid, Transform};
+use ndarray::{Array2, ArrayView2};
+use ndrustfft::{Complex, FftHandler, R2cFftHandler, ndfft, ndfft_r2c, ndifft, ndifft_r2c};
+use num_complex::Complex64;
+
+/// Even, odd and prime, square and not, blocks of rows and panels of columns full and not, lines and single rows.
+const GRIDS: [[usize; 2]; 24] = [
+    [1, 1],
+    [2, 1],
+    [1, 2],
+    [7, 1],
+    [1, 8],
+    [64, 1],
+    [1, 45],
+    [2, 2],
+    [2, 3],
+    [3, 2],
+    [3, 3],
+    [4, 4],
+    [5, 8],
+    [8, 5],
+    [6, 10],
+    [9, 15],
+    [16, 16],
+    [17, 13],
+    [13, 34],
+    [32, 4],
+    [4, 33],
+    [66, 6],
+    [65, 7],
+    [6, 67],
+];
+/// Too large for the sum.
+const LARGE: [[usize; 2]; 8] =
+    [[128, 128], [127, 130], [130, 127], [257, 64], [64, 257], [300, 200], [5, 3000], [3000, 5]];
+
+fn grid(points: [usize; 2]) -> Grid {
+    Grid::new(points, [1.5, 0.7]).unwrap()
+}
+
+/// Spread out, repeatable, nowhere special.
+fn field(grid: &Grid) -> Vec<f64> {
+    (0..grid.len()).map(|i| (0.618_034 * i as f64 + 0.01 * (i as f64).sqrt()).fract() - 0.3).collect()
+}
+
+fn largest(differences: impl Iterator<Item = f64>) -> f64 {
+    differences.fold(0.0, f64::max)
+}
+
+/// f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the points.
+fn sum_of_the_definition(grid: &Grid, field: &[f64]) -> Vec<Complex64> {
+    let [nx, ny] = grid.points();
+    let [dx, dy] = grid.spacing();
+    let at = |q: [f64; 2]| -> Complex64 {
+        let points = (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j)));
+        points
+            .zip(field)
+            .map(|((i, j), f)| f * Complex64::cis(-(q[0] * i as f64 * dx + q[1] * j as f64 * dy)))
+            .sum::<Complex64>()
+            / grid.len() as f64
+    };
+    grid.modes().map(|mode| at(mode.wavevector)).collect()
+}
+
+#[test]
+fn forward_is_the_sum_of_the_definition() {
+    for points in GRIDS {
+        let grid = grid(points);
+        let transform = Transform::new(grid);
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        transform.forward(&field(&grid), &mut spectrum, &mut transform.workspace()).unwrap();
+        let expected = sum_of_the_definition(&grid, &field(&grid));
+        let error = largest(spectrum.iter().zip(&expected).map(|(a, b)| (a - b).norm()));
+        assert!(error < 1e-14, "{points:?}: {error:e}");
+    }
+}
+
+#[test]
+fn inverse_is_the_real_part_of_the_sum_over_all_modes() {
+    for points in GRIDS {
+        let grid = grid(points);
+        let transform = Transform::new(grid);
+        // Amplitudes of no real field: imaginary parts everywhere.
+        let values = field(&Grid::new([grid.spectrum_len(), 2], [1.0, 1.0]).unwrap());
+        let spectrum: Vec<Complex64> = values.chunks(2).map(|pair| Complex64::new(pair[0], pair[1])).collect();
+        let mut found = vec![0.0; grid.len()];
+        transform.inverse(&spectrum, &mut found, &mut transform.workspace()).unwrap();
+        let [dx, dy] = grid.spacing();
+        let ny = grid.points()[1];
+        let error = largest(found.iter().enumerate().map(|(index, found)| {
+            let r = [(index / ny) as f64 * dx, (index % ny) as f64 * dy];
+            let terms = grid.modes().zip(&spectrum).map(|(mode, f)| {
+                let [qx, qy] = mode.wavevector;
+                mode.weight * (f * Complex64::cis(qx * r[0] + qy * r[1])).re
+            });
+            (found - terms.sum::<f64>()).abs()
+        }));
+        assert!(error < 2e-14 * grid.len() as f64, "{points:?}: {error:e}");
+    }
+}
+
+/// K f axis by axis with `ndrustfft`; the kernel laid out as ours, transposed.
+fn by_ndrustfft(grid: &Grid, kernel: &[f64], field: &[f64]) -> (Array2<Complex<f64>>, Array2<f64>) {
+    let [nx, ny] = grid.points();
+    let field = ArrayView2::from_shape((nx, ny), field).unwrap();
+    let mut half = Array2::zeros((nx, ny / 2 + 1));
+    let mut full = half.clone();
+    let along_x = FftHandler::<f64>::new(nx);
+    let along_y = R2cFftHandler::<f64>::new(ny);
+    ndfft_r2c(&field, &mut half, &along_y, 1);
+    ndfft(&half, &mut full, &along_x, 0);
+    let spectrum = full.mapv(|f: Complex<f64>| f / grid.len() as f64);
+    full *= &ArrayView2::from_shape((ny / 2 + 1, nx), kernel).unwrap().t().mapv(Complex::from);
+    ndifft(&full, &mut half, &along_x, 0);
+    let mut out = Array2::zeros((nx, ny));
+    ndifft_r2c(&half, &mut out, &along_y, 1);
+    (spectrum, out)
+}
+
+#[test]
+fn larger_grids_agree_with_ndrustfft() {
+    for points in LARGE {
+        let grid = grid(points);
+        let transform = Transform::new(grid);
+        let mut ws = transform.workspace();
+        let field = field(&grid);
+        let kernel: Vec<f64> = grid.modes().map(|mode| 1.0 / (TAU + mode.wavenumber())).collect();
+        let (expected, expected_out) = by_ndrustfft(&grid, &kernel, &field);
+
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        transform.forward(&field, &mut spectrum, &mut ws).unwrap();
+        let error = largest(spectrum.iter().zip(expected.t()).map(|(a, b)| (a - b).norm()));
+        assert!(error < 1e-15, "{points:?}: {error:e}");
+
+        let mut out = vec![0.0; grid.len()];
+        transform.convolve(&kernel, &field, &mut out, &mut ws).unwrap();
+        let error = largest(out.iter().zip(&expected_out).map(|(a, b)| (a - b).abs()));
+        assert!(error < 1e-15, "{points:?}: {error:e}");
+    }
+}
+
+#[test]
+fn a_long_line_agrees_with_ndrustfft() {
+    for points in [1 << 16, 3 * 5 * 7 * 11 * 13, 65_537] {
+        let grid = Grid::line(points, 3.0).unwrap();
+        let transform = Transform::new(grid);
+        let field = field(&grid);
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        transform.forward(&field, &mut spectrum, &mut transform.workspace()).unwrap();
+        let mut expected = ndarray::Array1::zeros(points / 2 + 1);
+        ndfft_r2c(&ndarray::ArrayView1::from(&field), &mut expected, &R2cFftHandler::<f64>::new(points), 0);
+        let error = largest(spectrum.iter().zip(&expected).map(|(a, b)| (a - b / points as f64).norm()));
+        assert!(error < 1e-15, "{points}: {error:e}");
+    }
+}
