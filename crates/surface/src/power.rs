@@ -138,7 +138,7 @@ impl PowerSpectrum {
     ///
     /// The likelihood of independent Gaussian modes, |h̃|² distributed exponentially about c q^{−s}, is maximised over
     /// c and s (Whittle's estimate): unlike a straight line through a logarithmic plot it has no bias from the
-    /// logarithm of noise nor from bins. Windows, mirrors and trends correlate modes: the error stated is then too small.
+    /// logarithm of noise nor from bins. Windows and mirrors correlate modes: the error stated is then too small.
     ///
     /// # Errors
     /// Wavelengths out of order; less than two different wavenumbers with power in the range.

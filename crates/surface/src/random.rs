@@ -9,14 +9,8 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Stream of every generator here: the default one of PCG64.
 const STREAM: u128 = 0x0a02_bdbf_7bb3_c0a7_ac28_fa16_a64a_bf96;
 
-/// A generator for what `seed` and two integers name: `pcg64` (XSL-RR 128/64), default stream, state `hi·2⁶⁴ + lo` with
-///
-/// ```text
-/// s = mix(seed); s = mix(s xor m); s = mix(s xor n); lo = s; hi = mix(lo)
-/// mix(x) = one step of SplitMix64 from the state x; m, n as 64-bit two's complement
-/// ```
-///
-/// so that neighbouring modes and seeds share no bits. Integer arithmetic only: the same stream on every platform.
+/// A generator for what `seed` and two integers name, as [`crate::SelfAffine::spectrum`] documents: the state is mixed so
+/// that neighbouring modes and seeds share no bits. Integer arithmetic only: the same stream on every platform.
 pub(crate) fn keyed(seed: u64, [m, n]: [i64; 2]) -> Pcg64 {
     let low = mix(mix(mix(seed) ^ m as u64) ^ n as u64);
     Pcg64::new(u128::from(mix(low)) << 64 | u128::from(low), STREAM)

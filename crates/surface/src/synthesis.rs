@@ -33,10 +33,18 @@ impl SelfAffine {
 
     /// Its Fourier coefficients h̃(q), laid out as [`Grid::modes`] (theory.md, section 9).
     ///
-    /// Of each pair ±q the one with n > 0, or n = 0 and m > 0, is drawn: `pcg64` with default stream and a state mixed
-    /// from (seed, m, n) gives two words of 64 bits, of which the upper 53 bits are U₁ in (0, 1] and U₂ in \[0, 1);
-    /// then h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) where q and −q are the same mode, and
-    /// h̃(−q) = h̃(q)*.
+    /// Of each pair ±q the one with n > 0, or n = 0 and m > 0, is drawn, from a generator of its own: `pcg64` (XSL-RR
+    /// 128/64), default stream 0x0a02bdbf7bb3c0a7ac28fa16a64abf96, initial state hi·2⁶⁴ + lo with
+    ///
+    /// ```text
+    /// lo = mix(mix(mix(seed) xor m) xor n), hi = mix(lo); m, n as 64-bit two's complement
+    /// mix(x): z = x + 0x9e3779b97f4a7c15, z = (z xor z >> 30) 0xbf58476d1ce4e5b9,
+    ///         z = (z xor z >> 27) 0x94d049bb133111eb, z xor z >> 31   (SplitMix64, modulo 2⁶⁴)
+    /// ```
+    ///
+    /// Its first two words, shifted right by 11 bits, are k₁ and k₂; U₁ = (k₁ + 1)/2⁵³ in (0, 1], U₂ = k₂/2⁵³. Then
+    /// h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) where q and −q are the same mode, and h̃(−q) = h̃(q)*.
+    /// NumPy's `PCG64` with this state makes the same heights (`data/reference/surface_heights.json`).
     ///
     /// # Errors
     /// As [`SelfAffine::heights`].
