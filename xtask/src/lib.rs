@@ -12,6 +12,7 @@ pub mod green;
 pub mod json;
 pub mod kappa_sweep;
 pub mod load;
+pub mod plot;
 pub mod progress;
 pub mod session;
 pub mod source;

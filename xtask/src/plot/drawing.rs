@@ -1,0 +1,141 @@
+//! A finished figure: SVG text and the images in it; PNG by `resvg` with the bundled font alone.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use base64::Engine;
+use resvg::tiny_skia::{FilterQuality, Pixmap, PixmapPaint, Transform};
+use resvg::usvg::{self, fontdb};
+
+use super::PlotError;
+use super::colour::Rgb;
+use super::text::{FAMILY, ITALIC, REGULAR, number};
+
+/// Dots per inch of the PNG.
+const RESOLUTION: f64 = 300.0;
+
+/// Points per inch.
+const POINTS: f64 = 72.0;
+
+/// A rectangle of pixels, first row at the top.
+#[derive(Clone, Debug)]
+pub(super) struct Picture {
+    /// Left, top, width and height in the drawing, points.
+    pub(super) frame: [f64; 4],
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) pixels: Vec<Rgb>,
+}
+
+/// Everything in points, y downwards.
+#[derive(Clone, Debug)]
+pub(super) struct Drawing {
+    pub(super) width: f64,
+    pub(super) height: f64,
+    /// Under the elements.
+    pub(super) pictures: Vec<Picture>,
+    pub(super) elements: String,
+}
+
+impl Drawing {
+    pub(super) fn svg(&self) -> String {
+        let mut pictures = String::from("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
+        for picture in &self.pictures {
+            let [x, y, width, height] = picture.frame.map(number);
+            let data = base64::engine::general_purpose::STANDARD.encode(picture.encode(None).unwrap_or_default());
+            let rendering = if picture.is_coarse() { r#" style="image-rendering:pixelated""# } else { "" };
+            pictures.push_str(&format!(
+                "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                 preserveAspectRatio=\"none\"{rendering} href=\"data:image/png;base64,{data}\"/>\n"
+            ));
+        }
+        self.wrap(&pictures)
+    }
+
+    pub(super) fn png(&self) -> Result<Vec<u8>, PlotError> {
+        let render = |reason: &dyn ToString| PlotError::Render { reason: reason.to_string() };
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(REGULAR.to_vec());
+        fonts.load_font_data(ITALIC.to_vec());
+        let options =
+            usvg::Options { fontdb: Arc::new(fonts), font_family: "Arimo".into(), ..usvg::Options::default() };
+        let tree = usvg::Tree::from_str(&self.wrap(""), &options).map_err(|error| render(&error))?;
+
+        let scale = RESOLUTION / POINTS;
+        let [width, height] = [self.width, self.height].map(|length| (length * scale).round() as u32);
+        let mut page = Pixmap::new(width, height).ok_or_else(|| render(&"the figure has no area"))?;
+        page.fill(resvg::tiny_skia::Color::WHITE);
+        for picture in &self.pictures {
+            picture.paint(&mut page, scale).ok_or_else(|| render(&"a picture has no area"))?;
+        }
+        // `usvg` counts in its own pixels.
+        let stretch = width as f32 / tree.size().width();
+        resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
+        let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
+        encode(width, height, &pixels, Some(RESOLUTION)).map_err(|error| render(&error))
+    }
+
+    pub(super) fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
+        let with = |extension: &str| {
+            let mut name = stem.file_name().unwrap_or_default().to_os_string();
+            name.push(extension);
+            stem.with_file_name(name)
+        };
+        let paths = [with(".svg"), with(".png")];
+        let contents = [self.svg().into_bytes(), self.png()?];
+        for (path, content) in paths.iter().zip(contents) {
+            fs::write(path, content).map_err(|source| PlotError::Io { path: path.clone(), source })?;
+        }
+        Ok(paths)
+    }
+
+    fn wrap(&self, under: &str) -> String {
+        let [width, height] = [self.width, self.height].map(number);
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+             <svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}pt\" height=\"{height}pt\" \
+             viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILY}\">\n{under}{}</svg>\n",
+            self.elements
+        )
+    }
+}
+
+impl Picture {
+    /// Pixels so large that they are meant to be seen.
+    fn is_coarse(&self) -> bool {
+        self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
+    }
+
+    fn encode(&self, resolution: Option<f64>) -> Result<Vec<u8>, png::EncodingError> {
+        encode(self.columns as u32, self.rows as u32, &self.pixels, resolution)
+    }
+
+    fn paint(&self, page: &mut Pixmap, scale: f64) -> Option<()> {
+        let mut source = Pixmap::new(self.columns as u32, self.rows as u32)?;
+        for (target, rgb) in source.pixels_mut().iter_mut().zip(&self.pixels) {
+            *target = resvg::tiny_skia::PremultipliedColorU8::from_rgba(rgb[0], rgb[1], rgb[2], 255)?;
+        }
+        let [x, y, width, height] = self.frame.map(|length| length * scale);
+        let stretch = [width / self.columns as f64, height / self.rows as f64].map(|s| s as f32);
+        let transform = Transform::from_row(stretch[0], 0.0, 0.0, stretch[1], x as f32, y as f32);
+        let quality = if self.is_coarse() { FilterQuality::Nearest } else { FilterQuality::Bilinear };
+        page.draw_pixmap(0, 0, source.as_ref(), &PixmapPaint { quality, ..PixmapPaint::default() }, transform, None);
+        Some(())
+    }
+}
+
+fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    if let Some(dots_per_inch) = resolution {
+        let per_metre = (dots_per_inch / 0.0254).round() as u32;
+        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels.as_flattened())?;
+    writer.finish()?;
+    Ok(bytes)
+}

@@ -1,0 +1,209 @@
+//! A field on a plane, coloured, in its physical axes, with a colour bar.
+
+use std::fmt::Write;
+
+use super::axis::{Ticks, padded};
+use super::chart::{Frame, GAP, LABEL, TICK, draw_axes, left_margin};
+use super::colour::{INK, PALE, Rgb, hex, mix, sequential};
+use super::drawing::{Drawing, Picture};
+use super::text::{Anchor, Text, number};
+use super::{Axis, COLUMN, PlotError, Scale};
+
+/// More pixels than this along one side are not seen in print at one column width.
+const PIXELS: usize = 1024;
+
+const EDGE: f64 = 4.0;
+const BAR: f64 = 9.0;
+
+/// A map of values on a regular grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map<'a> {
+    /// Row-major `[x, y]`.
+    pub values: &'a [f64],
+    /// Points along x and y.
+    pub shape: [usize; 2],
+    /// Length along x and y.
+    pub size: [f64; 2],
+    /// Label of the x axis.
+    pub x: String,
+    /// Label of the y axis.
+    pub y: String,
+    /// Label of the colour bar.
+    pub label: String,
+    /// Values that are not coloured.
+    pub below: Option<Below>,
+    /// Ends of the colours; from the values if absent. Values beyond an end take its colour, and the bar has a point there.
+    pub range: Option<[f64; 2]>,
+    /// Width of the figure in points.
+    pub width: f64,
+}
+
+/// Values up to a threshold are drawn pale, as the absence of something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Below {
+    /// The largest value of this kind.
+    pub threshold: f64,
+    /// Its name beside the colour bar.
+    pub label: String,
+}
+
+impl<'a> Map<'a> {
+    /// A map of `values` on a cell of `size`, one column wide, coloured over its whole range.
+    pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
+        let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
+        Self { values, shape, size, x, y, label, below: None, range: None, width: COLUMN }
+    }
+
+    fn is_coloured(&self, value: f64) -> bool {
+        self.below.as_ref().is_none_or(|below| value > below.threshold)
+    }
+}
+
+pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
+    let [nx, ny] = map.shape;
+    if nx < 2 || ny < 2 || nx.checked_mul(ny) != Some(map.values.len()) {
+        return Err(PlotError::Shape { found: map.values.len(), shape: map.shape });
+    }
+    if let Some(index) = map.values.iter().position(|value| !value.is_finite()) {
+        let place = format!("the map at [{}, {}]", index / ny, index % ny);
+        return Err(PlotError::NotFinite { found: map.values[index], place });
+    }
+    let (range, beyond) = colour_range(map)?;
+    let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
+    let bar_ticks = ticks(range, 5.0)?;
+    let bar_labels = bar_ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
+    let below_label = map.below.as_ref().map_or(0.0, |below| Text::new(&below.label, TICK).width());
+    let y_label = Axis::linear(&map.y);
+    // The height follows from the width, and the ticks from the height; their labels hardly change in width.
+    let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
+    let left = EDGE + left_margin(&ticks([0.0, map.size[1]], 4.0)?, &y_label);
+    let width = (map.width - left - right - EDGE).max(40.0);
+    let height = (width * map.size[1] / map.size[0]).clamp(0.1 * width, 3.0 * width);
+    let (x, y) = (ticks([0.0, map.size[0]], width / 40.0)?, ticks([0.0, map.size[1]], height / 40.0)?);
+    let top = EDGE + if bar_ticks.factor.is_empty() && y.factor.is_empty() { 0.5 * TICK } else { TICK + 2.0 * GAP };
+
+    let frame = Frame { left, top, width, height, x, y };
+    let mut svg = String::new();
+    draw_axes(&mut svg, &frame, &Axis::linear(&map.x), Some(&y_label));
+    draw_bar(&mut svg, map, &frame, &bar_ticks, beyond);
+    let picture = paint(map, range, [left, top, width, height]);
+    let bottom = top + height + GAP + TICK + GAP + 1.1 * LABEL + EDGE;
+    Ok(Drawing { width: map.width, height: bottom, pictures: vec![picture], elements: svg })
+}
+
+/// The ends of the colours, and whether values lie beyond the lower and the upper one.
+///
+/// A field with singular edges has a few values far above the rest: without a given range the scale ends where 99.5 % of the
+/// coloured values are below, if the largest is more than half as far again.
+fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
+    let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
+    let (least, most) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &v| (least.min(v), most.max(v)));
+    let range = match (map.range, &map.below) {
+        (Some(range), _) => range,
+        (None, _) if values.is_empty() => [0.0, 1.0],
+        (None, below) => {
+            let low = below.as_ref().map_or(least, |below| below.threshold);
+            let rank = (values.len() - 1) * 995 / 1000;
+            let (_, &mut most_of_all, _) = values.select_nth_unstable_by(rank, f64::total_cmp);
+            let high = if most - low > 1.5 * (most_of_all - low) { most_of_all } else { most };
+            if high > low { [low, high] } else { padded(Scale::Linear, [low, most].into_iter()).unwrap_or([0.0, 1.0]) }
+        }
+    };
+    if !(range[0].is_finite() && range[1].is_finite() && range[0] < range[1]) {
+        return Err(PlotError::BadRange { range });
+    }
+    Ok((range, [least < range[0], most > range[1]]))
+}
+
+/// One pixel per block of points: the colour of the mean over its coloured points, over the pale ground by their share.
+fn paint(map: &Map, range: [f64; 2], frame: [f64; 4]) -> Picture {
+    let [nx, ny] = map.shape;
+    let block = [nx.div_ceil(PIXELS), ny.div_ceil(PIXELS)];
+    let (columns, rows) = (nx.div_ceil(block[0]), ny.div_ceil(block[1]));
+    let mut pixels = Vec::with_capacity(columns * rows);
+    for row in (0..rows).rev() {
+        let ys = row * block[1]..((row + 1) * block[1]).min(ny);
+        for column in 0..columns {
+            let xs = column * block[0]..((column + 1) * block[0]).min(nx);
+            let (mut sum, mut coloured) = (0.0, 0);
+            for x in xs.clone() {
+                for &value in &map.values[x * ny + ys.start..x * ny + ys.end] {
+                    if map.is_coloured(value) {
+                        sum += value;
+                        coloured += 1;
+                    }
+                }
+            }
+            pixels.push(if coloured == 0 {
+                PALE
+            } else {
+                let fraction = (sum / f64::from(coloured) - range[0]) / (range[1] - range[0]);
+                let share = f64::from(coloured) / (xs.len() * ys.len()) as f64;
+                mix(sequential(fraction), PALE, share)
+            });
+        }
+    }
+    Picture { frame, columns, rows, pixels }
+}
+
+fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
+    let ink = hex(INK);
+    let left = frame.left + frame.width + 3.0 * GAP;
+    // Room below for the swatch of what is not coloured, and for the points of a range that is exceeded.
+    let swatch = if map.below.is_some() { 0.8 * BAR + 2.0 * GAP } else { 0.0 };
+    let points = beyond.map(|beyond| if beyond { BAR } else { 0.0 });
+    let (top, bottom) = (frame.top + points[1], frame.top + frame.height - swatch - points[0]);
+    let stops: String = (0..=32)
+        .map(|i| {
+            let fraction = f64::from(i) / 32.0;
+            format!(r#"<stop offset="{}" stop-color="{}"/>"#, number(fraction * 100.0) + "%", hex(sequential(fraction)))
+        })
+        .collect();
+    let _ = writeln!(svg, r#"<linearGradient id="bar" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>"#);
+    let [l, t, w, h] = [left, top, BAR, bottom - top].map(number);
+    let _ = writeln!(svg, r#"<rect x="{l}" y="{t}" width="{w}" height="{h}" fill="url(#bar)"/>"#);
+    let triangle = |svg: &mut String, y: f64, by: f64, colour: Rgb| {
+        let [x, y, half, by] = [left, y, 0.5 * BAR, by].map(number);
+        let _ = writeln!(svg, r#"<path d="M{x} {y}l{half} {by}L{} {y}Z" fill="{}"/>"#, number(left + BAR), hex(colour));
+    };
+    if beyond[1] {
+        triangle(svg, top, -points[1], sequential(1.0));
+    }
+    if beyond[0] {
+        triangle(svg, bottom, points[0], sequential(0.0));
+    }
+    let mut outline = format!("M{} {}", number(left), number(bottom));
+    if beyond[0] {
+        let _ = write!(outline, "L{} {}", number(left + 0.5 * BAR), number(bottom + points[0]));
+    }
+    let _ = write!(outline, "L{} {}V{}", number(left + BAR), number(bottom), number(top));
+    if beyond[1] {
+        let _ = write!(outline, "L{} {}", number(left + 0.5 * BAR), number(top - points[1]));
+    }
+    let _ = write!(outline, "L{} {}Z", number(left), number(top));
+    let right = left + BAR;
+    for (value, label) in &ticks.major {
+        let y = bottom - ticks.fraction(*value) * (bottom - top);
+        let _ = write!(outline, "M{} {}h-2.4", number(right), number(y));
+        Text::new(label, TICK).write(svg, right + GAP, y + 0.35 * TICK, Anchor::Start, 0.0, &ink);
+    }
+    let _ =
+        writeln!(svg, r#"<path d="{outline}" stroke="{ink}" stroke-width="0.6" stroke-linejoin="round" fill="none"/>"#);
+    if !ticks.factor.is_empty() {
+        Text::new(&ticks.factor, TICK).write(svg, left, frame.top - GAP - 1.0, Anchor::Start, 0.0, &ink);
+    }
+    let widest = ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
+    let beside = right + GAP + widest + GAP + 0.8 * LABEL;
+    Text::new(&map.label, LABEL).write(svg, beside, 0.5 * (top + bottom), Anchor::Middle, -90.0, &ink);
+    if let Some(below) = &map.below {
+        let [x, y, side] = [left, frame.top + frame.height - 0.8 * BAR, 0.8 * BAR].map(number);
+        let colour = hex(PALE);
+        let _ = writeln!(
+            svg,
+            r#"<rect x="{x}" y="{y}" width="{side}" height="{side}" fill="{colour}" stroke="{ink}" stroke-width="0.6"/>"#
+        );
+        let baseline = frame.top + frame.height - 0.4 * BAR + 0.35 * TICK;
+        Text::new(&below.label, TICK).write(svg, left + 0.8 * BAR + GAP, baseline, Anchor::Start, 0.0, &ink);
+    }
+}

@@ -1,0 +1,275 @@
+use super::*;
+
+/// A chart with all that charts have: levels, bands, both kinds of marks, a shared ordinate, a legend.
+fn everything() -> Chart {
+    let panel = |title: &str, axis: &str| Panel {
+        title: title.into(),
+        x: Axis::linear(&format!("*ε*_{axis}^{{1.00}}")),
+        y: Axis::linear("*κ* = *a*_r *E*\\* *ḡ* / *p*"),
+        levels: vec![Level::line(2.507, "√(2π)"), Level::line(1.596, "√(8/π)"), Level::band([2.1, 2.2], "*κ*_{TFC}")],
+        series: vec![
+            Series::line("", 0, [(0.0, 2.15), (0.5, 2.9)]),
+            Series::points(
+                "*H* = 0.8",
+                0,
+                vec![Point::with_error(0.5, 2.91, 0.05), Point::with_error(0.25, 2.52, 0.04)],
+            ),
+            Series {
+                mark: Mark::HollowPoints,
+                ..Series::points("limit", 0, vec![Point::within(0.0, 2.15, [2.1, 2.2])])
+            },
+            Series { mark: Mark::Dashes, ..Series::line("a < b & \"c\"", 1, [(0.0, 2.0), (0.5, 2.1)]) },
+            Series { mark: Mark::JoinedPoints, ..Series::points("joined", 2, vec![Point::new(0.1, 1.8)]) },
+        ],
+    };
+    Chart::new(vec![panel("(a) thermodynamic", "t"), panel("(b) fractal", "f"), panel("(c) continuum", "c")])
+}
+
+fn residuals() -> Chart {
+    let decay = (0..300).map(|i| (f64::from(i), 0.5 * (-0.06 * f64::from(i)).exp()));
+    let panel = Panel {
+        x: Axis::linear("transform pairs"),
+        y: Axis::log("residual"),
+        series: vec![Series::line("projected CG", 0, decay)],
+        levels: vec![Level::line(1e-8, "tolerance")],
+        ..Panel::default()
+    };
+    Chart::new(vec![panel])
+}
+
+/// Bumps on a plane, zero between them.
+fn bumps(nx: usize, ny: usize) -> Vec<f64> {
+    let wave = |i: usize, n: usize| (std::f64::consts::TAU * 3.0 * i as f64 / n as f64).sin();
+    (0..nx * ny).map(|k| (wave(k / ny, nx) * wave(k % ny, ny) - 0.3).max(0.0)).collect()
+}
+
+fn pressure_map<'a>(values: &'a [f64], shape: [usize; 2]) -> Map<'a> {
+    let below = Some(Below { threshold: 0.0, label: "no contact".into() });
+    Map { below, ..Map::new(values, shape, [2.0, 1.0], "pressure *p* / *E*\\*") }
+}
+
+/// Width, height and pixels of a PNG.
+fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(info.color_type, png::ColorType::Rgb);
+    (info.width, info.height, pixels)
+}
+
+/// The words of each `<text>` of an SVG, in order; panics if the text is not well-formed XML.
+fn words(svg: &str) -> Vec<String> {
+    let document = resvg::usvg::roxmltree::Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.map(|node| node.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect()).collect()
+}
+
+#[test]
+fn figures_are_well_formed_and_have_their_words() {
+    let words_of = words(&everything().svg().unwrap());
+    let expected = [
+        "(a) thermodynamic",
+        "(b) fractal",
+        "(c) continuum",
+        "εt1.00",
+        "εf1.00",
+        "εc1.00",
+        "κ = ar E* ḡ / p",
+        "√(2π)",
+        "√(8/π)",
+        "κTFC",
+        "H = 0.8",
+        "limit",
+        "a < b & \"c\"",
+        "joined",
+        "2.0",
+        "2.5",
+    ];
+    for word in expected {
+        assert!(words_of.iter().any(|found| found == word), "{word} is not among {words_of:?}");
+    }
+    let count = |word: &str| words_of.iter().filter(|found| *found == word).count();
+    assert_eq!(
+        [count("κ = ar E* ḡ / p"), count("√(2π)"), count("limit"), count("2.5")],
+        [1; 4],
+        "shared, not repeated"
+    );
+
+    let separate = Chart { share_y: false, ..everything() };
+    let words_of = words(&separate.svg().unwrap());
+    assert_eq!(words_of.iter().filter(|word| *word == "√(2π)").count(), 3);
+
+    let words_of = words(&residuals().svg().unwrap());
+    for word in ["10−8", "10−2", "tolerance", "projected CG", "transform pairs"] {
+        assert!(words_of.iter().any(|found| found == word), "{word} is not among {words_of:?}");
+    }
+    let field = bumps(64, 32);
+    let words_of = words(&pressure_map(&field, [64, 32]).svg().unwrap());
+    for word in ["no contact", "pressure p / E*", "x", "y", "0.0"] {
+        assert!(words_of.iter().any(|found| found == word), "{word} is not among {words_of:?}");
+    }
+}
+
+#[test]
+fn images_have_300_dots_per_inch_and_ink() {
+    for (chart, width) in [(everything(), TWO_COLUMNS), (residuals(), COLUMN)] {
+        let (columns, rows, pixels) = decode(&chart.png().unwrap());
+        assert_eq!(columns, (width / 72.0 * 300.0).round() as u32);
+        assert!(rows > columns / 4 && rows < columns);
+        let dark = pixels.chunks_exact(3).filter(|p| p.iter().all(|&c| c < 100)).count() as f64;
+        let share = dark / f64::from(columns * rows);
+        assert!((0.003..0.1).contains(&share), "axes and words cover {share}");
+        // Nothing touches the edge: neither words nor lines are cut off.
+        let edge = |i: usize| {
+            let (x, y) = (i as u32 % columns, i as u32 / columns);
+            x < 3 || y < 3 || x + 3 >= columns || y + 3 >= rows
+        };
+        assert!(pixels.chunks_exact(3).enumerate().all(|(i, p)| !edge(i) || p == [255, 255, 255]));
+    }
+    let bytes = residuals().png().unwrap();
+    let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+    assert_eq!(reader.info().pixel_dims.unwrap().xppu, 11811);
+}
+
+#[test]
+fn words_are_drawn_without_system_fonts() {
+    let blank = Chart { panels: vec![Panel { x: Axis::linear(""), ..residuals().panels.remove(0) }], ..residuals() };
+    let ink = |chart: &Chart| decode(&chart.png().unwrap()).2.chunks_exact(3).filter(|p| p[0] < 100).count();
+    assert!(ink(&residuals()) > ink(&blank) + 500, "the label of the abscissa is drawn");
+}
+
+#[test]
+fn equal_input_gives_equal_bytes() {
+    assert_eq!(everything().svg().unwrap(), everything().svg().unwrap());
+    assert!(everything().png().unwrap() == everything().png().unwrap());
+    let field = bumps(100, 50);
+    let map = pressure_map(&field, [100, 50]);
+    assert!(map.png().unwrap() == map.png().unwrap() && map.svg().unwrap() == map.svg().unwrap());
+}
+
+#[test]
+fn files_are_written_under_both_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [svg, png] = everything().save(&folder.path().join("kappa.v1")).unwrap();
+    assert_eq!(
+        (svg.file_name().unwrap().to_str(), png.file_name().unwrap().to_str()),
+        (Some("kappa.v1.svg"), Some("kappa.v1.png"))
+    );
+    assert_eq!(std::fs::read_to_string(svg).unwrap(), everything().svg().unwrap());
+    assert_eq!(&std::fs::read(png).unwrap()[1..4], b"PNG");
+    let line = residuals().save(&folder.path().join("none/kappa")).unwrap_err().to_string();
+    assert!(line.starts_with("cannot write ") && line.contains("none/kappa.svg"), "{line}");
+}
+
+#[test]
+fn large_maps_stay_small() {
+    let (nx, ny) = (2048, 4096);
+    let field = bumps(nx, ny);
+    let map = pressure_map(&field, [nx, ny]);
+    assert!(map.png().unwrap().len() < 1_000_000);
+    let svg = map.svg().unwrap();
+    assert!(svg.len() < 1_000_000 && svg.matches("<image").count() == 1 && svg.matches("<rect").count() < 10);
+}
+
+#[test]
+fn maps_lie_the_right_way_round() {
+    // One contact point near the corner x = 0, y = large: top left of the picture.
+    let (nx, ny) = (8, 4);
+    let mut field = vec![0.0; nx * ny];
+    field[3] = 1.0;
+    let map = Map { range: Some([0.0, 1.0]), ..pressure_map(&field, [nx, ny]) };
+    let drawing = map::draw(&map).unwrap();
+    let picture = &drawing.pictures[0];
+    assert_eq!((picture.columns, picture.rows), (8, 4));
+    assert_eq!(picture.pixels[0], colour::sequential(1.0));
+    assert!(picture.pixels[1..].iter().all(|&pixel| pixel == colour::PALE));
+    // The same in the rendered page.
+    let (columns, _, pixels) = decode(&map.png().unwrap());
+    let scale = 300.0 / 72.0;
+    let [left, top, width, height] = picture.frame;
+    let at = |fx: f64, fy: f64| {
+        let (x, y) = ((scale * (left + fx * width)) as u32, (scale * (top + fy * height)) as u32);
+        let i = 3 * (y * columns + x) as usize;
+        [pixels[i], pixels[i + 1], pixels[i + 2]]
+    };
+    assert_eq!([at(1.0 / 16.0, 1.0 / 8.0), at(3.0 / 16.0, 1.0 / 8.0)], [colour::sequential(1.0), colour::PALE]);
+    assert_eq!(at(1.0 / 16.0, 7.0 / 8.0), colour::PALE);
+    approx::assert_relative_eq!(width / height, 2.0, max_relative = 1e-9);
+}
+
+#[test]
+fn blocks_of_points_become_one_pixel_of_their_mean_and_share() {
+    let n = 2048; // two by two points per pixel
+    let mut field = vec![0.0; n * n];
+    (field[0], field[1]) = (0.25, 0.75); // half of the block at the lower left
+    let map = Map { range: Some([0.0, 1.0]), ..pressure_map(&field, [n, n]) };
+    let picture = map::draw(&map).unwrap().pictures.remove(0);
+    assert_eq!((picture.columns, picture.rows), (1024, 1024));
+    let expected = colour::mix(colour::sequential(0.5), colour::PALE, 0.5);
+    assert_eq!(picture.pixels[1023 * 1024], expected);
+    assert_eq!(picture.pixels.iter().filter(|&&pixel| pixel != colour::PALE).count(), 1);
+}
+
+#[test]
+fn a_few_singular_values_do_not_eat_the_colours() {
+    let mut field: Vec<f64> = (0..10_000).map(|i| f64::from(i) / 10_000.0).collect();
+    let plain = pressure_map(&field, [100, 100]).svg().unwrap();
+    field[17] = 1e6;
+    let spiked = pressure_map(&field, [100, 100]).svg().unwrap();
+    let highest = |svg: &str| words(svg).iter().filter_map(|word| word.parse::<f64>().ok()).fold(0.0, f64::max);
+    assert!(highest(&spiked) <= 2.0 && highest(&plain) <= 2.0);
+    assert!(spiked.matches("<path").count() > plain.matches("<path").count(), "the bar has a point");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let with = |change: &dyn Fn(&mut Panel)| {
+        let mut chart = residuals();
+        change(&mut chart.panels[0]);
+        chart.svg().unwrap_err().to_string()
+    };
+    let line = with(&|panel| panel.series[0].points[3].y = f64::NAN);
+    assert_eq!(line, "cannot plot NaN in point 3 of series \"projected CG\"; finite numbers are allowed");
+    let line = with(&|panel| panel.series[0].points[3].y = 0.0);
+    assert!(line.ends_with("on a logarithmic axis; numbers above zero are allowed"), "{line}");
+    assert!(with(&|panel| panel.levels[0].range = [f64::INFINITY; 2]).contains("reference \"tolerance\""));
+    assert!(with(&|panel| panel.series[0].points[0].range = Some([f64::NAN, 1.0])).contains("NaN"));
+    assert_eq!(with(&|panel| panel.series.clear()), "nothing to plot: a panel has no points");
+    assert!(with(&|panel| panel.x.range = Some([1.0, 1.0])).starts_with("an axis from 1 to 1 asked"));
+    assert!(matches!(Chart::new(vec![]).png(), Err(PlotError::Empty { .. })));
+
+    let field = bumps(4, 4);
+    assert!(matches!(pressure_map(&field, [4, 5]).svg(), Err(PlotError::Shape { found: 16, shape: [4, 5] })));
+    assert!(matches!(pressure_map(&field[..4], [4, 1]).svg(), Err(PlotError::Shape { .. })));
+    assert!(matches!(pressure_map(&field, [usize::MAX, 2]).svg(), Err(PlotError::Shape { .. })));
+    let mut broken = field.clone();
+    broken[6] = f64::NAN;
+    let line = pressure_map(&broken, [4, 4]).svg().unwrap_err().to_string();
+    assert!(line.contains("the map at [1, 2]"), "{line}");
+    let map = Map { range: Some([1.0, 0.0]), ..pressure_map(&field, [4, 4]) };
+    assert!(matches!(map.svg(), Err(PlotError::BadRange { .. })));
+    let line = Map { size: [0.0, 1.0], ..pressure_map(&field, [4, 4]) }.svg().unwrap_err();
+    assert!(matches!(line, PlotError::BadRange { .. }));
+}
+
+#[test]
+fn degenerate_data_are_drawn() {
+    // One point, equal points, a constant field, no contact at all, error bars beyond zero on a logarithmic axis.
+    let one = |y: Axis, points: Vec<Point>| {
+        Chart::new(vec![Panel {
+            x: Axis::linear("x"),
+            y,
+            series: vec![Series::points("", 0, points)],
+            ..Panel::default()
+        }])
+    };
+    one(Axis::linear("y"), vec![Point::new(0.0, 0.0)]).png().unwrap();
+    one(Axis::linear("y"), vec![Point::new(1e300, -1e300), Point::new(1e300, -1e300)]).png().unwrap();
+    let below_zero = one(Axis::log("y"), vec![Point::with_error(1.0, 1e-3, 2e-3), Point::new(2.0, 1.0)]);
+    assert!(!below_zero.svg().unwrap().contains("NaN"));
+    for value in [0.0, -2.5] {
+        let field = vec![value; 36];
+        Map::new(&field, [6, 6], [1.0, 1.0], "height").png().unwrap();
+        pressure_map(&field, [6, 6]).png().unwrap();
+    }
+}
