@@ -337,7 +337,8 @@ const FIELDS: [(&str, &str, &str); 3] = [
 
 impl<'a> FieldFile<'a> {
     fn create(output: &'a Output, prepared: &Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
-        let config = toml::to_string(args).map_err(|error| Failure::Computation(error.to_string()))?;
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let load = Dimension::index("load", prepared.controls.len(), "load step");
         let unit = prepared.surface.unit.as_deref().unwrap_or("length");

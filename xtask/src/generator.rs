@@ -20,8 +20,11 @@ const POINTS: usize = 256;
 /// 1/eps_t unless a flag says otherwise.
 const EPS_T_INV: f64 = 2.0;
 
-/// 1/eps_f unless a flag says otherwise.
+/// 1/eps_f with --eps-c-inv and without --n, unless a flag says otherwise.
 const EPS_F_INV: f64 = 32.0;
+
+/// 1/eps_c that --n leaves room for unless a flag says otherwise.
+const EPS_C_INV: f64 = 4.0;
 
 /// Memory of a synthesis per point, in bytes: heights, half spectrum, work of the transform.
 const BYTES_PER_POINT: u64 = 40;
@@ -40,7 +43,7 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_t_inv: Option<f64>,
-    /// Longest over shortest wavelength, at least 1 [default: 32]
+    /// Longest over shortest wavelength, at least 1 [default: what leaves 4 points of --n per shortest wavelength]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_f_inv: Option<f64>,
@@ -120,7 +123,8 @@ impl GeneratorArgs {
         let mut whole = self.clone();
         if self.method == Method::Psd {
             whole.eps_t_inv = Some(self.eps_t_inv.unwrap_or(EPS_T_INV));
-            whole.eps_f_inv = Some(self.eps_f_inv.unwrap_or(EPS_F_INV));
+            let [nx, ny] = self.points()?;
+            whole.eps_f_inv = Some(self.eps_f_inv_on(if self.dim == 2 { nx } else { nx.min(ny) } as f64));
         }
         let [nx, ny] = self.points()?;
         (whole.n, whole.eps_c_inv) = (if self.dim == 2 || nx == ny { vec![nx] } else { vec![nx, ny] }, None);
@@ -194,15 +198,16 @@ impl GeneratorArgs {
     /// # Errors
     /// A number out of its range, or a grid too coarse for the shortest wavelength.
     pub fn spectrum(&self, grid: &Grid) -> Result<SelfAffine, Failure> {
-        let (eps_t_inv, eps_f_inv) = (self.eps_t_inv.unwrap_or(EPS_T_INV), self.eps_f_inv.unwrap_or(EPS_F_INV));
+        let sides = if grid.is_line() { 1 } else { 2 };
+        let smaller = |values: [f64; 2]| values[..sides].iter().copied().fold(f64::INFINITY, f64::min);
+        let larger = |values: [f64; 2]| values[..sides].iter().copied().fold(0.0, f64::max);
+        let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
+        let eps_f_inv = self.eps_f_inv_on(smaller(grid.lengths()) / larger(grid.spacing()));
         for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
             if !(found.is_finite() && found >= 1.0) {
                 return Err(Failure::input(flag, format!("at least 1 is allowed, found {found}")));
             }
         }
-        let sides = if grid.is_line() { 1 } else { 2 };
-        let smaller = |values: [f64; 2]| values[..sides].iter().copied().fold(f64::INFINITY, f64::min);
-        let larger = |values: [f64; 2]| values[..sides].iter().copied().fold(0.0, f64::max);
         let longest = smaller(grid.lengths()) / eps_t_inv;
         let shortest = smaller(grid.lengths()) / (eps_t_inv * eps_f_inv);
         let per_wave = shortest / larger(grid.spacing());
@@ -233,6 +238,12 @@ impl GeneratorArgs {
             normalisation,
             ..SelfAffine::new(self.hurst, longest, shortest, self.rms_gradient)
         })
+    }
+
+    /// 1/eps_f, by default what leaves four points of `side` to the shortest wavelength.
+    fn eps_f_inv_on(&self, side: f64) -> f64 {
+        let room = side / (self.eps_t_inv.unwrap_or(EPS_T_INV) * self.eps_c_inv.unwrap_or(EPS_C_INV));
+        self.eps_f_inv.unwrap_or_else(|| room.max(1.0))
     }
 
     /// What the heights are scaled to.

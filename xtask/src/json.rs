@@ -27,7 +27,7 @@ pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
 mod tests {
     #[test]
     fn floats_have_seventeen_digits_and_read_back_to_the_same_bits() {
-        for value in [0.1, -1.0 / 3.0, 6.02e23, 5e-324, 0.0] {
+        for value in [0.1_f64, -1.0 / 3.0, 6.02e23, 5e-324, 0.0] {
             let text = super::to_string(&value).unwrap();
             assert_eq!(text.trim_start_matches('-').split('e').next().unwrap().len(), 18, "{text}");
             let back: f64 = serde_json::from_str(&text).unwrap();

@@ -14,7 +14,8 @@ use crate::topography::Topography;
 #[derive(Args, Clone, Debug, Serialize)]
 pub struct SourceArgs {
     /// Heights, peaks towards the body: .npy, FILE.h5:/dataset, or a text matrix with or without an instrument's header
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "rms_gradient", "seed", "dim"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
+        "method", "roll_off", "roll_off_shape", "amplitudes"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
     /// Cell size, L or Lx,Ly; default: that of the file, or 1
@@ -82,6 +83,15 @@ impl SourceArgs {
     /// The flag that an error about the heights belongs to.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())
+    }
+
+    /// The same flags as they belong into the record of a run: every default filled in.
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        let generator = if self.surface.is_none() { self.generator.resolved()? } else { self.generator.clone() };
+        Ok(Self { generator, ..self.clone() })
     }
 
     /// Reads or generates the surface.

@@ -121,10 +121,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.asked, report.hurst_range) = (asked, range);
     if let Some(target) = out {
-        let mut resolved = args.clone();
-        if args.source.surface.is_none() {
-            resolved.source.generator = args.source.generator.resolved()?;
-        }
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved)
             .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
         target.write(&surface.heights, &grid, &spectrum.radial(), &report, session.provenance(config))?;

@@ -1,1 +1,42 @@
-//! Green's function molecular dynamics of rough contact: one dependency for all the physics crates.
+//! Green's function molecular dynamics of rough contact: the physics crates of the workspace under one name.
+//!
+//! | module      | what                                                          |
+//! |-------------|---------------------------------------------------------------|
+//! | [`field`]   | periodic grids, half spectra, transforms                      |
+//! | [`green`]   | elastic half-spaces, slabs and stacks, per wave vector        |
+//! | [`surface`] | self-affine surfaces and their statistics                     |
+//! | [`relax`]   | minimisers without physics                                    |
+//! | [`contact`] | hard-wall contact: problem, solvers, certified solution       |
+//! | [`measure`] | area, kappa, pressure statistics, comparison theories         |
+//!
+//! ```
+//! use gfmd::contact::{Contact, Control, Settings, SurfaceResponse};
+//! use gfmd::green::{Body, Material};
+//! use gfmd::measure::{contact_area, kappa};
+//! use gfmd::{field::Grid, surface::Discretisation};
+//! use std::ops::ControlFlow;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let discretisation = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 8.0 };
+//! let grid = Grid::square(discretisation.points()?, 1.0)?;
+//! let (rms_gradient, p_star) = (0.1, 0.02);
+//! let heights = discretisation.self_affine(1.0, 0.8, rms_gradient).heights(&grid, 1)?;
+//!
+//! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
+//! let response = SurfaceResponse::new(grid, &body);
+//! let load = Control::MeanPressure(p_star * response.contact_modulus() * rms_gradient);
+//! let solution = Contact::new(&response, heights.view())?
+//!     .solve(load, &Settings::default(), None, &mut |_| ControlFlow::Continue(()))?;
+//!
+//! let kappa = kappa(contact_area(solution.pressure.view()).fraction, p_star);
+//! assert!((1.6..3.5).contains(&kappa), "{kappa}");
+//! # Ok(())
+//! # }
+//! ```
+
+pub use gfmd_contact as contact;
+pub use gfmd_field as field;
+pub use gfmd_green as green;
+pub use gfmd_measure as measure;
+pub use gfmd_relax as relax;
+pub use gfmd_surface as surface;
