@@ -2,11 +2,12 @@
 //!
 //! - [`Output::claim`] takes a path for this process; a second process is refused. The claim is a lock of the operating
 //!   system on `NAME.lock`, so it ends with the process, however that ends.
-//! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target. Until
-//!   then an older file under that name stays as it is; an archive that is dropped before takes its part along.
-//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales lie in the group of the variables
-//!   that use them, so that each group opens as a dataset of its own with its coordinates: `xarray.open_dataset(file,
-//!   group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py, `h5dump`.
+//! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target.
+//!   Until then an older file under that name stays as it is; an archive that is dropped before takes its part along.
+//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales lie in the group of the
+//!   variables that use them, so that each group opens as a dataset of its own with its coordinates:
+//!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
+//!   `h5dump`.
 //! - [`Reader`] gets values back, for resuming and for input.
 //!
 //! ```
@@ -15,7 +16,8 @@
 //! # let folder = tempfile::tempdir().unwrap();
 //! # let path = folder.path().join("contact.h5");
 //! let output = Output::claim(&path)?;
-//! let mut archive = Archive::create(&output, &Provenance { command: "gfmd contact".into(), ..Provenance::default() })?;
+//! let provenance = Provenance { command: "gfmd contact".into(), ..Provenance::default() };
+//! let mut archive = Archive::create(&output, &provenance)?;
 //! let load = Dimension::index("load", 2, "load step");
 //! let area = Variable { dimensions: &[&load], units: "1", long_name: "contact area fraction" };
 //! archive.write("/loads/area_fraction", &area, &[0.02, 0.1])?;
@@ -54,7 +56,8 @@ const CHUNK_BYTES: usize = 1 << 21;
 /// Arrays below this size are stored in one piece, uncompressed.
 const SMALL_BYTES: usize = 1 << 13;
 
-/// Deflate level: level 4 and above take twice the time on real fields for a few per cent.
+/// Deflate level. On heights and pressures of 2048 x 2048 points, levels 1 to 6 differ by 1 % in size, 2 and 6 by 25 to
+/// 80 % in time.
 const DEFLATE: u8 = 2;
 
 /// A named dimension with its coordinates, written once per group as an HDF5 dimension scale.
@@ -241,8 +244,8 @@ impl<'a> Archive<'a> {
         self.write(path, variable, &texts)
     }
 
-    /// Defines a variable whose entries along the first dimension come one by one, by [`Archive::write_slab`]. Entries that
-    /// never come are NaN.
+    /// Defines a variable whose entries along the first dimension come one by one, by [`Archive::write_slab`]. Entries
+    /// that never come are NaN.
     pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), ArchiveError> {
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
@@ -401,7 +404,8 @@ impl Drop for Archive<'_> {
     }
 }
 
-/// Chunked by the first dimension and compressed, unless small; without time stamps, so that equal values give equal bytes.
+/// Chunked by the first dimension and compressed, unless small; without time stamps, so that equal values give equal
+/// bytes.
 fn create_dataset<T: H5Type>(
     group: &Group,
     name: &str,

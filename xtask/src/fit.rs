@@ -1,14 +1,15 @@
 //! Extrapolation to the thermodynamic, fractal and continuum limit (theory.md, section 11).
 //!
-//! kappa(eps_t, eps_f, eps_c) = kappa_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c, fitted to all cells
-//! of a sweep at once by weighted least squares. Numbers in, numbers out: no files, no clocks, no printing.
+//! kappa(eps_t, eps_f, eps_c) = kappa_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c, fitted to all
+//! cells of a sweep at once by weighted least squares. Numbers in, numbers out: no files, no clocks, no printing.
 //!
-//! - An axis with a single level has no term: kappa_TFC then still contains that axis' correction, and a warning says so.
-//! - Intervals come from a bootstrap over realisations: seeds are resampled, the cells computed on one seed stay together
-//!   (common random numbers), and everything is refitted. With few realisations the percentile interval is stretched by
-//!   Student's t and (n / (n - 1))^(1/2), because the bare percentiles are then too narrow.
-//! - Misfit of the model is not in these intervals. Look at `chi_squared`, at `kappa_tfc_without`, at the profiles, and at
-//!   a second fit with other exponents.
+//! - An axis with a single level has no term: kappa_TFC then still contains that axis' correction, and a warning says
+//!   so.
+//! - Intervals come from a bootstrap over realisations: seeds are resampled, the cells computed on one seed stay
+//!   together (common random numbers), and everything is refitted. With few realisations the percentile interval is
+//!   stretched by Student's t and (n / (n - 1))^(1/2), because the bare percentiles are then too narrow.
+//! - Misfit of the model is not in these intervals. Look at `chi_squared`, at `kappa_tfc_without`, at the profiles, and
+//!   at a second fit with other exponents.
 //!
 //! ```
 //! use gfmd_xtask::fit::{Cell, Exponent, Model, Settings, fit};
@@ -28,10 +29,12 @@
 //! assert!((fit.kappa_tfc.value - 2.0).abs() < 1e-8 && (fit.terms[0].exponent.value - 1.0).abs() < 1e-8);
 //! ```
 
+mod error;
 mod projection;
 mod report;
 mod resample;
 mod richardson;
+mod uncertainty;
 
 #[cfg(test)]
 mod tests;
@@ -42,9 +45,11 @@ use std::fmt;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use projection::{Data, Minimum, Nodes, Search, Shape, is_interior, log_node};
-use resample::{Strata, quantile, student_975};
+use projection::{Data, Minimum, Search, Shape, is_interior, log_node};
+use resample::Strata;
+use uncertainty::{Errors, Quantity};
 
+pub use error::FitError;
 pub use projection::Parameters;
 pub use report::{BootstrapReport, CellReport, Estimate, Fit, ProfilePoint, Term, Uncertainty, Warning};
 pub use richardson::{Richardson, RichardsonLimit};
@@ -85,8 +90,8 @@ pub struct Cell {
     pub eps_f: f64,
     /// Grid spacing / shortest wavelength.
     pub eps_c: f64,
-    /// kappa by seed. Equal seeds in two cells mean that the cells were computed on the same random modes; cells that are
-    /// independent must not have seeds in common.
+    /// kappa by seed. Equal seeds in two cells mean that the cells were computed on the same random modes; cells that
+    /// are independent must not have seeds in common.
     pub kappa: BTreeMap<u64, f64>,
 }
 
@@ -145,8 +150,8 @@ pub struct Model {
 }
 
 impl Default for Model {
-    /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the other
-    /// two are conventions, to be checked against a fit with [`Model::free`].
+    /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
+    /// other two are conventions, to be checked against a fit with [`Model::free`].
     fn default() -> Self {
         Self { t: Some(Exponent::Fixed(1.0)), f: Some(Exponent::Fixed(1.0)), c: Some(Exponent::Fixed(1.0)) }
     }
@@ -166,8 +171,8 @@ impl Model {
 /// The variance given to one realisation of a cell. A cell's weight is its number of realisations over this variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
-    /// The cell's own variance and the variance pooled over all cells, averaged by degrees of freedom, the pool counting
-    /// as `prior` of them: with few realisations the pool decides, with many the cell.
+    /// The cell's own variance and the variance pooled over all cells, averaged by degrees of freedom, the pool
+    /// counting as `prior` of them: with few realisations the pool decides, with many the cell.
     Shrunk {
         /// Degrees of freedom given to the pooled variance.
         prior: f64,
@@ -203,76 +208,6 @@ impl Default for Settings {
             paired: true,
         }
     }
-}
-
-/// Why there is no fit.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// There is nothing to fit.
-    #[error("no cells to fit; at least one is needed")]
-    NoCells,
-    /// A cell without values.
-    #[error("cell {cell} has no realisations; each cell needs at least one")]
-    NoRealisations {
-        /// Index of the cell.
-        cell: usize,
-    },
-    /// A kappa that is not a number.
-    #[error("cell {cell} has kappa = {found} for seed {seed}; finite numbers are allowed")]
-    BadKappa {
-        /// Index of the cell.
-        cell: usize,
-        /// The seed.
-        seed: u64,
-        /// What was found.
-        found: f64,
-    },
-    /// An eps that is no ratio of lengths.
-    #[error("cell {cell} has eps_{axis} = {found}; finite numbers above zero are allowed")]
-    BadEps {
-        /// Index of the cell.
-        cell: usize,
-        /// The axis.
-        axis: Axis,
-        /// What was found.
-        found: f64,
-    },
-    /// Two cells at one place.
-    #[error("cells {first} and {second} have the same eps_t, eps_f and eps_c; merge their realisations")]
-    SameCell {
-        /// Index of the first.
-        first: usize,
-        /// Index of the second.
-        second: usize,
-    },
-    /// An exponent or its bounds out of range.
-    #[error("alpha_{axis} in [{min}, {max}] asked; 0 < min <= max <= 16 are allowed")]
-    BadExponent {
-        /// The axis.
-        axis: Axis,
-        /// Lower bound found.
-        min: f64,
-        /// Upper bound found.
-        max: f64,
-    },
-    /// A prior below zero or not finite.
-    #[error("weighting prior {found} asked; finite numbers >= 0 are allowed")]
-    BadPrior {
-        /// What was found.
-        found: f64,
-    },
-    /// Fewer data than unknowns.
-    #[error("{parameters} parameters but only {cells} cells; fix exponents, leave out terms or add cells")]
-    TooFewCells {
-        /// Unknowns.
-        parameters: usize,
-        /// Data.
-        cells: usize,
-    },
-    /// The levels of the axes vary together, so their terms cannot be told apart.
-    #[error("the cells do not tell the terms apart (levels of two axes vary together); vary one axis at a time")]
-    Dependent,
 }
 
 /// Fits the model to the cells.
@@ -470,136 +405,6 @@ fn cell_reports(cells: &[Cell], data: &Data, shapes: &[Shape], minimum: &Minimum
             kappa_tfc_without: without(i),
         })
         .collect()
-}
-
-/// One of the fitted numbers; terms are counted in the order of the shapes.
-#[derive(Clone, Copy)]
-enum Quantity {
-    Limit,
-    Coefficient(usize),
-    Exponent(usize),
-}
-
-/// Where the uncertainties come from, ready to be asked for each quantity.
-struct Errors<'a> {
-    data: &'a Data,
-    shapes: &'a [Shape],
-    minimum: &'a Minimum,
-    strata: &'a Strata<'a>,
-    sensitivities: Vec<Vec<f64>>,
-    degrees_of_freedom: usize,
-    source: Uncertainty,
-    bootstrap: Option<BootstrapReport>,
-}
-
-impl<'a> Errors<'a> {
-    fn new(
-        data: &'a Data,
-        shapes: &'a [Shape],
-        minimum: &'a Minimum,
-        strata: &'a Strata<'a>,
-        settings: &Settings,
-        degrees_of_freedom: usize,
-    ) -> Result<Self, FitError> {
-        let sensitivities = data.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
-        let nodes = Nodes::new(data, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
-        let bootstrap = (strata.can_resample() && settings.resamples > 0).then(|| {
-            let refits: Vec<Option<Parameters>> = (0..settings.resamples as u64)
-                .into_par_iter()
-                .map(|index| {
-                    let resampled = Data { kappa: strata.draw(settings.seed, index)?, ..data.clone() };
-                    Some(nodes.minimise(&resampled, Some(&minimum.parameters)).ok()?.parameters)
-                })
-                .collect();
-            let samples: Vec<Parameters> = refits.iter().flatten().copied().collect();
-            let at_bound = shapes.iter().filter(|shape| shape.is_free()).map(|shape| {
-                let stuck = samples.iter().filter(|p| !is_interior(shape, p.exponents[shape.axis])).count();
-                (Axis::ALL[shape.axis], stuck)
-            });
-            BootstrapReport {
-                resamples: settings.resamples,
-                failed: refits.len() - samples.len(),
-                at_bound: at_bound.collect(),
-                seed: settings.seed,
-                stretch: 1.0,
-                samples,
-            }
-        });
-        let source = match &bootstrap {
-            Some(report) if report.samples.len() >= 2 => Uncertainty::Realisations,
-            _ if strata.can_resample() => Uncertainty::Propagated,
-            _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
-            _ => Uncertainty::None,
-        };
-        let mut errors = Self { data, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
-        if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
-            report.stretch = strata.spread(row).map_or(1.0, |spread| spread.stretch);
-        }
-        Ok(errors)
-    }
-
-    fn estimate(&self, quantity: Quantity) -> Estimate {
-        let value = self.value(&self.minimum.parameters, quantity);
-        let given = matches!(quantity, Quantity::Exponent(k) if !self.shapes[k].is_free());
-        let Some(row) = self.sensitivity(quantity).filter(|_| !given) else {
-            return Estimate { value, standard_error: None, ci95: None };
-        };
-        let spread = self.strata.spread(row);
-        let (standard_error, ci95) = match (self.source, spread) {
-            (Uncertainty::Realisations, Some(spread)) => {
-                (Some(spread.standard_error), self.percentiles(quantity, value, spread.stretch))
-            }
-            (Uncertainty::Propagated, Some(spread)) => {
-                let half = resample::NORMAL_975 * spread.stretch * spread.standard_error;
-                (Some(spread.standard_error), Some([value - half, value + half]))
-            }
-            (Uncertainty::Misfit, _) => {
-                let freedom = self.degrees_of_freedom as f64;
-                let unit = self.minimum.sum_of_squares / freedom;
-                let variance: f64 = row.iter().zip(&self.data.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
-                let half = student_975(freedom) * variance.sqrt();
-                (Some(variance.sqrt()), Some([value - half, value + half]))
-            }
-            _ => (None, None),
-        };
-        Estimate { value, standard_error, ci95 }
-    }
-
-    /// The stretched percentile interval.
-    fn percentiles(&self, quantity: Quantity, value: f64, stretch: f64) -> Option<[f64; 2]> {
-        let samples = &self.bootstrap.as_ref()?.samples;
-        let mut values: Vec<f64> = samples.iter().map(|p| self.value(p, quantity)).collect();
-        values.sort_by(f64::total_cmp);
-        let ends = [0.025, 0.975].map(|level| value + stretch * (quantile(&values, level) - value));
-        Some(match quantity {
-            Quantity::Exponent(k) => ends.map(|end| end.clamp(self.shapes[k].min, self.shapes[k].max)),
-            _ => ends,
-        })
-    }
-
-    fn value(&self, parameters: &Parameters, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::Limit => parameters.kappa_tfc,
-            Quantity::Coefficient(k) => parameters.coefficients[self.shapes[k].axis],
-            Quantity::Exponent(k) => parameters.exponents[self.shapes[k].axis],
-        }
-    }
-
-    /// The row d(quantity)/d(kappa of each cell); `None` for an exponent that is given or at its bound.
-    fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
-        let row = match quantity {
-            Quantity::Limit => 0,
-            Quantity::Coefficient(k) => 1 + k,
-            Quantity::Exponent(k) => {
-                let interior = |shape: &&Shape| is_interior(shape, self.minimum.parameters.exponents[shape.axis]);
-                if !interior(&&self.shapes[k]) {
-                    return None;
-                }
-                1 + self.shapes.len() + self.shapes[..k].iter().filter(interior).count()
-            }
-        };
-        self.sensitivities.get(row)
-    }
 }
 
 /// The probability of a chi^2 at least this large, if the model and the noise are right.

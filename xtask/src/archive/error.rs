@@ -60,7 +60,7 @@ pub enum ArchiveError {
         reason: String,
     },
     /// A name that the file does not have.
-    #[error("{} has no {variable}; {} are there", path.display(), if present.is_empty() { "no variables".to_owned() } else { present.join(", ") })]
+    #[error("{} has no {variable}; its group has: {}", path.display(), present.join(", "))]
     Missing {
         /// The file.
         path: PathBuf,

@@ -17,8 +17,8 @@ pub struct Output {
 }
 
 impl Output {
-    /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not exist
-    /// or cannot be written, or if `path` is a folder.
+    /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not
+    /// exist or cannot be written, or if `path` is a folder.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, ArchiveError> {
         let path = path.as_ref().to_path_buf();
         let refuse = |reason: &str| ArchiveError::Target { path: path.clone(), reason: reason.into() };

@@ -45,7 +45,8 @@ impl Reader {
         Ok(self.dataset(path)?.shape())
     }
 
-    /// All values of a variable, row-major, converted to `T` by the library if they are stored as another type of number.
+    /// All values of a variable, row-major, converted to `T` by the library if they are stored as another type of
+    /// number.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, ArchiveError> {
         self.dataset(path)?.read_raw().map_err(|error| ArchiveError::read(&self.path, path, &error))
     }

@@ -1,7 +1,7 @@
 //! Dimension scales by the HDF5 Dimension Scale Specification: four attributes, written without its high-level library.
 //!
-//! A scale carries CLASS = "DIMENSION_SCALE", NAME, and REFERENCE_LIST (who uses it, at which dimension); a variable carries
-//! DIMENSION_LIST (for each dimension the scales of it).
+//! A scale carries CLASS = "DIMENSION_SCALE", NAME, and REFERENCE_LIST (who uses it, at which dimension); a variable
+//! carries DIMENSION_LIST (for each dimension the scales of it).
 
 use hdf5::types::{FixedAscii, TypeDescriptor, VarLenArray};
 use hdf5::{Dataset, Datatype, File, ObjectReference1};
@@ -76,8 +76,8 @@ pub(super) fn write_dimension_list(file: &File, dataset: &Dataset, scales: &[Str
     attribute.write_raw(&list)
 }
 
-/// A fixed-length string attribute that ends with a zero. Readers of dimension scales accept no other kind of string, and
-/// the `hdf5` crate has no name for this one.
+/// A fixed-length string attribute that ends with a zero. Readers of dimension scales accept no other kind of string,
+/// and the `hdf5` crate has no name for this one.
 fn write_terminated(dataset: &Dataset, name: &str, text: &str) -> Result<(), hdf5::Error> {
     let kind = Datatype::from_descriptor(&TypeDescriptor::FixedAscii(text.len() + 1))?;
     let status = hdf5::sync::sync(|| {

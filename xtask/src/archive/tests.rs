@@ -248,7 +248,7 @@ fn what_cannot_be_read_says_what_is_there() {
     write_all(&path);
     let file = Reader::open(&path).unwrap();
     let line = file.values::<f64>("/surface/heigth").unwrap_err().to_string();
-    assert!(line.ends_with("has no /surface/heigth; height, x, y are there"), "{line}");
+    assert!(line.ends_with("has no /surface/heigth; its group has: height, x, y"), "{line}");
     assert!(file.text("/", "nothing").is_err());
     assert!(file.slab::<f64>("/fields/pressure", 2).is_err());
     assert!(file.values::<f64>("/loads/solver").is_err(), "words are no numbers");

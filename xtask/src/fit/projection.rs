@@ -10,8 +10,8 @@ pub(super) const AXES: usize = 3;
 /// A pivot below this fraction of the column's length makes the columns dependent.
 const DEPENDENT: f64 = 1e-10;
 
-/// A step of the exponents below which they count as found. Steps shrink at least tenfold each, so the next would be far
-/// below.
+/// A step of the exponents below which they count as found. Steps shrink at least tenfold each, so the next would be
+/// far below.
 const SHORT: f64 = 1e-10;
 
 /// One term C eps^alpha of the sum, with alpha given (`min == max`) or to be found.
@@ -200,7 +200,8 @@ impl Data {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each cell): kappa_TFC, the coefficients, then the free exponents not at a bound.
+    /// The rows d(parameter)/d(kappa of each cell): kappa_TFC, the coefficients, then the free exponents not at a
+    /// bound.
     pub(super) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
             self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()

@@ -98,7 +98,8 @@ pub struct BootstrapReport {
     pub at_bound: Vec<(Axis, usize)>,
     /// The seed.
     pub seed: u64,
-    /// By which the deviations of the percentiles of kappa_TFC were multiplied because realisations are few; tends to one.
+    /// By which the deviations of the percentiles of kappa_TFC were multiplied because realisations are few; tends to
+    /// one.
     pub stretch: f64,
     /// The refitted parameters, failed resamples left out, in the order of the draws.
     pub samples: Vec<Parameters>,
@@ -113,8 +114,8 @@ pub struct Fit {
     pub terms: Vec<Term>,
     /// All fitted numbers once more, as arrays over the axes.
     pub parameters: Parameters,
-    /// The weighted sum of squares. Cells that share seeds are correlated, so that it tends to fall below the degrees of
-    /// freedom; with `noise_known` false it is a plain sum of squares in units of kappa^2.
+    /// The weighted sum of squares. Cells that share seeds are correlated, so that it tends to fall below the degrees
+    /// of freedom; with `noise_known` false it is a plain sum of squares in units of kappa^2.
     pub chi_squared: f64,
     /// Whether the weights are inverse variances. False for equal weights and without scatter to take them from.
     pub noise_known: bool,
@@ -276,7 +277,7 @@ impl fmt::Display for Warning {
             Self::RefitsAtBound { axis, stuck, resamples } => {
                 write!(
                     f,
-                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: intervals depend on the bounds"
+                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: intervals depend on bounds"
                 )
             }
             Self::NotSignificant { axis, ci95: [low, high] } => {
@@ -287,8 +288,8 @@ impl fmt::Display for Warning {
             }
             Self::Misfit { chi_squared, degrees_of_freedom, chance } => write!(
                 f,
-                "chi^2 = {chi_squared:.1} for {degrees_of_freedom} degrees of freedom (chance {chance:.1e}): the model does not \
-                 describe the cells within their noise, and the intervals do not contain this"
+                "chi^2 = {chi_squared:.1} for {degrees_of_freedom} degrees of freedom (chance {chance:.1e}): \
+                 the model does not describe the cells within their noise, and the intervals do not contain this"
             ),
             Self::SingleRealisation { groups } => {
                 write!(f, "{groups} groups of cells have one realisation: their scatter is not in the intervals")

@@ -150,7 +150,8 @@ fn misfit_stands_in_for_scatter_with_one_realisation() {
 
 #[test]
 fn common_noise_cancels_only_if_cells_stay_paired() {
-    // kappa_TFC from eps_c alone is a difference of cells on the same surfaces; the slope hardly feels the common noise.
+    // kappa_TFC from eps_c alone is a difference of cells on the same surfaces; the slope hardly feels the common
+    // noise.
     let places: Vec<[f64; 3]> = (0..4).map(|i| [0.5, 0.1, 0.5_f64.powi(i + 1)]).collect();
     let cells = noisy(&TRUTH, &places, 10, 0.02, 0.001, &mut Pcg64::seed_from_u64(5));
     let settings = Settings { model: Model::default(), resamples: 1000, ..FREE };
@@ -420,10 +421,14 @@ proptest! {
         let before = fit(&cells, &settings).unwrap();
         let moved: Vec<Cell> = cells
             .iter()
-            .map(|cell| Cell { kappa: cell.kappa.iter().map(|(s, k)| (*s, scale * k + shift)).collect(), ..cell.clone() })
+            .map(|cell| {
+                let kappa = cell.kappa.iter().map(|(seed, kappa)| (*seed, scale * kappa + shift)).collect();
+                Cell { kappa, ..cell.clone() }
+            })
             .collect();
         let after = fit(&moved, &settings).unwrap();
-        approx::assert_relative_eq!(after.kappa_tfc.value, scale * before.kappa_tfc.value + shift, max_relative = 1e-5, epsilon = 1e-6);
+        let expected = scale * before.kappa_tfc.value + shift;
+        approx::assert_relative_eq!(after.kappa_tfc.value, expected, max_relative = 1e-5, epsilon = 1e-6);
         approx::assert_relative_eq!(after.chi_squared, before.chi_squared, max_relative = 1e-6);
         approx::assert_relative_eq!(after.parameters.exponents[2], before.parameters.exponents[2], max_relative = 1e-5);
     }

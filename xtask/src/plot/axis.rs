@@ -47,8 +47,8 @@ impl Ticks {
             .unwrap_or((10.0, 5));
         let step = multiple * decade;
         let largest = low.abs().max(high.abs());
-        // Plain numbers from 0.001 to 99999; else a common power of ten, a multiple of three.
-        let power = if (1e-3..1e5).contains(&largest) { 0 } else { 3 * (largest.log10() / 3.0).floor() as i32 };
+        // Plain numbers from 0.001 to 99999; else a common power of ten, a multiple of three, that leaves 0.1 to 99.
+        let power = if (1e-3..1e5).contains(&largest) { 0 } else { 3 * ((largest.log10() + 1.0) / 3.0).floor() as i32 };
         let unit = 10_f64.powi(power);
         let decimals = (-(step / unit * 1.000_001).log10().floor()).max(0.0) as usize;
         let positions = |step: f64| {
@@ -152,6 +152,9 @@ mod tests {
         assert_eq!(labels(Scale::Linear, [-11.0, 9.0]), ["−10", "−5", "0", "5"]);
         assert_eq!(labels(Scale::Linear, [0.0, 2e-5]), ["0", "5", "10", "15", "20"]);
         assert_eq!(Ticks::new(Scale::Linear, [0.0, 2e-5], 5.0).unwrap().factor, "×10^{−6}");
+        assert_eq!(labels(Scale::Linear, [0.0, 9.9e-4]), ["0.0", "0.2", "0.4", "0.6", "0.8"]);
+        assert_eq!(Ticks::new(Scale::Linear, [0.0, 9.9e-4], 5.0).unwrap().factor, "×10^{−3}");
+        assert_eq!(Ticks::new(Scale::Linear, [0.0, 2e6], 5.0).unwrap().factor, "×10^{6}");
         assert_eq!(labels(Scale::Linear, [0.0, 1.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
     }
 

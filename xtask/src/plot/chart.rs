@@ -259,8 +259,10 @@ pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: &Axis, y: Option<&Ax
         Text::new(label, TICK).write(svg, at, bottom + GAP + 0.85 * TICK, Anchor::Middle, 0.0, &ink);
     }
     let below = bottom + GAP + TICK + GAP + 0.8 * LABEL;
-    let label = if frame.x.factor.is_empty() { x.label.clone() } else { format!("{} ({})", x.label, frame.x.factor) };
-    Text::new(&label, LABEL).write(svg, left + 0.5 * width, below, Anchor::Middle, 0.0, &ink);
+    Text::new(&x.label, LABEL).write(svg, left + 0.5 * width, below, Anchor::Middle, 0.0, &ink);
+    if !frame.x.factor.is_empty() {
+        Text::new(&frame.x.factor, TICK).write(svg, right, below, Anchor::End, 0.0, &ink);
+    }
     let Some(y) = y else { return };
     for (value, label) in &frame.y.major {
         let at = bottom - frame.y.fraction(*value) * height;
@@ -328,7 +330,7 @@ fn symbol(hue: usize, (x, y): (f64, f64)) -> String {
         }
         path + "Z"
     };
-    match hue % 5 {
+    match hue % 7 {
         0 => {
             let (left, y, r) = (number(x - SYMBOL), number(y), number(SYMBOL));
             let d = number(2.0 * SYMBOL);
@@ -337,7 +339,9 @@ fn symbol(hue: usize, (x, y): (f64, f64)) -> String {
         1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
         2 => polygon(&[(0.0, -1.2), (1.1, 0.75), (-1.1, 0.75)]),
         3 => polygon(&[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)]),
-        _ => polygon(&[(0.0, 1.2), (1.1, -0.75), (-1.1, -0.75)]),
+        4 => polygon(&[(0.0, 1.2), (1.1, -0.75), (-1.1, -0.75)]),
+        5 => polygon(&[(1.2, 0.0), (-0.75, 1.1), (-0.75, -1.1)]),
+        _ => polygon(&[(0.0, -1.2), (1.14, -0.37), (0.71, 0.97), (-0.71, 0.97), (-1.14, -0.37)]),
     }
 }
 

@@ -32,7 +32,8 @@ pub struct Map<'a> {
     pub label: String,
     /// Values that are not coloured.
     pub below: Option<Below>,
-    /// Ends of the colours; from the values if absent. Values beyond an end take its colour, and the bar has a point there.
+    /// Ends of the colours; from the values if absent. Values beyond an end take its colour, and the bar has a point
+    /// there.
     pub range: Option<[f64; 2]>,
     /// Width of the figure in points.
     pub width: f64,
@@ -93,8 +94,8 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
 
 /// The ends of the colours, and whether values lie beyond the lower and the upper one.
 ///
-/// A field with singular edges has a few values far above the rest: without a given range the scale ends where 99.5 % of the
-/// coloured values are below, if the largest is more than half as far again.
+/// A field with singular edges has a few values far above the rest: without a given range the scale ends where 99.5 %
+/// of the coloured values are below, if the largest is more than half as far again.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
@@ -201,7 +202,7 @@ fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [
         let colour = hex(PALE);
         let _ = writeln!(
             svg,
-            r#"<rect x="{x}" y="{y}" width="{side}" height="{side}" fill="{colour}" stroke="{ink}" stroke-width="0.6"/>"#
+            r#"<rect x="{x}" y="{y}" width="{side}" height="{side}" fill="{colour}" stroke="{ink}" stroke-width=".6"/>"#
         );
         let baseline = frame.top + frame.height - 0.4 * BAR + 0.35 * TICK;
         Text::new(&below.label, TICK).write(svg, left + 0.8 * BAR + GAP, baseline, Anchor::Start, 0.0, &ink);

@@ -113,37 +113,47 @@ impl Text {
     }
 
     /// One `<text>` element, its baseline through (x, y), turned by `angle` degrees about that point.
+    ///
+    /// Runs follow each other as the viewer's font has it, moved only to return from scripts: with another font than the
+    /// bundled one words become wider, not overlapping.
     pub(super) fn write(&self, svg: &mut String, x: f64, y: f64, anchor: Anchor, angle: f64, fill: &str) {
-        let (starts, end) = self.starts();
-        let origin = x - match anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * end,
-            Anchor::End => end,
-        };
-        let _ = write!(svg, r#"<text font-size="{}" fill="{fill}""#, number(self.size));
+        let _ =
+            write!(svg, r#"<text x="{}" y="{}" font-size="{}" fill="{fill}""#, number(x), number(y), number(self.size));
+        match anchor {
+            Anchor::Start => {}
+            Anchor::Middle => svg.push_str(r#" text-anchor="middle""#),
+            Anchor::End => svg.push_str(r#" text-anchor="end""#),
+        }
         if angle != 0.0 {
             let _ = write!(svg, r#" transform="rotate({} {} {})""#, number(angle), number(x), number(y));
         }
-        let plain = self.runs.len() == 1 && self.runs[0].level == Level::Base && !self.runs[0].italic;
-        if plain {
-            let _ = writeln!(svg, r#" x="{}" y="{}">{}</text>"#, number(origin), number(y), escape(&self.runs[0].text));
-            return;
-        }
         svg.push('>');
-        for (run, start) in self.runs.iter().zip(starts) {
+        let (starts, _) = self.starts();
+        let (mut at, mut raised) = (0.0, 0.0);
+        for ((run, start), width) in self.runs.iter().zip(starts).zip(self.widths()) {
             let (rise, size) = match run.level {
                 Level::Base => (0.0, None),
-                Level::Sub => (LOWER, Some(SCRIPT_SIZE * self.size)),
-                Level::Super => (-RAISE, Some(SCRIPT_SIZE * self.size)),
+                Level::Sub => (-LOWER * self.size, Some(SCRIPT_SIZE * self.size)),
+                Level::Super => (RAISE * self.size, Some(SCRIPT_SIZE * self.size)),
             };
-            let _ = write!(svg, r#"<tspan x="{}" y="{}""#, number(origin + start), number(y + rise * self.size));
+            let mut style = String::new();
+            for (name, value) in [("dx", start - at), ("dy", raised - rise)] {
+                if value.abs() > 1e-9 {
+                    let _ = write!(style, r#" {name}="{}""#, number(value));
+                }
+            }
             if let Some(size) = size {
-                let _ = write!(svg, r#" font-size="{}""#, number(size));
+                let _ = write!(style, r#" font-size="{}""#, number(size));
             }
             if run.italic {
-                svg.push_str(r#" font-style="italic""#);
+                style.push_str(r#" font-style="italic""#);
             }
-            let _ = write!(svg, ">{}</tspan>", escape(&run.text));
+            if style.is_empty() {
+                svg.push_str(&escape(&run.text));
+            } else {
+                let _ = write!(svg, "<tspan{style}>{}</tspan>", escape(&run.text));
+            }
+            (at, raised) = (start + width, rise);
         }
         svg.push_str("</text>\n");
     }

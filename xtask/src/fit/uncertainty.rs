@@ -1,0 +1,137 @@
+//! Intervals: bootstrap over realisations, linear propagation, or the misfit, whichever the data allow.
+
+use rayon::prelude::*;
+
+use super::projection::{Data, Minimum, Nodes, Search, Shape, is_interior};
+use super::resample::{NORMAL_975, Strata, quantile, student_975};
+use super::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
+
+/// One of the fitted numbers; terms are counted in the order of the shapes.
+#[derive(Clone, Copy)]
+pub(super) enum Quantity {
+    Limit,
+    Coefficient(usize),
+    Exponent(usize),
+}
+
+/// Where the uncertainties come from, ready to be asked for each quantity.
+pub(super) struct Errors<'a> {
+    data: &'a Data,
+    shapes: &'a [Shape],
+    minimum: &'a Minimum,
+    strata: &'a Strata<'a>,
+    sensitivities: Vec<Vec<f64>>,
+    degrees_of_freedom: usize,
+    pub(super) source: Uncertainty,
+    pub(super) bootstrap: Option<BootstrapReport>,
+}
+
+impl<'a> Errors<'a> {
+    pub(super) fn new(
+        data: &'a Data,
+        shapes: &'a [Shape],
+        minimum: &'a Minimum,
+        strata: &'a Strata<'a>,
+        settings: &Settings,
+        degrees_of_freedom: usize,
+    ) -> Result<Self, FitError> {
+        let sensitivities = data.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
+        let nodes = Nodes::new(data, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
+        let bootstrap = (strata.can_resample() && settings.resamples > 0).then(|| {
+            let refits: Vec<Option<Parameters>> = (0..settings.resamples as u64)
+                .into_par_iter()
+                .map(|index| {
+                    let resampled = Data { kappa: strata.draw(settings.seed, index)?, ..data.clone() };
+                    Some(nodes.minimise(&resampled, Some(&minimum.parameters)).ok()?.parameters)
+                })
+                .collect();
+            let samples: Vec<Parameters> = refits.iter().flatten().copied().collect();
+            let at_bound = shapes.iter().filter(|shape| shape.is_free()).map(|shape| {
+                let stuck = samples.iter().filter(|p| !is_interior(shape, p.exponents[shape.axis])).count();
+                (Axis::ALL[shape.axis], stuck)
+            });
+            BootstrapReport {
+                resamples: settings.resamples,
+                failed: refits.len() - samples.len(),
+                at_bound: at_bound.collect(),
+                seed: settings.seed,
+                stretch: 1.0,
+                samples,
+            }
+        });
+        let source = match &bootstrap {
+            Some(report) if report.samples.len() >= 2 => Uncertainty::Realisations,
+            _ if strata.can_resample() => Uncertainty::Propagated,
+            _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
+            _ => Uncertainty::None,
+        };
+        let mut errors = Self { data, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
+        if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
+            report.stretch = strata.spread(row).map_or(1.0, |spread| spread.stretch);
+        }
+        Ok(errors)
+    }
+
+    pub(super) fn estimate(&self, quantity: Quantity) -> Estimate {
+        let value = self.value(&self.minimum.parameters, quantity);
+        let given = matches!(quantity, Quantity::Exponent(k) if !self.shapes[k].is_free());
+        let Some(row) = self.sensitivity(quantity).filter(|_| !given) else {
+            return Estimate { value, standard_error: None, ci95: None };
+        };
+        let spread = self.strata.spread(row);
+        let (standard_error, ci95) = match (self.source, spread) {
+            (Uncertainty::Realisations, Some(spread)) => {
+                (Some(spread.standard_error), self.percentiles(quantity, value, spread.stretch))
+            }
+            (Uncertainty::Propagated, Some(spread)) => {
+                let half = NORMAL_975 * spread.stretch * spread.standard_error;
+                (Some(spread.standard_error), Some([value - half, value + half]))
+            }
+            (Uncertainty::Misfit, _) => {
+                let freedom = self.degrees_of_freedom as f64;
+                let unit = self.minimum.sum_of_squares / freedom;
+                let variance: f64 = row.iter().zip(&self.data.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
+                let half = student_975(freedom) * variance.sqrt();
+                (Some(variance.sqrt()), Some([value - half, value + half]))
+            }
+            _ => (None, None),
+        };
+        Estimate { value, standard_error, ci95 }
+    }
+
+    /// The stretched percentile interval.
+    fn percentiles(&self, quantity: Quantity, value: f64, stretch: f64) -> Option<[f64; 2]> {
+        let samples = &self.bootstrap.as_ref()?.samples;
+        let mut values: Vec<f64> = samples.iter().map(|p| self.value(p, quantity)).collect();
+        values.sort_by(f64::total_cmp);
+        let ends = [0.025, 0.975].map(|level| value + stretch * (quantile(&values, level) - value));
+        Some(match quantity {
+            Quantity::Exponent(k) => ends.map(|end| end.clamp(self.shapes[k].min, self.shapes[k].max)),
+            _ => ends,
+        })
+    }
+
+    fn value(&self, parameters: &Parameters, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Limit => parameters.kappa_tfc,
+            Quantity::Coefficient(k) => parameters.coefficients[self.shapes[k].axis],
+            Quantity::Exponent(k) => parameters.exponents[self.shapes[k].axis],
+        }
+    }
+
+    /// The row d(quantity)/d(kappa of each cell); `None` for an exponent that is given or at its bound.
+    fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
+        let row = match quantity {
+            Quantity::Limit => 0,
+            Quantity::Coefficient(k) => 1 + k,
+            Quantity::Exponent(k) => {
+                let interior = |shape: &&Shape| is_interior(shape, self.minimum.parameters.exponents[shape.axis]);
+                if !interior(&&self.shapes[k]) {
+                    return None;
+                }
+                1 + self.shapes.len() + self.shapes[..k].iter().filter(interior).count()
+            }
+        };
+        self.sensitivities.get(row)
+    }
+}
