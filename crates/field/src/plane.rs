@@ -15,13 +15,13 @@ use rustfft::{Fft, FftPlanner};
 use crate::prefetch::{LINE, prefetch};
 use crate::share::{lock, share};
 
-/// Rows of a block. A panel's part of a block fits the first-level cache.
+/// Rows of a block: a panel's part of it fits the first-level cache.
 const BLOCK: usize = 64;
-/// Columns of a panel: four cache lines of every row. Fewer where columns are so long that a panel would be too large
-/// for the cache, more where they are so short that the copying is in pieces too small.
-const WIDTH: Range<usize> = 4..256;
-/// Complex values in a panel that the width aims at.
-const PANEL: Range<usize> = 1 << 12..1 << 17;
+/// Columns of a panel: four cache lines of every row. Fewer, down to one line, where columns are so long that the panel
+/// would have more than [`PANEL`] values.
+const WIDTH: usize = 16;
+/// Complex values of a panel at most: 2 MB, twice a second-level cache, measured to be no worse than half of that.
+const PANEL: usize = 1 << 17;
 /// Values of rows handed to a thread at a time, at least.
 const PORTION: usize = 1 << 14;
 /// Fields smaller than this are done before another thread has woken up.
@@ -67,7 +67,7 @@ impl Plane {
     pub(crate) fn new([rows, points]: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
-        let width = (PANEL.end / rows).clamp(WIDTH.start, 16).max((PANEL.start / rows).min(WIDTH.end));
+        let width = (PANEL / rows).clamp(LINE / size_of::<Complex64>(), WIDTH);
         Self {
             rows,
             points,

@@ -222,6 +222,14 @@ fn same_bits_for_any_number_of_threads() {
 }
 
 #[test]
+fn plans_and_memory_go_between_threads() {
+    fn shared<T: Send + Sync>(_: &T) {}
+    let transform = transform([4, 4]);
+    shared(&transform);
+    shared(&transform.workspace());
+}
+
+#[test]
 fn a_workspace_serves_again_and_in_other_pools() {
     let transform = transform([300, 200]);
     let kernel = kernel(transform.grid());
