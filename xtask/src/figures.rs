@@ -1,23 +1,239 @@
-//! Figures.
-use crate::failure::Failure;
+//! What the figures of the commands show.
+
 use std::path::{Path, PathBuf};
-/// x
+
+use gfmd_field::Grid;
+use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
+use ndarray::Array2;
+
+use crate::contact;
+use crate::failure::Failure;
+use crate::fit::Axis as Limit;
+use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
+use crate::plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
+
+/// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads.
+///
+/// # Errors
+/// Files that cannot be written.
 pub fn contact(
-    _: &Path,
-    _: &crate::contact::Report,
-    _: &gfmd_field::Grid,
-    _: &ndarray::Array2<f64>,
+    prefix: &Path,
+    report: &contact::Report,
+    grid: &Grid,
+    pressure: &Array2<f64>,
 ) -> Result<Vec<PathBuf>, Failure> {
-    Ok(vec![])
+    let unit = report.unit.as_deref().unwrap_or("length");
+    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
+    if report.loads.len() > 1 {
+        let measured = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction)).collect();
+        let corrected = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction_corrected)).collect();
+        let mut series =
+            vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, measured) }];
+        if !grid.is_line() {
+            series.push(Series {
+                label: "perimeter corrected".into(),
+                hue: 1,
+                mark: Mark::HollowPoints,
+                points: corrected,
+            });
+        }
+        let loads = report.loads.iter().map(|load| load.p_star);
+        series.extend(theories(loads.clone().fold(f64::INFINITY, f64::min), loads.fold(0.0, f64::max)));
+        files.extend(area_chart(series).save(&named(prefix, "area")).map_err(failed)?);
+    }
+    Ok(files)
 }
-/// x
+
+/// The figures of a sweep: `NAME-extrapolation`, `NAME-area` and `NAME-map` beside its file.
+///
+/// # Errors
+/// Files that cannot be written.
 pub fn sweep(
-    _: &Path,
-    _: &crate::kappa_sweep::Config,
-    _: &crate::kappa_sweep::Plan,
-    _: &[Vec<crate::load::LoadRecord>],
-    _: &crate::kappa_sweep::Analysis,
-    _: &crate::kappa_sweep::Example,
+    out: &Path,
+    config: &Config,
+    plan: &Plan,
+    analysis: &Analysis,
+    example: &Example,
 ) -> Result<Vec<PathBuf>, Failure> {
-    Ok(vec![])
+    let stem = out.with_extension("");
+    let mut files = Vec::new();
+    files.extend(extrapolation(config, analysis).save(&named(&stem, "extrapolation")).map_err(failed)?);
+    files.extend(area(config, plan, analysis).save(&named(&stem, "area")).map_err(failed)?);
+    let grid = plan.grid(&example.point)?;
+    let modulus = config.body()?.material().contact_modulus();
+    files.extend(draw_pressure(&named(&stem, "map"), &grid, &example.pressure, modulus, "cell length")?);
+    Ok(files)
+}
+
+fn named(stem: &Path, what: &str) -> PathBuf {
+    let name = stem.file_name().unwrap_or_default().to_string_lossy();
+    stem.with_file_name(format!("{name}-{what}"))
+}
+
+fn failed(error: PlotError) -> Failure {
+    Failure::Computation(error.to_string())
+}
+
+/// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
+fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
+    let shown: Vec<&Extrapolation> =
+        analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
+    let result = &analysis.extrapolations[0];
+    let several = config.surface.hurst.len() > 1;
+    let mut panels = Vec::new();
+    for (position, axis) in Limit::ALL.into_iter().enumerate() {
+        let Some(term) = result.fit.terms.iter().find(|term| term.axis == axis) else { continue };
+        let alpha = term.exponent.value;
+        let mut series = Vec::new();
+        for extrapolation in &shown {
+            let Extrapolation { hurst, area, cells, fit, .. } = extrapolation;
+            let family = config.surface.hurst.iter().position(|h| h == hurst).unwrap_or(0);
+            let raw = *area == Area::Raw;
+            let hue = if several { family } else { usize::from(!raw) };
+            // The cells of the other axes' arms would pile up on one level here.
+            let on_arm = |eps: [f64; 3]| varies(cells.iter().map(|cell| cell.all_eps()), eps, position);
+            let points = (cells.iter().zip(&fit.cells))
+                .filter(|(cell, _)| on_arm(cell.all_eps()))
+                .map(|(cell, report)| {
+                    let value = fit.isolate(cell, axis);
+                    Point::with_error(cell.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
+                })
+                .collect();
+            let counting = if raw { "counted points" } else { "perimeter corrected" };
+            let label = if several { format!("*H* = {hurst}, {counting}") } else { counting.into() };
+            let mark = if raw { Mark::Points } else { Mark::HollowPoints };
+            let label = if position == 2 { label } else { String::new() };
+            series.push(Series { label, hue, mark, points });
+            let largest = cells.iter().map(|cell| cell.eps(axis)).fold(0.0, f64::max);
+            let mut others = [0.0; 3];
+            let curve = (0..=60).map(|i| {
+                let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
+                others[axis as usize] = eps;
+                (eps.powf(alpha), fit.predict(others))
+            });
+            let curve: Vec<(f64, f64)> = curve.collect();
+            let line = Series::line("", hue, curve);
+            series.push(if raw { line } else { Series { mark: Mark::Dashes, ..line } });
+        }
+        let letter = axis.letter();
+        let label = if (alpha - 1.0).abs() < 1e-12 {
+            format!("*ε*_{letter}")
+        } else {
+            format!("*ε*_{letter}^{{{alpha:.2}}}")
+        };
+        let mut levels = Vec::new();
+        if config.surface.dim == 3 {
+            levels.push(Level::line(PERSSON_KAPPA, "Persson"));
+            levels.push(Level::line(BUSH_GIBSON_THOMAS_KAPPA, "BGT"));
+        }
+        if let (Some(ci95), false) = (result.fit.kappa_tfc.ci95, several) {
+            levels.push(Level::band(ci95, "*κ*_{TFC}"));
+        }
+        let y = Axis::linear(&format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star));
+        panels.push(Panel { title: String::new(), x: Axis::linear(&label), y, levels, series });
+    }
+    Chart::new(panels)
+}
+
+/// Whether a cell lies on the arm of an axis: its other levels are the most frequent ones.
+fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
+    let all: Vec<[f64; 3]> = all.collect();
+    let others = |cell: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { cell[k] });
+    let count = |cell: &[f64; 3]| all.iter().filter(|other| others(other) == others(cell)).count();
+    let most = all.iter().map(count).max().unwrap_or(0);
+    count(&eps) == most
+}
+
+/// Contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
+fn area(config: &Config, plan: &Plan, analysis: &Analysis) -> Chart {
+    let loads = &config.loads.p_star;
+    let mut series = Vec::new();
+    for (family, &hurst) in config.surface.hurst.iter().enumerate() {
+        let finest = (0..plan.points.len())
+            .filter(|index| plan.points[*index].hurst == hurst)
+            .max_by(|a, b| {
+                let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
+                eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n.cmp(&plan.points[*a].n))
+            });
+        let measured = analysis.measured.iter().filter(|m| Some(m.point) == finest);
+        let points = measured
+            .map(|m| {
+                let (kappa, error) = m.mean_and_error(0);
+                let p_star = loads[m.load];
+                Point::with_error(p_star, kappa * p_star, error.unwrap_or(0.0) * p_star)
+            })
+            .collect();
+        let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
+        series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
+        let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
+        let mut points: Vec<Point> = limits
+            .map(|e| {
+                let kappa = e.fit.kappa_tfc;
+                let point = Point::new(e.p_star, kappa.value * e.p_star);
+                Point { range: kappa.ci95.map(|ci95| ci95.map(|k| k * e.p_star)), ..point }
+            })
+            .collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let label = format!("*H* = {hurst}, limit");
+        series.push(Series { label, hue: 2 * family + 1, mark: Mark::HollowPoints, points });
+    }
+    if config.surface.dim == 3 {
+        series.extend(theories(loads[0], loads[loads.len() - 1]));
+    }
+    area_chart(series)
+}
+
+fn area_chart(series: Vec<Series>) -> Chart {
+    Chart::new(vec![Panel {
+        x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
+        y: Axis::log("contact area fraction *a*_r"),
+        series,
+        ..Panel::default()
+    }])
+}
+
+/// Area of Persson's theory, and the straight line of Bush, Gibson and Thomas where it is below one.
+fn theories(lowest: f64, highest: f64) -> [Series; 2] {
+    let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
+    let persson = pressures(highest).map(|p| (p, persson_area(p)));
+    let linear_to = highest.min(0.5 / BUSH_GIBSON_THOMAS_KAPPA).max(lowest);
+    let bush = pressures(linear_to).map(|p| (p, BUSH_GIBSON_THOMAS_KAPPA * p));
+    [
+        Series::line("Persson", 5, persson),
+        Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) },
+    ]
+}
+
+/// Values along a line beyond this number are thinned for the figure.
+const MOST_POINTS: usize = 4000;
+
+/// A map of the pressure, or its profile for a line contact.
+fn draw_pressure(
+    stem: &Path,
+    grid: &Grid,
+    pressure: &Array2<f64>,
+    modulus: f64,
+    unit: &str,
+) -> Result<Vec<PathBuf>, Failure> {
+    let values: Vec<f64> = pressure.iter().map(|p| p / modulus).collect();
+    let [lx, ly] = grid.lengths();
+    let label = "pressure *p*/*E*\\*";
+    if grid.is_line() {
+        let step = values.len().div_ceil(MOST_POINTS);
+        let spacing = grid.spacing()[0];
+        let highest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        let line = values.chunks(step).enumerate().map(|(i, part)| ((i * step) as f64 * spacing, highest(part)));
+        let panel = Panel {
+            x: Axis::linear(&format!("*x* / {unit}")),
+            y: Axis::linear(label),
+            series: vec![Series::line("", 0, line)],
+            ..Panel::default()
+        };
+        return Ok(Chart::new(vec![panel]).save(stem).map_err(failed)?.to_vec());
+    }
+    let mut map = Map::new(&values, grid.points(), [lx, ly], label);
+    map.x = format!("*x* / {unit}");
+    map.y = format!("*y* / {unit}");
+    map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
+    Ok(map.save(stem).map_err(failed)?.to_vec())
 }

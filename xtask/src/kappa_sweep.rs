@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 pub use config::{Config, Preset};
 pub use plan::{Plan, Point, Run};
-pub use report::{Analysis, Report};
+pub use report::{Analysis, Area, Extrapolation, Report};
 
 use crate::archive::Output;
 use crate::failure::Failure;
@@ -91,7 +91,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let seconds = started.elapsed().as_secs_f64();
     let example = example(&config, &plan)?;
     let path = record::write(&output, &config, &plan, &records, &analysis, &example, session, seconds)?;
-    let plots = crate::figures::sweep(&args.out, &config, &plan, &records, &analysis, &example)?;
+    let plots = crate::figures::sweep(&args.out, &config, &plan, &analysis, &example)?;
     journal.remove();
     Ok(Outcome::Done(Box::new(Report::new(&config, &plan, analysis, path, plots, seconds, peak_bytes()))))
 }

@@ -6,7 +6,7 @@ use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area
 use ndarray::Array2;
 
 use super::config::Config;
-use super::report::{Analysis, Area, Extrapolation, mean_and_error, numbers, term};
+use super::report::{Analysis, Area, Extrapolation, numbers, term};
 use super::{Example, Plan};
 use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::axes;
@@ -91,7 +91,7 @@ fn write_points(archive: &mut Archive, config: &Config, plan: &Plan, analysis: &
     let dimension = Dimension::index("point", measured.len(), "one discretisation at one load");
     let point = |index: usize| plan.points[measured[index].point];
     let each = |value: &dyn Fn(usize) -> f64| (0..measured.len()).map(value).collect::<Vec<f64>>();
-    let kappa = |way: usize, index: usize| measured[index].kappa.get(way).map_or((f64::NAN, None), mean_and_error);
+    let kappa = |way: usize, index: usize| measured[index].mean_and_error(way);
     let error = |way, index| kappa(way, index).1.unwrap_or(f64::NAN);
     let columns: Vec<Column> = vec![
         ("dim", "dimension of the body: 3, or 2 in plane strain", each(&|_| f64::from(config.surface.dim))),

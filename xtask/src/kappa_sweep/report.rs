@@ -43,6 +43,17 @@ pub struct Measured {
     pub kappa: Vec<BTreeMap<u64, f64>>,
 }
 
+impl Measured {
+    /// Mean and standard error of the mean, for one way of counting; no error from a single value.
+    pub fn mean_and_error(&self, way: usize) -> (f64, Option<f64>) {
+        let Some(values) = self.kappa.get(way) else { return (f64::NAN, None) };
+        let n = values.len() as f64;
+        let mean = values.values().sum::<f64>() / n;
+        let squares: f64 = values.values().map(|value| (value - mean).powi(2)).sum();
+        (mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt()))
+    }
+}
+
 /// One extrapolation.
 #[derive(Clone, Debug)]
 pub struct Extrapolation {
@@ -121,14 +132,6 @@ impl Analysis {
         }
         Ok(Self { areas, measured, extrapolations })
     }
-}
-
-/// Mean and standard error of the mean; no error from a single value.
-pub(super) fn mean_and_error(values: &BTreeMap<u64, f64>) -> (f64, Option<f64>) {
-    let n = values.len() as f64;
-    let mean = values.values().sum::<f64>() / n;
-    let squares: f64 = values.values().map(|value| (value - mean).powi(2)).sum();
-    (mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt()))
 }
 
 /// The result of a sweep, as printed.
@@ -238,8 +241,8 @@ impl Report {
         let points = analysis.measured.iter().map(|measured| {
             let point = plan.points[measured.point];
             let d = point.discretisation;
-            let (kappa, kappa_sem) = mean_and_error(&measured.kappa[0]);
-            let corrected = measured.kappa.get(1).map(mean_and_error);
+            let (kappa, kappa_sem) = measured.mean_and_error(0);
+            let corrected = measured.kappa.get(1).map(|_| measured.mean_and_error(1));
             PointReport {
                 dim: config.surface.dim,
                 hurst: point.hurst,
