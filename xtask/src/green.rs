@@ -271,7 +271,8 @@ mod tests {
 
     fn evaluate(flags: &str) -> Result<Report, Failure> {
         let flags = std::iter::once("green").chain(flags.split_whitespace());
-        run(&Command::try_parse_from(flags)?.args)
+        let command = Command::try_parse_from(flags).map_err(|error| Failure::Input(error.to_string()))?;
+        run(&command.args)
     }
 
     #[test]

@@ -293,7 +293,7 @@ impl Config {
         let refuse = |reason: String| Failure::input(&path.display().to_string(), reason);
         let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
         toml::from_str(&text).map_err(|error: toml::de::Error| {
-            let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1));
+            let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
             refuse(format!("line {line}: {}", error.message().replace('\n', ", ")))
         })
     }
