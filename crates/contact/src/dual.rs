@@ -4,17 +4,26 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use gfmd_relax::{Iterate, MinimiseError, PolonskyKeer, ProjectedCg, Quadratic, Target};
+use gfmd_relax::{Iterate, MinimiseError, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, Target};
 
+use crate::extension::{Extension, Known};
 use crate::problem::{End, Ended, Transforms};
 use crate::{Contact, ContactError, Control, Progress, Settings, Solver, SurfaceResponse, Watch};
 
 struct Dual<'a> {
     response: &'a SurfaceResponse,
     compliance: Cow<'a, [f64]>,
+    /// Inverse of `compliance`, but finite at q = 0.
+    stiffness: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
     transforms: Transforms,
+    extension: Extension,
 }
+
+/// With prescribed approach, a half-space that keeps its mean level answers to a uniform displacement with any stiffness.
+/// What the contact makes of it depends on its area; this many times the softest other mode is a guess for the
+/// preconditioner.
+const LEVEL: f64 = 4.0;
 
 /// The lengths are those of the grid, by construction: a transform cannot refuse them.
 const FITS: &str = "every field of a contact problem has the size of its grid";
@@ -35,10 +44,17 @@ impl Quadratic for Dual<'_> {
         mean.expect(FITS) * direction.len() as f64
     }
 
-    fn precondition(&mut self, x: &[f64], out: &mut [f64]) {
+    /// Eᵀ K E with E the extension from the contact to the whole surface: (G on the contact)⁻¹ is the least of ⟨u, K u⟩
+    /// over all displacements that agree on the contact, and E makes a good guess of the one that is least.
+    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
         self.transforms.singles += 2;
-        let workspace = &mut self.transforms.workspace;
-        self.response.transform.convolve(&self.response.stiffness, x, out, workspace).expect(FITS);
+        let known = Known { x, gradient, level: multiplier };
+        let Self { response, stiffness, transforms, extension, .. } = self;
+        extension.extend(known);
+        let source = |i: usize, row: &mut [f64]| extension.fill(known, i, row);
+        let keep = |_: usize, _: &mut [f64]| {};
+        response.transform.convolve_rows(stiffness, source, out, keep, &mut transforms.workspace).expect(FITS);
+        extension.transpose(known, out);
     }
 }
 
@@ -51,16 +67,29 @@ pub(crate) fn solve(
 ) -> Result<Ended, ContactError> {
     let response = contact.response;
     let n = contact.clearance.len();
-    let (mean, compliance, linear) = match control {
-        Control::MeanPressure(mean) => (Some(mean), Cow::from(&response.compliance), Cow::from(&contact.clearance)),
+    let mean = match control {
+        Control::MeanPressure(mean) => Some(mean),
+        Control::Approach(_) => None,
+    };
+    let (compliance, stiffness, linear) = match control {
+        Control::MeanPressure(_) => {
+            (Cow::from(&response.compliance), Cow::from(&response.stiffness), Cow::from(&contact.clearance))
+        }
         Control::Approach(approach) => {
-            let mut compliance = response.compliance.clone();
+            let (mut compliance, mut stiffness) = (response.compliance.clone(), response.stiffness.clone());
             compliance[0] = response.uniform_compliance;
+            stiffness[0] =
+                if compliance[0] > 0.0 { 1.0 / compliance[0] } else { LEVEL * response.stiffness_range()[0] };
             let linear: Vec<f64> = contact.clearance.iter().map(|c| c - approach).collect();
-            (None, Cow::from(compliance), Cow::from(linear))
+            (Cow::from(compliance), Cow::from(stiffness), Cow::from(linear))
         }
     };
-    let mut dual = Dual { response, compliance, linear, transforms: Transforms::new(response) };
+    let points = response.grid().points();
+    // Waves along the longer side.
+    let stride = if points[0] >= points[1] { 1 } else { points[0] };
+    let extension = Extension::new(points, mean.is_some(), |periods| response.stiffness[periods * stride]);
+    let transforms = Transforms::new(response);
+    let mut dual = Dual { response, compliance, stiffness, linear, transforms, extension };
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); n]);
     let target = Target {
         mean,
@@ -73,10 +102,8 @@ pub(crate) fn solve(
     };
     let outcome = match settings.solver {
         Solver::PolonskyKeer => PolonskyKeer.minimise(&mut dual, &mut pressure, &target, &mut observe),
-        solver => {
-            let preconditioned = solver != Solver::ProjectedCg;
-            ProjectedCg { preconditioned }.minimise(&mut dual, &mut pressure, &target, &mut observe)
-        }
+        Solver::ProjectedCg => ProjectedCg.minimise(&mut dual, &mut pressure, &target, &mut observe),
+        _ => PreconditionedCg.minimise(&mut dual, &mut pressure, &target, &mut observe),
     };
     let transform_pairs = dual.transforms.pairs();
     let (reached, end) = match outcome {

@@ -3,7 +3,7 @@
 //!
 //! | method                                  | unknown           | a step costs       |
 //! |-----------------------------------------|-------------------|--------------------|
-//! | [`Solver::PreconditionedCg`] (the rule) | pressure          | 2½ transform pairs |
+//! | [`Solver::PreconditionedCg`] (the rule) | pressure          | 2 transform pairs  |
 //! | [`Solver::ProjectedCg`]                 | pressure          | 1½                 |
 //! | [`Solver::PolonskyKeer`]                | pressure          | 1½                 |
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
@@ -37,6 +37,7 @@
 mod dual;
 mod dynamics;
 mod error;
+mod extension;
 mod problem;
 mod response;
 mod solution;

@@ -9,7 +9,8 @@ pub enum Solver {
     PolonskyKeer,
     /// Conjugate gradients on the pressure that are not restarted.
     ProjectedCg,
-    /// The same, preconditioned by the stiffness restricted to the contact.
+    /// Conjugate gradients on the pressure, preconditioned by the stiffness of the surface with the gap extended from the
+    /// contact to all of it: nearly Newton's method, in a number of steps that hardly depends on the grid.
     PreconditionedCg,
     /// Damped position Verlet of the surface displacement, with the scalar damping and time step that suit the range of
     /// stiffnesses best.

@@ -4,20 +4,16 @@ use crate::quadratic::{
     Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, add_linear, rescale, step_length, total,
 };
 
-/// Projected conjugate gradients that are never restarted when the set of positive variables changes, and that are
-/// preconditioned on that set.
+/// Projected conjugate gradients that are never restarted when the set of positive variables changes (Vollebregt 2014,
+/// Bugnicourt et al. 2018).
 ///
-/// The free set is `{x > 0}` and the variables at zero that want to leave it (`g < 0`). On it the gradient is
-/// preconditioned by `R M Rᵀ` (R restricts to the free set and, with a prescribed mean, removes the mean), the
-/// direction is the Polak–Ribière combination with the last one, the step is exact, and the result is projected back
-/// to `x ≥ 0`. Variables that enter or leave disturb the conjugacy of their neighbourhood only, so the directions stay
-/// useful; Polak–Ribière with β ≥ 0 turns into steepest descent by itself where they do not. (Vollebregt 2014 and
-/// Bugnicourt et al. 2018 gave the unpreconditioned form.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ProjectedCg {
-    /// Whether to use [`Quadratic::precondition`].
-    pub preconditioned: bool,
-}
+/// The free set is `{x > 0}` and the variables at zero that want to leave it (`g < 0`). On it the direction is the
+/// Polak–Ribière combination of the gradient, without mean where one is prescribed, with the last direction, the step
+/// is exact, and the result is projected back to `x ≥ 0`. Variables that enter or leave disturb the conjugacy of their
+/// neighbourhood only, so the directions stay useful; Polak–Ribière with β ≥ 0 turns into steepest descent by itself
+/// where they do not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ProjectedCg;
 
 /// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
 const LEAST_DESCENT: f64 = 0.1;
@@ -40,7 +36,6 @@ impl ProjectedCg {
         rescale(x, total(x), target.mean);
         let mut residual = vec![0.0; n];
         let mut residual_before = vec![0.0; n];
-        let mut preconditioned = if self.preconditioned { vec![0.0; n] } else { Vec::new() };
         let mut direction = vec![0.0; n];
         let mut product_before = 0.0;
         let mut iteration = 0;
@@ -59,25 +54,18 @@ impl ProjectedCg {
             if constrained {
                 remove_mean(&mut residual, x, mean(judged.residual));
             }
-            let z = if self.preconditioned {
-                problem.precondition(&residual, &mut preconditioned);
-                &preconditioned
-            } else {
-                &residual
-            };
-            let [z_sum, z_residual, z_before, residual_sum, before_sum, direction_sum] =
-                products(x, &residual, &residual_before, z, &direction);
-            let z_mean = mean(z_sum);
-            let product = z_residual - z_mean * residual_sum;
-            let change = product - (z_before - z_mean * before_sum);
+            let [sum, square, before, before_sum, direction_sum] = products(x, &residual, &residual_before, &direction);
+            let residual_mean = mean(sum);
+            let product = square - residual_mean * sum;
+            let change = product - (before - residual_mean * before_sum);
             let beta = if product_before > 0.0 { (change / product_before).max(0.0) } else { 0.0 };
             product_before = product;
 
-            let shift = z_mean + beta * mean(direction_sum);
-            let mut slope = turn(&mut direction, x, &residual, z, beta, shift);
+            let shift = residual_mean + beta * mean(direction_sum);
+            let mut slope = turn(&mut direction, x, &residual, beta, shift);
             if slope < LEAST_DESCENT * product {
                 // What the projection left of the old direction leads uphill: start over from steepest descent.
-                slope = turn(&mut direction, x, &residual, z, 0.0, z_mean);
+                slope = turn(&mut direction, x, &residual, 0.0, residual_mean);
             }
             let step = step_length(slope, problem.curvature(&direction), now)?;
             let sum = advance(x, &direction, step);
@@ -151,16 +139,16 @@ fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
     );
 }
 
-/// Over the free set: Σ z, Σ z r, Σ z r_before, Σ r, Σ r_before, Σ d.
-fn products(x: &[f64], residual: &[f64], before: &[f64], z: &[f64], direction: &[f64]) -> [f64; 6] {
+/// Over the free set: Σ r, Σ r², Σ r r_before, Σ r_before, Σ d.
+fn products(x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [f64; 5] {
     gfmd_vector::reduce(
         x.len(),
         &|range| {
-            let mut sums = [0.0; 6];
-            let parts = (&x[range.clone()], &residual[range.clone()], &before[range.clone()], &z[range.clone()]);
-            for ((((x, r), b), z), d) in parts.0.iter().zip(parts.1).zip(parts.2).zip(parts.3).zip(&direction[range]) {
+            let mut sums = [0.0; 5];
+            let parts = (&x[range.clone()], &residual[range.clone()], &before[range.clone()]);
+            for (((x, r), b), d) in parts.0.iter().zip(parts.1).zip(parts.2).zip(&direction[range]) {
                 if is_free(*x, *r) {
-                    sums = add(sums, [*z, z * r, z * b, *r, *b, *d]);
+                    sums = add(sums, [*r, r * r, r * b, *b, *d]);
                 }
             }
             sums
@@ -169,15 +157,14 @@ fn products(x: &[f64], residual: &[f64], before: &[f64], z: &[f64], direction: &
     )
 }
 
-/// d ← z + β d − shift on the free set, zero elsewhere; returns ⟨r, d⟩.
-fn turn(direction: &mut [f64], x: &[f64], residual: &[f64], z: &[f64], beta: f64, shift: f64) -> f64 {
+/// d ← r + β d − shift on the free set, zero elsewhere; returns ⟨r, d⟩.
+fn turn(direction: &mut [f64], x: &[f64], residual: &[f64], beta: f64, shift: f64) -> f64 {
     pass(
         [direction],
         &|start, [d]| {
             let mut slope = 0.0;
-            let others = x[start..].iter().zip(&residual[start..]).zip(&z[start..]);
-            for (d, ((x, r), z)) in d.iter_mut().zip(others) {
-                *d = if is_free(*x, *r) { z + beta * *d - shift } else { 0.0 };
+            for ((d, x), r) in d.iter_mut().zip(&x[start..]).zip(&residual[start..]) {
+                *d = if is_free(*x, *r) { r + beta * *d - shift } else { 0.0 };
                 slope += *d * r;
             }
             slope

@@ -11,8 +11,11 @@ pub trait Quadratic {
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
     /// `⟨d, A d⟩`, the sum over all variables. Often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
-    /// `out ← M x` with M an approximation of A⁻¹, symmetric and positive (semi-)definite.
-    fn precondition(&mut self, x: &[f64], out: &mut [f64]);
+    /// `out ← M (gradient − multiplier)`, nearly the step to where the gradient of the free variables is the multiplier;
+    /// zero for the others. Free are those with x > 0, and those at zero that are to leave it; their gradient is below
+    /// the multiplier. M depends on which are free. It is symmetric, positive, and near the inverse of A on the free
+    /// variables, rather above it than below.
+    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]);
 }
 
 /// What is asked of the minimiser.

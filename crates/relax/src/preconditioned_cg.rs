@@ -1,0 +1,326 @@
+use gfmd_vector::{add, pass, reduce};
+
+use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, rescale, total};
+
+/// Projected conjugate gradients for problems that can nearly invert A on the free variables
+/// ([`Quadratic::precondition`]). An iteration takes one image and one preconditioning.
+///
+/// As z = M g is nearly Newton's step, its length is 1: M is expected not to be smaller than the inverse of A, so that
+/// 1 is never too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The gradient has
+/// to be computed there anyway, and between it and the old one the function is a known parabola along the segment from
+/// the old x to the new: if its lowest point was left behind, x steps back to it, which costs no further image. So the
+/// function falls in every iteration, and no curvature is asked for.
+///
+/// While no variable reaches zero these are exact line searches, and directions are made conjugate to the last step.
+/// When some do, a step that lowers the function is kept whole, since stepping back would take the zeros away again;
+/// when it has to step back nevertheless, the next length is that much shorter, as steps to the same end on a segment
+/// would get nowhere.
+///
+/// Every [`PLAIN`]th direction, and any that the projection turns uphill, is the gradient itself. Projected gradients
+/// with a step that lowers the function converge whatever happens in between (Bertsekas 1976).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PreconditionedCg;
+
+const PLAIN: usize = 25;
+
+/// A step that brings variables to zero is kept where this part of it, or more, was downhill. Half: then the function
+/// has not risen.
+const DOWNHILL: f64 = 0.5;
+
+/// A length changes by no more than this from one step to the next.
+const CHANGE: f64 = 10.0;
+
+/// How often a step is halved until it begins downhill.
+const HALVINGS: usize = 30;
+
+/// How well μ has to keep the mean; a factor does the rest.
+const MEAN: f64 = 1e-3;
+
+/// Part of the descent of z that a conjugate direction must keep to be used.
+const LEAST_DESCENT: f64 = 0.1;
+
+impl PreconditionedCg {
+    /// Minimises from `x` on, in place; `watch` sees every iterate.
+    ///
+    /// # Errors
+    /// [`MinimiseError`]; `x` is then the last iterate.
+    pub fn minimise(
+        &self,
+        problem: &mut dyn Quadratic,
+        x: &mut [f64],
+        target: &Target,
+        watch: Watch,
+    ) -> Result<Iterate, MinimiseError> {
+        target.check(x, problem.linear())?;
+        let n = x.len();
+        rescale(x, total(x), target.mean);
+        let [mut gradient, mut other_gradient, mut step, mut last_step] = std::array::from_fn(|_| vec![0.0; n]);
+        let mut multiplier = 0.0;
+        let mut length: f64 = 1.0;
+        let mut settled = false;
+        let mut iteration = 0;
+        problem.apply(x, &mut gradient);
+        let mut sums = measure(problem.linear(), &mut gradient, x, &step, multiplier);
+        loop {
+            let shift = if target.mean.is_some() { sums.positive_gradient / sums.positive as f64 } else { 0.0 };
+            multiplier += shift;
+            let optimality = sums.optimality(shift, target.gradient_scale);
+            let now = Iterate { iteration, optimality, multiplier, positive: sums.positive };
+            if let Verdict::Converged = target.judge(now, watch)? {
+                return Ok(now);
+            }
+
+            let mut path = None;
+            if iteration % PLAIN != PLAIN - 1 {
+                problem.precondition(x, &gradient, multiplier, &mut step);
+                if settled {
+                    conjugate(&mut step, &last_step, &gradient, &other_gradient, multiplier);
+                }
+                path = downhill(x, &step, length, &gradient, multiplier, target.mean);
+            }
+            let preconditioned = path.is_some();
+            if path.is_none() {
+                let squares = steepest(x, &gradient, multiplier, target.mean.is_some(), &mut step);
+                path = downhill(x, &step, squares / problem.curvature(&step), &gradient, multiplier, target.mean);
+            }
+            let Some(path) = path else {
+                let reason = "no way down: in this precision the function cannot be lowered any more";
+                return Err(MinimiseError::Breakdown { reached: now, reason });
+            };
+
+            advance(x, &mut step, &path);
+            problem.apply(x, &mut other_gradient);
+            sums = measure(problem.linear(), &mut other_gradient, x, &step, multiplier);
+            // Along the step the slope has changed in proportion to the way.
+            let rise = sums.slope - path.slope;
+            let lowest = if rise > 0.0 { -path.slope / rise } else { f64::INFINITY };
+            settled = sums.clipped == 0;
+            if preconditioned {
+                length = match lowest {
+                    _ if settled => (path.length * lowest.min(CHANGE)).max(1.0),
+                    ..DOWNHILL => path.length * lowest.max(1.0 / CHANGE),
+                    ..1.0 => path.length,
+                    _ => length.max((2.0 * path.length).min(1.0)),
+                };
+            }
+            if lowest < if settled { 1.0 } else { DOWNHILL } {
+                sums = step_back(x, &step, &mut gradient, &other_gradient, lowest.max(0.0), multiplier);
+            } else {
+                std::mem::swap(&mut gradient, &mut other_gradient);
+            }
+            std::mem::swap(&mut step, &mut last_step);
+            iteration += 1;
+        }
+    }
+}
+
+/// Sums over one iterate; gradients count from the multiplier before it.
+struct Sums {
+    x: f64,
+    x_gradient: f64,
+    positive: usize,
+    positive_gradient: f64,
+    lowest: f64,
+    /// ⟨g, step⟩ at the end of the step.
+    slope: f64,
+    /// Variables that the step has brought to zero.
+    clipped: usize,
+}
+
+impl Sums {
+    const EMPTY: Self = Self {
+        x: 0.0,
+        x_gradient: 0.0,
+        positive: 0,
+        positive_gradient: 0.0,
+        lowest: f64::INFINITY,
+        slope: 0.0,
+        clipped: 0,
+    };
+
+    fn optimality(&self, shift: f64, scale: f64) -> Optimality {
+        let complementarity = if self.x > 0.0 { (self.x_gradient / self.x - shift) / scale } else { 0.0 };
+        Optimality { complementarity, violation: (shift - self.lowest).max(0.0) / scale }
+    }
+
+    fn see(&mut self, x: f64, gradient: f64, step: f64) {
+        self.lowest = self.lowest.min(gradient);
+        self.slope += gradient * step;
+        if x > 0.0 {
+            self.x += x;
+            self.x_gradient += x * gradient;
+            self.positive += 1;
+            self.positive_gradient += gradient;
+        } else if step < 0.0 {
+            self.clipped += 1;
+        }
+    }
+
+    fn merge(a: Self, b: Self) -> Self {
+        Self {
+            x: a.x + b.x,
+            x_gradient: a.x_gradient + b.x_gradient,
+            positive: a.positive + b.positive,
+            positive_gradient: a.positive_gradient + b.positive_gradient,
+            lowest: a.lowest.min(b.lowest),
+            slope: a.slope + b.slope,
+            clipped: a.clipped + b.clipped,
+        }
+    }
+}
+
+/// g ← g + b.
+fn measure(b: &[f64], gradient: &mut [f64], x: &[f64], step: &[f64], level: f64) -> Sums {
+    pass(
+        [gradient],
+        &|start, [g]| {
+            let mut sums = Sums::EMPTY;
+            for (((g, b), x), s) in g.iter_mut().zip(&b[start..]).zip(&x[start..]).zip(&step[start..]) {
+                *g += b;
+                sums.see(*x, *g - level, *s);
+            }
+            sums
+        },
+        &Sums::merge,
+    )
+}
+
+/// x ← x − (1 − part) s, and the gradient between the one before the step and the one after it.
+fn step_back(x: &mut [f64], step: &[f64], gradient: &mut [f64], after: &[f64], part: f64, level: f64) -> Sums {
+    pass(
+        [x, gradient],
+        &|start, [x, g]| {
+            let mut sums = Sums::EMPTY;
+            for (((x, g), s), after) in x.iter_mut().zip(g).zip(&step[start..]).zip(&after[start..]) {
+                *x = (*x - (1.0 - part) * s).max(0.0);
+                *g += part * (after - *g);
+                sums.see(*x, *g - level, *s);
+            }
+            sums
+        },
+        &Sums::merge,
+    )
+}
+
+/// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
+/// A s is in proportion to the difference of the two gradients, of which β needs no more.
+fn conjugate(z: &mut [f64], s: &[f64], gradient: &[f64], other: &[f64], multiplier: f64) {
+    let [z_image, s_image, z_gradient, s_gradient] = reduce(
+        z.len(),
+        &|range| {
+            let mut sums = [0.0; 4];
+            let gradients = gradient[range.clone()].iter().zip(&other[range.clone()]);
+            for ((z, s), (g, other)) in z[range.clone()].iter().zip(&s[range]).zip(gradients) {
+                let (image, g) = (other - g, g - multiplier);
+                sums = add(sums, [z * image, s * image, z * g, if *z != 0.0 { s * g } else { 0.0 }]);
+            }
+            sums
+        },
+        &add,
+    );
+    let beta = z_image / s_image;
+    if z_gradient - beta * s_gradient >= LEAST_DESCENT * z_gradient {
+        pass(
+            [z],
+            &|start, [z]| z.iter_mut().zip(&s[start..]).filter(|(z, _)| **z != 0.0).for_each(|(z, s)| *z -= beta * s),
+            &|(), ()| (),
+        );
+    }
+}
+
+/// z ← g − λ on the free variables, without mean where one is prescribed; zero elsewhere. Returns ⟨z, z⟩.
+fn steepest(x: &[f64], gradient: &[f64], multiplier: f64, constrained: bool, z: &mut [f64]) -> f64 {
+    let is_free = |x: f64, g: f64| x > 0.0 || g < multiplier;
+    let [sum, count] = reduce(
+        x.len(),
+        &|range| {
+            let free = x[range.clone()].iter().zip(&gradient[range]).filter(|(x, g)| is_free(**x, **g));
+            free.fold([0.0; 2], |sums, (_, g)| add(sums, [g - multiplier, 1.0]))
+        },
+        &add,
+    );
+    let mean = if constrained { sum / count } else { 0.0 };
+    pass(
+        [z],
+        &|start, [z]| {
+            let mut squares = 0.0;
+            for ((z, x), g) in z.iter_mut().zip(&x[start..]).zip(&gradient[start..]) {
+                *z = if is_free(*x, *g) { g - multiplier - mean } else { 0.0 };
+                squares += *z * *z;
+            }
+            squares
+        },
+        &|a, b| a + b,
+    )
+}
+
+/// A point of the projected path: `factor · max(0, x − length z − μ)` on the free variables, where x > 0 or z ≠ 0.
+struct Path {
+    length: f64,
+    mu: f64,
+    factor: f64,
+    /// ⟨g, step⟩ at its beginning.
+    slope: f64,
+}
+
+impl Path {
+    fn end(&self, x: f64, z: f64) -> f64 {
+        if x > 0.0 || z != 0.0 { (x - self.length * z - self.mu).max(0.0) } else { 0.0 }
+    }
+}
+
+/// The point at `length`, or at half of it, and so on, to which the way begins downhill.
+fn downhill(x: &[f64], z: &[f64], length: f64, gradient: &[f64], multiplier: f64, mean: Option<f64>) -> Option<Path> {
+    let mut path = Path { length, mu: 0.0, factor: 1.0, slope: 0.0 };
+    for _ in 0..HALVINGS {
+        path.mu = 0.0;
+        loop {
+            let [sum, positive, slope, along] = reduce(
+                x.len(),
+                &|range| {
+                    let mut sums = [0.0; 4];
+                    for ((x, z), g) in x[range.clone()].iter().zip(&z[range.clone()]).zip(&gradient[range]) {
+                        let (end, g) = (path.end(*x, *z), g - multiplier);
+                        sums = add(sums, [end, f64::from(end > 0.0), g * (end - x), g * end]);
+                    }
+                    sums
+                },
+                &add,
+            );
+            (path.factor, path.slope) = (1.0, slope);
+            let Some(mean) = mean else { break };
+            let asked = mean * x.len() as f64;
+            let excess = sum - asked;
+            if excess.abs() <= MEAN * asked {
+                path.factor = asked / sum;
+                path.slope += (path.factor - 1.0) * along;
+                break;
+            }
+            // Newton's method on a convex, piecewise linear function: it meets it in a few steps.
+            let mu = path.mu + excess / positive;
+            if !mu.is_finite() || mu == path.mu {
+                return None;
+            }
+            path.mu = mu;
+        }
+        if path.slope < 0.0 {
+            return Some(path);
+        }
+        path.length *= 0.5;
+    }
+    None
+}
+
+/// x ← the end of the path; z ← the step to it.
+fn advance(x: &mut [f64], z: &mut [f64], path: &Path) {
+    pass(
+        [x, z],
+        &|_, [x, z]| {
+            for (x, z) in x.iter_mut().zip(z) {
+                let end = path.factor * path.end(*x, *z);
+                (*z, *x) = (end - *x, end);
+            }
+        },
+        &|(), ()| (),
+    );
+}
