@@ -390,7 +390,7 @@ mod tests {
         says("--eps-t-inv 0.5", "--eps-t-inv: at least 1 is allowed, found 0.5");
         says("--eps-f-inv nan", "--eps-f-inv: at least 1 is allowed, found NaN");
         says(
-            "--n 64",
+            "--n 64 --eps-f-inv 32",
             "--n: 64 points with --eps-t-inv 2 and --eps-f-inv 32 leave 1 points per shortest wavelength, at least 2",
         );
         says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c must be at least 2 and finite, found 1.9");

@@ -195,7 +195,7 @@ fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failu
 
 /// An unusable value of a flag.
 fn invalid(flag: &str, found: impl Display, allowed: impl Display) -> Failure {
-    Failure::input(flag, format!("{allowed} is allowed, found {found}"))
+    Failure::input(flag, format!("found {found}, allowed: {allowed}"))
 }
 
 /// A length, or `inf`.

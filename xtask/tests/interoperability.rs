@@ -1,0 +1,75 @@
+//! What the program writes opens in h5py, xarray and netCDF4, installed into a fresh virtual environment, and in h5dump
+//! where that is installed.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::json;
+
+fn succeeds(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {text}");
+    text
+}
+
+/// Kept between runs of the tests, because installing takes longer than testing.
+fn python() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("interoperability");
+    let python = folder.join("bin/python");
+    if !folder.join("complete").exists() {
+        succeeds(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
+        let packages = ["h5py", "xarray", "h5netcdf", "netCDF4", "numpy"];
+        succeeds(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(packages));
+        std::fs::write(folder.join("complete"), "").unwrap();
+    }
+    python
+}
+
+#[test]
+fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    run("contact --n 32 --p-star 0.05,0.2 --json --out contact.h5");
+    run("contact --n 64 --dim 2 --p-star 0.05 --json --out line.h5");
+    run("surface --n 32 --json --out surface.h5");
+    std::fs::write(
+        folder.path().join("sweep.toml"),
+        "[points]\neps_t_inv = [2.0]\neps_f_inv = [4.0]\neps_c_inv = [4.0, 8.0]\ncentre = [2.0, 4.0, 4.0]\n\
+         [statistics]\nrealisations = 3\n[fit]\nalpha_c = 1.0\nresamples = 50\n",
+    )
+    .unwrap();
+    run("kappa-sweep --config sweep.toml --out sweep.h5 --json -q");
+
+    let files = ["contact.h5", "line.h5", "surface.h5", "sweep.h5"].map(|name| folder.path().join(name));
+    let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/interoperability/check.py");
+    succeeds(Command::new(python()).arg(check).args(&files));
+
+    // The names that scripts rely on, through the reader that users will take.
+    let script = "
+import sys, xarray
+folder = sys.argv[1]
+fields = xarray.open_dataset(folder + '/contact.h5', group='fields', engine='h5netcdf')
+assert fields.pressure.dims == ('load', 'x', 'y') and fields.pressure.shape == (2, 32, 32)
+assert fields.gap.units == 'length' and fields.displacement_z.long_name
+loads = xarray.open_dataset(folder + '/contact.h5', group='loads', engine='h5netcdf')
+assert abs(float(fields.pressure[1].mean()) - float(loads.mean_pressure[1])) < 1e-12
+surface = xarray.open_dataset(folder + '/contact.h5', group='surface', engine='h5netcdf')
+assert surface.height.dims == ('x', 'y')
+points = xarray.open_dataset(folder + '/sweep.h5', group='points', engine='h5netcdf')
+runs = xarray.open_dataset(folder + '/sweep.h5', group='runs', engine='h5netcdf')
+assert points.kappa.dims == ('point',) and runs.kappa.dims == ('run',) and runs.seed.long_name
+chosen = runs.kappa[(runs.p_star_asked == 0.02) & (runs.eps_c_inv == 8)]
+assert abs(float(chosen.mean()) - float(points.kappa[(points.p_star == 0.02) & (points.eps_c_inv == 8)][0])) < 1e-12
+root = xarray.open_dataset(folder + '/sweep.h5', engine='h5netcdf')
+for name in 'schema_version program version git_commit command created config machine threads'.split():
+    assert name in root.attrs, name
+";
+    succeeds(Command::new(python()).args(["-c", script]).arg(folder.path()));
+    if Command::new("h5dump").arg("--version").output().is_ok() {
+        let text = succeeds(Command::new("h5dump").arg("-H").arg(&files[0]));
+        assert!(text.contains("DIMENSION_LIST") && text.contains("long_name"));
+    }
+}
