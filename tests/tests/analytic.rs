@@ -76,7 +76,6 @@ fn westergaards_wave_converges_with_the_grid() {
                 ]
             })
         });
-        println!("load {load}: mean gap {gap:.2}, pressure {pressure:.2}");
         // The pressure ends in a square root, its error is that of a point or two at the edge: order 1. The mean gap
         // integrates a 3/2 power over that stretch.
         assert!(gap > 1.5, "load {load}: the mean gap converges with order {gap:.2}");
@@ -97,7 +96,6 @@ fn hertzian_contacts_converge() {
             [deviation(&solution, |x, _| top * hertz(x - 0.5 - shift, edge)), area / (2.0 * edge) - 1.0]
         })
     });
-    println!("line: pressure {pressure:.2}, area {area:.2}");
     assert!(pressure > 0.8 && area > 0.8, "line: pressure order {pressure:.2}, area order {area:.2}");
 
     let force = 4.0 * 0.05_f64.powi(3) / 3.0;
@@ -115,7 +113,6 @@ fn hertzian_contacts_converge() {
             ]
         })
     });
-    println!("point: pressure {pressure:.2}, peak {top:.2}, area {area:.2}");
     assert!(pressure > 0.8, "point: the pressure converges with order {pressure:.2}");
     assert!(top > 1.2, "point: the peak converges with order {top:.2}");
     assert!(area > 0.8, "point: the area converges with order {area:.2}");

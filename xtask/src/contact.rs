@@ -184,13 +184,20 @@ fn gibibytes(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 30)
 }
 
-/// Runs the command. The report comes with an error when only part of the work was done.
+/// What was computed, and why it ended early if it did.
+pub struct Outcome {
+    /// The loads that were computed; the last one has not converged if there is a failure.
+    pub report: Report,
+    /// A load that did not converge, or an interruption.
+    pub failure: Option<Failure>,
+}
+
+/// Runs the command.
 ///
 /// # Errors
-/// Unusable input; loads that did not converge; a file that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Report, (Option<Report>, Failure)> {
-    let prepared = Prepared::new(args).map_err(|failure| (None, failure))?;
-    prepared.run(args, session)
+/// Unusable input; a file that could not be written.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    Prepared::new(args)?.run(args, session)
 }
 
 /// Everything that can be refused is refused before the first solve.
@@ -233,10 +240,10 @@ impl Prepared {
         Ok(Self { surface, grid, body, controls, output })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Report, (Option<Report>, Failure)> {
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
         let name = args.source.name();
         let response = SurfaceResponse::new(self.grid, &self.body);
-        let refuse = |error: ContactError| (None, Failure::input(&name, error));
+        let refuse = |error: ContactError| Failure::input(&name, error);
         let contact = Contact::new(&response, self.surface.heights.view()).map_err(refuse)?;
         let mut report = Report {
             n: self.grid.points(),
@@ -251,9 +258,8 @@ impl Prepared {
             out: None,
             plots: Vec::new(),
         };
-        let fail = |failure: Failure| (None, failure);
-        let mut file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
-        let mut file = file.take().transpose().map_err(fail)?;
+        let file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
+        let mut file = file.transpose()?;
         let settings = args.solver.settings();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
         let mut last: Option<Solution> = None;
@@ -280,15 +286,15 @@ impl Prepared {
                     (*solution, Some(Failure::Interrupted(format!("interrupted at load {index}"))))
                 }
                 Err(error @ ContactError::Approach { .. }) => {
-                    return Err((None, Failure::input("--displacement", error)));
+                    return Err(Failure::input("--displacement", error));
                 }
-                Err(error) => return Err(fail(Failure::Computation(error.to_string()))),
+                Err(error) => return Err(Failure::Computation(error.to_string())),
             };
             let seconds = started.elapsed().as_secs_f64();
             let record =
                 LoadRecord::measure(&solution, report.e_star, report.rms_gradient, settings.tolerance, seconds);
             if let Some(file) = &mut file {
-                file.write(index, &solution).map_err(fail)?;
+                file.write(index, &solution)?;
             }
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             report.loads.push(record);
@@ -300,27 +306,15 @@ impl Prepared {
         }
         progress.finish();
         if let Some(file) = file {
-            report.out = Some(file.finish(&report.loads, self.controls.len()).map_err(fail)?);
+            report.out = Some(file.finish(&report.loads, self.controls.len())?);
         }
         report.peak_bytes = peak_bytes();
-        match failure {
-            None => {
-                if let (Some(prefix), Some(solution)) = (&args.plots, &last) {
-                    report.plots = crate::figures::contact(prefix, &report, &self.grid, &solution.pressure)
-                        .map_err(|failure| (Some(report.clone()), failure))?;
-                }
-                Ok(report)
-            }
-            Some(failure) => {
-                let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
-                let failure = match failure {
-                    Failure::Computation(text) => Failure::Computation(text + &kept),
-                    Failure::Interrupted(text) => Failure::Interrupted(text + &kept),
-                    other => other,
-                };
-                Err((Some(report), failure))
-            }
+        if let (None, Some(prefix), Some(solution)) = (&failure, &args.plots, &last) {
+            report.plots = crate::figures::contact(prefix, &report, &self.grid, &solution.pressure)?;
         }
+        let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
+        let failure = failure.map(|failure| failure.with(&kept));
+        Ok(Outcome { report, failure })
     }
 }
 

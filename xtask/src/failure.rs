@@ -25,6 +25,16 @@ impl Failure {
         Self::Input(format!("{name}: {reason}"))
     }
 
+    /// The same with a remark at its end, such as where the work done so far is kept. Unusable input left none.
+    #[must_use]
+    pub fn with(self, remark: &str) -> Self {
+        match self {
+            Self::Input(text) => Self::Input(text),
+            Self::Computation(text) => Self::Computation(text + remark),
+            Self::Interrupted(text) => Self::Interrupted(text + remark),
+        }
+    }
+
     /// The exit status (docs/interface.md).
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

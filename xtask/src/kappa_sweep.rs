@@ -129,18 +129,14 @@ fn compute(
             Ok(())
         };
         let outcome: Result<(), Failure> = if point.n <= plan::SIDE_BY_SIDE || config.surface.dim == 2 {
-            open.par_iter().map(one).collect()
+            open.par_iter().try_for_each(one)
         } else {
-            open.iter().map(one).collect()
+            open.iter().try_for_each(one)
         };
         if let Err(failure) = outcome {
             progress.finish();
             let kept = format!("; finished runs are in {}, --resume continues", journal.path().display());
-            return Err(match failure {
-                Failure::Input(text) => Failure::Input(text),
-                Failure::Computation(text) => Failure::Computation(text + &kept),
-                Failure::Interrupted(text) => Failure::Interrupted(text + &kept),
-            });
+            return Err(failure.with(&kept));
         }
     }
     progress.finish();

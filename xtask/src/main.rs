@@ -51,15 +51,11 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
     let as_json = session.common.json;
     match command {
-        Command::Contact(args) => match contact::run(args, session) {
-            Ok(report) => print(&report, as_json),
-            Err((report, failure)) => {
-                if let Some(report) = report {
-                    print(&report, as_json)?;
-                }
-                Err(failure)
-            }
-        },
+        Command::Contact(args) => {
+            let contact::Outcome { report, failure } = contact::run(args, session)?;
+            print(&report, as_json)?;
+            failure.map_or(Ok(()), Err)
+        }
         Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
             kappa_sweep::Outcome::Done(report) => print(&*report, as_json),
             kappa_sweep::Outcome::Planned(plan) => print(&plan, as_json),
