@@ -16,11 +16,12 @@ use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Ve
 /// when it has to step back nevertheless, the next length is that much shorter, as steps to the same end on a segment
 /// would get nowhere.
 ///
-/// Every [`PLAIN`]th direction, and any that the projection turns uphill, is the gradient itself. Projected gradients
+/// One direction in 25, and any that the projection turns uphill, is the gradient itself. Projected gradients
 /// with a step that lowers the function converge whatever happens in between (Bertsekas 1976).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreconditionedCg;
 
+/// Every so many directions one is the gradient itself.
 const PLAIN: usize = 25;
 
 /// A step that brings variables to zero is kept where this part of it, or more, was downhill. Half: then the function
