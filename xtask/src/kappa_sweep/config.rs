@@ -134,7 +134,7 @@ pub struct FitConfig {
     pub alpha_t: AlphaConfig,
     /// Exponent of the term in eps_f.
     pub alpha_f: AlphaConfig,
-    /// Exponent of the term in eps_c.
+    /// Exponent of the term in eps_c. Area counted in points errs by the perimeter times part of a spacing: 1.
     pub alpha_c: AlphaConfig,
     /// Bootstrap resamples.
     pub resamples: usize,
@@ -167,7 +167,7 @@ impl Default for PointsConfig {
         Self {
             design: Design::Star,
             eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
-            eps_f_inv: vec![8.0, 16.0, 32.0, 64.0],
+            eps_f_inv: vec![8.0, 16.0, 32.0, 64.0, 128.0],
             eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],
             centre: [2.0, 32.0, 8.0],
             largest_n: 0,
@@ -183,7 +183,7 @@ impl Default for LoadsConfig {
 
 impl Default for StatisticsConfig {
     fn default() -> Self {
-        Self { realisations: 12, equal_area: true, seed: 1 }
+        Self { realisations: 16, equal_area: true, seed: 1 }
     }
 }
 
@@ -199,7 +199,7 @@ impl Default for FitConfig {
             p_star: 0.02,
             alpha_t: AlphaConfig::Fixed(2.0),
             alpha_f: AlphaConfig::Fixed(1.0),
-            alpha_c: AlphaConfig::Named("free".into()),
+            alpha_c: AlphaConfig::Fixed(1.0),
             resamples: 2000,
         }
     }

@@ -178,7 +178,31 @@ pub struct FitReport {
     pub terms: Vec<TermReport>,
     pub chi_squared: f64,
     pub degrees_of_freedom: usize,
+    pub checks: Vec<Check>,
     pub warnings: Vec<String>,
+}
+
+/// Three levels of one axis at a constant ratio determine an exponent on their own: a check on the one that is
+/// held.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Check {
+    pub axis: char,
+    pub eps_inv: [f64; 3],
+    pub kappa: Option<f64>,
+    pub exponent: Option<f64>,
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { axis, eps_inv: [coarse, middle, fine], kappa, exponent } = self;
+        let levels = format!("1/eps_{axis} = {coarse}, {middle}, {fine}");
+        match (kappa, exponent) {
+            (Some(kappa), Some(exponent)) => {
+                write!(f, "{levels} alone give alpha_{axis} = {exponent:.2}, limit {kappa:.4}")
+            }
+            _ => write!(f, "{levels} alone do not determine a limit"),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -222,6 +246,16 @@ impl FitReport {
             terms: terms.collect(),
             chi_squared: fit.chi_squared,
             degrees_of_freedom: fit.degrees_of_freedom,
+            // Only along eps_c do the levels share their surfaces: along the others noise would be read as an exponent.
+            checks: (fit.richardson.iter())
+                .filter(|three| three.axis == Axis::Continuum)
+                .map(|three| Check {
+                    axis: three.axis.letter(),
+                    eps_inv: three.cells.map(|cell| 1.0 / extrapolation.cells[cell].eps_c),
+                    kappa: three.limit.map(|limit| limit.kappa),
+                    exponent: three.limit.map(|limit| limit.exponent),
+                })
+                .collect(),
             warnings: fit.warnings.iter().map(ToString::to_string).collect(),
         }
     }
@@ -304,6 +338,9 @@ impl fmt::Display for Report {
                     Interval(term.exponent, term.exponent_ci95),
                     if term.exponent_fitted { "" } else { " (held)" }
                 )?;
+            }
+            for check in &fit.checks {
+                writeln!(f, "  check: {check}")?;
             }
             writeln!(f, "  chi^2 = {:.2} with {} degrees of freedom", fit.chi_squared, fit.degrees_of_freedom)?;
             for warning in &fit.warnings {
