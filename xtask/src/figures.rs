@@ -27,8 +27,7 @@ pub fn contact(
     if report.loads.len() > 1 {
         let measured = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction)).collect();
         let corrected = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction_corrected)).collect();
-        let mut series =
-            vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, measured) }];
+        let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, measured) }];
         if !grid.is_line() {
             series.push(Series {
                 label: "perimeter corrected".into(),
@@ -76,8 +75,7 @@ fn failed(error: PlotError) -> Failure {
 
 /// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
 fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
-    let shown: Vec<&Extrapolation> =
-        analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
+    let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
     let result = &analysis.extrapolations[0];
     let several = config.surface.hurst.len() > 1;
     let mut panels = Vec::new();
@@ -149,12 +147,10 @@ fn area(config: &Config, plan: &Plan, analysis: &Analysis) -> Chart {
     let loads = &config.loads.p_star;
     let mut series = Vec::new();
     for (family, &hurst) in config.surface.hurst.iter().enumerate() {
-        let finest = (0..plan.points.len())
-            .filter(|index| plan.points[*index].hurst == hurst)
-            .max_by(|a, b| {
-                let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
-                eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n.cmp(&plan.points[*a].n))
-            });
+        let finest = (0..plan.points.len()).filter(|index| plan.points[*index].hurst == hurst).max_by(|a, b| {
+            let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
+            eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n.cmp(&plan.points[*a].n))
+        });
         let measured = analysis.measured.iter().filter(|m| Some(m.point) == finest);
         let points = measured
             .map(|m| {
@@ -198,10 +194,7 @@ fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
     let linear_to = highest.min(0.5 / BUSH_GIBSON_THOMAS_KAPPA).max(lowest);
     let bush = pressures(linear_to).map(|p| (p, BUSH_GIBSON_THOMAS_KAPPA * p));
-    [
-        Series::line("Persson", 5, persson),
-        Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) },
-    ]
+    [Series::line("Persson", 5, persson), Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) }]
 }
 
 /// Values along a line beyond this number are thinned for the figure.
