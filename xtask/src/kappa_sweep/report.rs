@@ -244,7 +244,7 @@ impl FitReport {
             ci95: fit.kappa_tfc.ci95,
             uncertainty: fit.uncertainty.to_string(),
             terms: terms.collect(),
-            chi_squared: fit.chi_squared,
+            chi_squared: fit.chi_squared.max(0.0),
             degrees_of_freedom: fit.degrees_of_freedom,
             // Only along eps_c do the levels share their surfaces: along the others noise would be read as an exponent.
             checks: (fit.richardson.iter())
