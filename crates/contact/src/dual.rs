@@ -18,6 +18,8 @@ struct Dual<'a> {
     linear: Cow<'a, [f64]>,
     transforms: Transforms,
     extension: Extension,
+    /// E r, on the way through the preconditioner.
+    displacement: Vec<f64>,
 }
 
 /// With prescribed approach, a half-space that keeps its mean level answers to a uniform displacement with any stiffness.
@@ -49,12 +51,10 @@ impl Quadratic for Dual<'_> {
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
         self.transforms.singles += 2;
         let known = Known { x, gradient, level: multiplier };
-        let Self { response, stiffness, transforms, extension, .. } = self;
-        extension.extend(known);
-        let source = |i: usize, row: &mut [f64]| extension.fill(known, i, row);
-        let keep = |_: usize, _: &mut [f64]| {};
-        response.transform.convolve_rows(stiffness, source, out, keep, &mut transforms.workspace).expect(FITS);
-        extension.transpose(known, out);
+        let Self { response, stiffness, transforms, extension, displacement, .. } = self;
+        extension.extend(known, displacement);
+        response.transform.convolve(stiffness, displacement, out, &mut transforms.workspace).expect(FITS);
+        extension.transpose(known, displacement, out);
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn solve(
     let stride = if points[0] >= points[1] { 1 } else { points[0] };
     let extension = Extension::new(points, mean.is_some(), |periods| response.stiffness[periods * stride]);
     let transforms = Transforms::new(response);
-    let mut dual = Dual { response, compliance, stiffness, linear, transforms, extension };
+    let mut dual = Dual { response, compliance, stiffness, linear, transforms, extension, displacement: vec![0.0; n] };
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); n]);
     let target = Target {
         mean,

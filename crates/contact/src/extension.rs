@@ -2,9 +2,8 @@ use rayon::prelude::*;
 
 /// Continues values that are known on part of a periodic grid to all of it: E, linear, the identity on the known part.
 /// The others take a weighted mean of the known ones around them, at the finest scale at which there are enough
-/// ("pull-push", Gortler et al. 1996), so E costs a few operations for each point.
-///
-/// For the transpose the same weights are walked the other way.
+/// ("pull-push", Gortler et al. 1996), so E costs a few operations for each point. The transpose walks the same weights
+/// the other way.
 pub(crate) struct Extension {
     /// Points; a profile is one row.
     points: [usize; 2],
@@ -12,8 +11,9 @@ pub(crate) struct Extension {
     levels: Vec<Level>,
 }
 
-/// What is known: `gradient − level` where `x` > 0. Where it is negative at x = 0, and lower than what the cell around
-/// has got, the point has its own value, too, but does not teach others: it is about to enter the contact.
+/// What is known: `gradient − level` where `x` > 0. Where that is negative at x = 0, and lower than what the
+/// neighbourhood suggests, the point keeps its own value, too, but does not teach others: it is about to enter the
+/// contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) x: &'a [f64],
@@ -30,19 +30,17 @@ struct Level {
     /// Weights of the children.
     known: Vec<f64>,
     value: Vec<f64>,
-    /// The same on the way of the transpose.
-    image: Vec<f64>,
 }
 
 /// `full` of cells with two and with four children. Less than their number, so that a cell counts in full when most of
 /// it is known; more than one, so that a lone point loses weight from level to level and cannot impose its value on a
-/// large neighbourhood: that would cost the more energy the larger it is.
+/// large neighbourhood, which would cost the more energy the larger it is.
 const FULL: [f64; 2] = [1.5, 3.0];
 
 impl Extension {
     /// `stiffness` is that of the wave with so many periods along the longer side. Where it falls by half from an octave
-    /// to the next, as on a half-space, displacement spreads, and what is not known is taken from afar; where it does
-    /// not, as in waves longer than a layer is thick, a point moves by itself, and zero is nearer.
+    /// to the next longer one, as on a half-space, displacement spreads, and what is not known is taken from afar; where
+    /// it does not, as for waves longer than a layer is thick, a point moves by itself, and zero is nearer.
     ///
     /// `floating`: constants stay constants. Otherwise values decay to zero away from all that is known.
     pub(crate) fn new([nx, ny]: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
@@ -51,17 +49,14 @@ impl Extension {
         let mut below = points;
         while below != [1, 1] {
             let cells = below.map(|n| n.div_ceil(2));
-            let [half, whole] = [4, 2].map(|part| cells[0].max(cells[1]) * 2 / part);
-            let ratio =
-                if half > 0 { stiffness(half) / stiffness(whole.min(points[0].max(points[1]) / 2)) } else { 0.5 };
-            let zeros = || vec![0.0; cells[0] * cells[1]];
+            let shortest = (nx.max(ny) / 2).min(cells[0].max(cells[1]));
+            let ratio = if shortest > 1 { stiffness(shortest / 2) / stiffness(shortest) } else { 0.5 };
             levels.push(Level {
                 cells,
                 full: FULL[usize::from(!below.contains(&1))],
                 trust: (2.5 - 2.5 * ratio).clamp(0.0, 1.0),
-                known: zeros(),
-                value: zeros(),
-                image: zeros(),
+                known: vec![0.0; cells[0] * cells[1]],
+                value: vec![0.0; cells[0] * cells[1]],
             });
             below = cells;
         }
@@ -71,76 +66,84 @@ impl Extension {
         Self { points, levels }
     }
 
-    /// Prepares the values that [`fill`](Self::fill) hands out.
-    pub(crate) fn extend(&mut self, known: Known) {
-        let Some(first) = self.levels.first_mut() else { return };
-        first.pull(self.points, |k| if known.x[k] > 0.0 { (1.0, known.own(k)) } else { (0.0, 0.0) });
-        self.climb(|above, below| above.pull(below.cells, |k| (below.weight(k), below.value[k])));
-        if let Some(top) = self.levels.last_mut() {
-            top.value[0] *= top.weight(0);
-        }
-        self.descend(|above, below| {
-            let Level { cells: [_, columns], full, known, value, .. } = below;
-            let rows = value.par_chunks_mut(*columns).with_min_len(few(*columns)).enumerate();
-            rows.for_each(|(i, row)| {
-                above.push(i, row.len(), |j, value| {
-                    let weight = weight(known[i * *columns + j], *full);
-                    row[j] = weight * row[j] + (1.0 - weight) * value;
-                });
-            });
-        });
-    }
-
-    /// Row i of E r.
-    pub(crate) fn fill(&self, known: Known, i: usize, row: &mut [f64]) {
-        let start = i * row.len();
-        let Some(first) = self.levels.first() else { return row.fill(known.own(0)) };
-        let cells = first.row(&first.value, i / 2);
-        first.push(i, row.len(), |j, value| {
-            row[j] = if known.keeps(start + j, cells[j / 2]) { known.own(start + j) } else { value };
-        });
-    }
-
-    /// `t` ← Eᵀ t, after [`extend`](Self::extend).
-    pub(crate) fn transpose(&mut self, known: Known, t: &mut [f64]) {
+    /// `out` ← E r.
+    pub(crate) fn extend(&mut self, known: Known, out: &mut [f64]) {
+        let Some(first) = self.levels.first_mut() else { return out.copy_from_slice(known.gradient) };
         let columns = self.points[1];
-        let Some(first) = self.levels.first_mut() else { return };
-        let (width, value) = (first.cells[1], &first.value);
-        let keeps = |k: usize, i: usize, j: usize| known.keeps(k, value[i / 2 * width + j / 2]);
-        let children = |i: usize, j: usize| {
-            let k = i * columns + j;
-            if keeps(k, i, j) { 0.0 } else { t[k] }
-        };
-        gather(first.cells, first.trust, &mut first.image, self.points, children);
+        first.pull(self.points, |i, weights, values| {
+            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
+            for ((weight, value), (x, gradient)) in weights.iter_mut().zip(values).zip(points) {
+                *weight = if *x > 0.0 { 1.0 } else { 0.0 };
+                *value = if *x > 0.0 { gradient - known.level } else { 0.0 };
+            }
+        });
         self.climb(|above, below| {
             let columns = below.cells[1];
-            let children = |i: usize, j: usize| (1.0 - below.weight(i * columns + j)) * below.image[i * columns + j];
-            gather(above.cells, above.trust, &mut above.image, below.cells, children);
-        });
-        if let Some(top) = self.levels.last_mut() {
-            top.image[0] *= top.weight(0);
-        }
-        self.descend(|above, below| {
-            let Level { cells: [_, columns], full, known, image, .. } = below;
-            let rows = image.par_chunks_mut(*columns).with_min_len(few(*columns)).enumerate();
-            rows.for_each(|(i, row)| {
-                let parents = (above.row(&above.image, i / 2), above.row(&above.known, i / 2));
-                for (j, image) in row.iter_mut().enumerate() {
-                    *image = weight(known[i * *columns + j], *full) * (*image + share(parents, j / 2));
+            above.pull(below.cells, |i, weights, values| {
+                let cells = at(&below.known, i, columns).iter().zip(at(&below.value, i, columns));
+                for ((weight, product), (known, value)) in weights.iter_mut().zip(values).zip(cells) {
+                    *weight = below.weight(*known);
+                    *product = *weight * value;
                 }
             });
         });
-        let first = &self.levels[0];
-        t.par_chunks_mut(columns).with_min_len(few(columns)).enumerate().for_each(|(i, row)| {
-            let parents = (first.row(&first.image, i / 2), first.row(&first.known, i / 2));
-            let cells = first.row(&first.value, i / 2);
-            for (j, t) in row.iter_mut().enumerate() {
-                let k = i * columns + j;
-                if known.x[k] > 0.0 {
-                    *t += share(parents, j / 2);
-                } else if !known.keeps(k, cells[j / 2]) {
-                    *t = 0.0;
+        self.close();
+        self.descend(|above, below| {
+            let columns = below.cells[1];
+            let full = below.full;
+            above.push(&mut below.value, columns, |i, value, pushed| {
+                for ((value, known), pushed) in value.iter_mut().zip(at(&below.known, i, columns)).zip(pushed) {
+                    let weight = weight(*known, full);
+                    *value = weight * *value + (1.0 - weight) * pushed;
                 }
+            });
+        });
+        self.levels[0].push(out, columns, |i, out, pushed| {
+            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
+            for ((out, pushed), (x, gradient)) in out.iter_mut().zip(pushed).zip(points) {
+                let own = gradient - known.level;
+                let limit = if *x > 0.0 { f64::INFINITY } else { pushed.min(0.0) };
+                *out = if own < limit { own } else { *pushed };
+            }
+        });
+    }
+
+    /// `t` ← Eᵀ t, with the E that made `extended`.
+    pub(crate) fn transpose(&mut self, known: Known, extended: &[f64], t: &mut [f64]) {
+        let Some(first) = self.levels.first_mut() else { return };
+        let columns = self.points[1];
+        // Points that kept their own value are those that have it.
+        first.gather(self.points, |i, line, part| {
+            let others = at(known.gradient, i, columns).iter().zip(at(extended, i, columns));
+            for ((line, t), (gradient, extended)) in line.iter_mut().zip(at(t, i, columns)).zip(others) {
+                *line += if gradient - known.level == *extended { 0.0 } else { part * t };
+            }
+        });
+        self.climb(|above, below| {
+            let columns = below.cells[1];
+            above.gather(below.cells, |i, line, part| {
+                let cells = at(&below.value, i, columns).iter().zip(at(&below.known, i, columns));
+                for (line, (image, known)) in line.iter_mut().zip(cells) {
+                    *line += part * (1.0 - below.weight(*known)) * image;
+                }
+            });
+        });
+        self.close();
+        self.descend(|above, below| {
+            let columns = below.cells[1];
+            let full = below.full;
+            above.spread(&mut below.value, columns, |i, image, share| {
+                for ((image, known), share) in image.iter_mut().zip(at(&below.known, i, columns)).zip(share) {
+                    *image = weight(*known, full) * (*image + share);
+                }
+            });
+        });
+        self.levels[0].spread(t, columns, |i, t, share| {
+            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
+            let others = points.zip(at(extended, i, columns));
+            for ((t, share), ((x, gradient), extended)) in t.iter_mut().zip(share).zip(others) {
+                let kept = if gradient - known.level == *extended { *t } else { 0.0 };
+                *t = if *x > 0.0 { kept + share } else { kept };
             }
         });
     }
@@ -152,6 +155,13 @@ impl Extension {
         }
     }
 
+    /// The top, where nothing is above.
+    fn close(&mut self) {
+        if let Some(top) = self.levels.last_mut() {
+            top.value[0] *= top.weight(top.known[0]);
+        }
+    }
+
     fn descend(&mut self, mut step: impl FnMut(&Level, &mut Level)) {
         for k in (1..self.levels.len()).rev() {
             let (below, above) = self.levels.split_at_mut(k);
@@ -160,110 +170,209 @@ impl Extension {
     }
 }
 
-impl Known<'_> {
-    fn own(&self, k: usize) -> f64 {
-        self.gradient[k] - self.level
-    }
-
-    fn keeps(&self, k: usize, around: f64) -> bool {
-        self.x[k] > 0.0 || self.own(k) < around.min(0.0)
-    }
-}
-
+/// All that goes from one level to the next, row by row, on whole rows so that it is done in vectors.
 impl Level {
-    fn weight(&self, cell: usize) -> f64 {
-        weight(self.known[cell], self.full)
+    fn weight(&self, known: f64) -> f64 {
+        weight(known, self.full)
     }
 
-    fn row<'a>(&self, of: &'a [f64], i: usize) -> &'a [f64] {
-        &of[i * self.cells[1]..][..self.cells[1]]
-    }
-
-    /// The weighted mean of the children, `(weight, value)` by index.
-    fn pull(&mut self, [rows, columns]: [usize; 2], child: impl Fn(usize) -> (f64, f64) + Sync) {
-        let width = self.cells[1];
-        let cells = self.value.par_chunks_mut(width).zip(self.known.par_chunks_mut(width));
-        cells.with_min_len(few(columns)).enumerate().for_each(|(a, (value, known))| {
-            for (b, (value, known)) in value.iter_mut().zip(known).enumerate() {
-                let (mut total, mut sum) = (0.0, 0.0);
-                for i in 2 * a..rows.min(2 * a + 2) {
-                    for j in 2 * b..columns.min(2 * b + 2) {
-                        let (weight, value) = child(i * columns + j);
-                        total += weight;
-                        sum += weight * value;
-                    }
+    /// The weighted mean of the children: `read(i, weights, weights times values)` of row i below.
+    fn pull(&mut self, [height, columns]: [usize; 2], read: impl Fn(usize, &mut [f64], &mut [f64]) + Sync) {
+        let rows = rows(&mut self.value, self.cells[1]).zip(self.known.par_chunks_mut(self.cells[1])).enumerate();
+        rows.for_each_init(
+            || [vec![0.0; columns], vec![0.0; columns]],
+            |[weights, values], (a, (value, known))| {
+                value.fill(0.0);
+                known.fill(0.0);
+                for i in 2 * a..height.min(2 * a + 2) {
+                    read(i, weights, values);
+                    add_pairs(weights, known);
+                    add_pairs(values, value);
                 }
-                *known = total;
-                *value = if total > 0.0 { sum / total } else { 0.0 };
-            }
-        });
+                for (value, known) in value.iter_mut().zip(known) {
+                    *value = if *known > 0.0 { *value / *known } else { 0.0 };
+                }
+            },
+        );
     }
 
-    /// Interpolates bilinearly to row i of the level below, of which the cells here are the means: `take(column, value)`.
-    fn push(&self, i: usize, columns: usize, mut take: impl FnMut(usize, f64)) {
+    /// Interpolates the level below bilinearly, of which the cells here are the means: `write(i, row, interpolated)`.
+    fn push(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         let [height, width] = self.cells;
-        let near = self.row(&self.value, i / 2);
-        let far = self.row(&self.value, beside(i, height));
-        let across = |b: usize| self.trust * (0.75 * near[b] + 0.25 * far[b]);
-        let (mut before, mut here) = (across(width - 1), across(0));
-        for b in 0..width {
-            let after = across(if b + 1 < width { b + 1 } else { 0 });
-            take(2 * b, 0.75 * here + 0.25 * before);
-            if 2 * b + 1 < columns {
-                take(2 * b + 1, 0.75 * here + 0.25 * after);
-            }
-            (before, here) = (here, after);
-        }
+        rows(below, columns).enumerate().for_each_init(
+            || (vec![0.0; width + 2], vec![0.0; 2 * width]),
+            |(line, pushed), (i, row)| {
+                let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
+                let parents = at(&self.value, i / 2, width).iter().zip(at(&self.value, beside, width));
+                for (line, (near, far)) in line[1..].iter_mut().zip(parents) {
+                    *line = self.trust * (0.75 * near + 0.25 * far);
+                }
+                (line[0], line[width + 1]) = (line[width], line[1]);
+                for (pair, parents) in pushed.as_chunks_mut::<2>().0.iter_mut().zip(line.windows(3)) {
+                    *pair = [0, 2].map(|beside| 0.75 * parents[1] + 0.25 * parents[beside]);
+                }
+                write(i, row, pushed);
+            },
+        );
     }
-}
 
-/// The transpose of the interpolation.
-fn gather(
-    [height, width]: [usize; 2],
-    trust: f64,
-    image: &mut [f64],
-    [rows, columns]: [usize; 2],
-    child: impl Fn(usize, usize) -> f64 + Sync,
-) {
-    image.par_chunks_mut(width).with_min_len(few(columns)).enumerate().for_each(|(a, image)| {
-        image.fill(0.0);
-        for (i, across) in children(a, rows, height) {
-            for (b, image) in image.iter_mut().enumerate() {
-                let sum = if b > 0 && 2 * b + 2 < columns {
-                    let [p, q, r, s] = [2 * b - 1, 2 * b, 2 * b + 1, 2 * b + 2].map(|j| child(i, j));
-                    0.25 * (p + s) + 0.75 * (q + r)
-                } else {
-                    children(b, columns, width).map(|(j, along)| along * child(i, j)).sum()
-                };
-                *image += trust * across * sum;
-            }
-        }
-    });
+    /// The transpose of [`push`](Self::push): `add(i, line, part)` adds this part of row i below.
+    fn gather(&mut self, [below, columns]: [usize; 2], add: impl Fn(usize, &mut [f64], f64) + Sync) {
+        let [height, width] = self.cells;
+        // Interpolated from a cell are its own children, and the nearest of its neighbours.
+        let children = |cell: usize, cells: usize| {
+            let before = 2 * ((cell + cells - 1) % cells) + 1;
+            let after = 2 * ((cell + 1) % cells);
+            [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)]
+        };
+        rows(&mut self.value, width).enumerate().for_each_init(
+            // The last child is missing where the columns are odd in number: zero.
+            || vec![0.0; 2 * width],
+            |line, (a, image)| {
+                line.fill(0.0);
+                for (i, part) in children(a, height).into_iter().filter(|child| child.0 < below) {
+                    add(i, &mut line[..columns], part);
+                }
+                let pairs = line.as_chunks::<2>().0;
+                for (image, window) in image[1..].iter_mut().zip(pairs.windows(3)) {
+                    let [before, own, after] = [window[0], window[1], window[2]];
+                    *image = self.trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
+                }
+                for b in [0, width - 1] {
+                    let along = children(b, width).map(|(j, part)| part * line[j]);
+                    image[b] = self.trust * along.into_iter().sum::<f64>();
+                }
+            },
+        );
+    }
+
+    /// The transpose of the mean: `write(i, row, share)` with what a child gets of its parent, for each unit of weight.
+    fn spread(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
+        let width = self.cells[1];
+        rows(below, columns).enumerate().for_each_init(
+            || vec![0.0; 2 * width],
+            |share, (i, row)| {
+                let parents = at(&self.value, i / 2, width).iter().zip(at(&self.known, i / 2, width));
+                for (pair, (image, known)) in share.as_chunks_mut::<2>().0.iter_mut().zip(parents) {
+                    *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
+                }
+                write(i, row, share);
+            },
+        );
+    }
 }
 
 fn weight(known: f64, full: f64) -> f64 {
     if known < full { known / full } else { 1.0 }
 }
 
-/// What a child gets of the image of its parent, for each unit of its weight.
-fn share((images, known): (&[f64], &[f64]), parent: usize) -> f64 {
-    if known[parent] > 0.0 { images[parent] / known[parent] } else { 0.0 }
+fn add_pairs(line: &[f64], sums: &mut [f64]) {
+    let (pairs, last) = line.as_chunks::<2>();
+    for (sum, pair) in sums.iter_mut().zip(pairs) {
+        *sum += pair[0] + pair[1];
+    }
+    if let (Some(sum), Some(last)) = (sums.last_mut(), last.first()) {
+        *sum += last;
+    }
 }
 
-/// The cell on the other side of child i from its parent, on one periodic axis.
-fn beside(i: usize, cells: usize) -> usize {
-    let cell = i / 2;
-    if i % 2 == 1 { (cell + 1) % cells } else { (cell + cells - 1) % cells }
+/// Row i.
+fn at(field: &[f64], i: usize, columns: usize) -> &[f64] {
+    &field[i * columns..][..columns]
 }
 
-/// All children that are interpolated from `cell`, with its weight: its own, and the nearest of its neighbours.
-fn children(cell: usize, points: usize, cells: usize) -> impl Iterator<Item = (usize, f64)> {
-    let before = 2 * ((cell + cells - 1) % cells) + 1;
-    let after = 2 * ((cell + 1) % cells);
-    [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)].into_iter().filter(move |c| c.0 < points)
+/// All rows, shared out in tasks that are worth it.
+fn rows(field: &mut [f64], columns: usize) -> impl IndexedParallelIterator<Item = &mut [f64]> {
+    field.par_chunks_mut(columns).with_min_len(1 + 8192 / columns)
 }
 
-/// Rows of so many columns that are worth a task.
-fn few(columns: usize) -> usize {
-    1 + 4096 / columns
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: [[usize; 2]; 9] = [[16, 16], [7, 12], [12, 7], [1, 9], [9, 1], [33, 2], [3, 3], [2, 2], [1, 2]];
+
+    /// Half-space: stiffness in proportion to the wave number.
+    fn extension(points: [usize; 2], floating: bool) -> Extension {
+        Extension::new(points, floating, |periods| periods as f64)
+    }
+
+    /// Spread out, repeatable, in −1 to 1.
+    fn noise(n: usize, seed: f64) -> Vec<f64> {
+        (0..n).map(|i| 2.0 * ((i as f64 + 1.0) * 0.618_034 + seed * 0.754_878).fract() - 1.0).collect()
+    }
+
+    /// A third of the points in contact, in no order; residuals of both signs.
+    fn field([nx, ny]: [usize; 2]) -> (Vec<f64>, Vec<f64>) {
+        let x = noise(nx * ny, 0.3).iter().map(|v| (v - 0.3).max(0.0)).collect();
+        (x, noise(nx * ny, 7.1))
+    }
+
+    #[test]
+    fn known_values_and_constants_are_kept() {
+        for points in SHAPES {
+            let (x, mut gradient) = field(points);
+            let mut out = vec![f64::NAN; x.len()];
+            extension(points, true).extend(Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+            for (k, out) in out.iter().enumerate() {
+                assert!(x[k] == 0.0 || *out == gradient[k] - 0.2, "{points:?} {k}");
+                assert!(x[k] > 0.0 || *out == gradient[k] - 0.2 || *out <= 0.8, "a mean of the others");
+            }
+            gradient.fill(0.7);
+            if x.iter().any(|x| *x > 0.0) {
+                extension(points, true).extend(Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+                assert!(out.iter().all(|out| (out - 0.5).abs() < 1e-15), "{points:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_transpose_is_one() {
+        for points in SHAPES {
+            for floating in [false, true] {
+                let (x, gradient) = field(points);
+                let known = Known { x: &x, gradient: &gradient, level: -0.1 };
+                let mut extension = extension(points, floating);
+                let mut extended = vec![0.0; x.len()];
+                extension.extend(known, &mut extended);
+                let traction = noise(x.len(), 3.3);
+                let mut image = traction.clone();
+                extension.transpose(known, &extended, &mut image);
+                let direct: f64 = extended.iter().zip(&traction).map(|(a, b)| a * b).sum();
+                let around: f64 = gradient.iter().zip(&image).map(|(g, z)| (g + 0.1) * z).sum();
+                assert!((direct - around).abs() < 1e-13 * x.len() as f64, "{points:?}: {direct} {around}");
+                let free = |k: usize| x[k] > 0.0 || extended[k] == gradient[k] + 0.1;
+                assert!((0..x.len()).all(|k| free(k) || image[k] == 0.0), "{points:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_known_is_zero_and_floating_or_not_decides_what_is_far() {
+        let points = [64, 64];
+        let mut x = vec![0.0; 4096];
+        let mut gradient = vec![1.0; 4096];
+        let far = 32 * 64 + 32;
+        let value = |x: &[f64], gradient: &[f64], floating| {
+            let mut out = vec![f64::NAN; 4096];
+            extension(points, floating).extend(Known { x, gradient, level: 0.0 }, &mut out);
+            out[far]
+        };
+        assert_eq!(value(&x, &gradient, true), 0.0);
+        assert_eq!(value(&x, &gradient, false), 0.0);
+        x[0] = 1.0;
+        assert_eq!(value(&x, &gradient, true), 1.0);
+        assert!((0.0..0.01).contains(&value(&x, &gradient, false)));
+        gradient[far] = -0.5;
+        assert_eq!(value(&x, &gradient, true), -0.5, "a point that is about to enter");
+    }
+
+    #[test]
+    fn waves_as_stiff_as_their_octave_are_not_continued() {
+        let (x, gradient) = field([16, 16]);
+        let mut out = vec![f64::NAN; 256];
+        let known = Known { x: &x, gradient: &gradient, level: -2.0 };
+        Extension::new([16, 16], true, |_| 1.0).extend(known, &mut out);
+        assert!(out.iter().zip(&x).all(|(out, x)| *x > 0.0 || *out == 0.0));
+    }
 }

@@ -9,11 +9,16 @@ use crate::quadratic::{
 ///
 /// With a prescribed mean the directions are kept free of a mean, so that a step keeps it too and the exact step length
 /// needs only the [`curvature`](Quadratic::curvature) of the direction, not the image of it.
+///
+/// It converges on contact problems, but there is no proof, and on small dense ones it may cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PolonskyKeer;
 
 /// The positive variables count as at rest when their rms gradient is this part of the lowest gradient outside.
 const AT_REST: f64 = 1e-3;
+
+/// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
+const LEAST_DESCENT: f64 = 0.1;
 
 impl PolonskyKeer {
     /// Minimises from `x` on, in place; `watch` sees every iterate. The last image of the iteration, the gradient, is
@@ -57,7 +62,11 @@ impl PolonskyKeer {
             };
             residual_before = sweep.squares;
             let free = |x: f64, g: f64| x > 0.0 || (at_rest && g < 0.0);
-            let slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
+            let mut slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
+            if slope < LEAST_DESCENT * sweep.squares {
+                // What is left of the old direction, on fewer variables, leads uphill: start over.
+                slope = turn(&mut direction, x, &gradient, 0.0, 0.0, &free);
+            }
             let step = step_length(slope, problem.curvature(&direction), now)?;
             let (entered, sum) = advance(x, &direction, &gradient, step);
             conjugate = entered == 0 && !at_rest;

@@ -35,7 +35,7 @@ const CHANGE: f64 = 10.0;
 const HALVINGS: usize = 30;
 
 /// How well μ has to keep the mean; a factor does the rest.
-const MEAN: f64 = 1e-3;
+const MEAN: f64 = 1e-2;
 
 /// Part of the descent of z that a conjugate direction must keep to be used.
 const LEAST_DESCENT: f64 = 0.1;
