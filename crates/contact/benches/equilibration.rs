@@ -1,0 +1,54 @@
+//! Equilibration of a rough surface under load by each solver: 2048² points, H = 0.8, p* = 0.05, to 1e-8.
+//!
+//! `cargo bench -p gfmd-contact` runs the fast ones. The dynamics take minutes for each sample: name them to run them,
+//! `cargo bench -p gfmd-contact -- Verlet`. A smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p gfmd-contact`.
+#![expect(missing_docs, reason = "the macros of criterion make undocumented functions")]
+
+use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
+use gfmd_contact::{Contact, Control, Settings, Solver, SurfaceResponse};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_surface::Discretisation;
+
+const SOLVERS: [(Solver, bool); 6] = [
+    (Solver::PreconditionedCg, true),
+    (Solver::ProjectedCg, true),
+    (Solver::PolonskyKeer, true),
+    (Solver::Verlet, false),
+    (Solver::VerletCritical, false),
+    (Solver::Fire, false),
+];
+
+fn equilibration(criterion: &mut Criterion) {
+    let n: usize = std::env::var("GFMD_BENCH_POINTS").ok().and_then(|n| n.parse().ok()).unwrap_or(2048);
+    let named = std::env::args().skip(1).any(|argument| !argument.starts_with('-'));
+    let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
+    let grid = Grid::square(n, 1.0).expect("a grid");
+    let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 1).expect("a surface");
+    let material = Material::from_contact_modulus(1.0, 0.0).expect("a material");
+    let response = SurfaceResponse::new(grid, &Body::half_space(material));
+    let contact = Contact::new(&response, heights.view()).expect("a contact");
+    let mut group = criterion.benchmark_group(format!("equilibration_{n}"));
+    group.sample_size(10).sampling_mode(SamplingMode::Flat).warm_up_time(Duration::from_millis(1));
+    for (solver, fast) in SOLVERS {
+        if !fast && !named && n > 512 {
+            continue;
+        }
+        let settings = Settings { solver, ..Settings::default() };
+        let mut watch = |_: &_| ControlFlow::Continue(());
+        group.bench_function(format!("{solver:?}"), |bencher| {
+            bencher.iter(|| {
+                let load = Control::MeanPressure(0.05 * 0.1);
+                black_box(contact.solve(load, &settings, None, &mut watch).expect("converges"))
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, equilibration);
+criterion_main!(benches);
