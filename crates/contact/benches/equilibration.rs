@@ -2,7 +2,6 @@
 //!
 //! `cargo bench -p gfmd-contact` runs the fast ones. The dynamics take minutes for each sample: name them to run them,
 //! `cargo bench -p gfmd-contact -- Verlet`. A smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p gfmd-contact`.
-#![expect(missing_docs, reason = "the macros of criterion make undocumented functions")]
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
