@@ -2,8 +2,8 @@
 
     yardstick.py '{"sizes": [N, ...], "threads": [T, ...], "fftw": {...}, "wisdom": FILE, "seconds": S}'
 
-Prints {"version": .., "pairs": [{"n": .., "threads": .., "seconds": [one mean per batch]}, ...]}. Plans are kept in FILE,
-since they take long to find.
+Prints {"version": .., "pairs": [{"n": .., "threads": .., "seconds": [one mean per batch], "share": ..}, ...]}. Plans
+are kept in FILE, since they take long to find. A share below 1 on one thread says that others used the processor.
 """
 
 import ctypes
@@ -30,7 +30,7 @@ class Fftw:
         self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.library, "fftw_version"))).decode()
 
     def pair(self, n, threads, budget):
-        """Means of batches of pairs, for `budget` seconds."""
+        """Means of batches of pairs, for `budget` seconds, and the share of the threads' time that was processor time."""
         if self.parallel:
             self.parallel.fftw_plan_with_nthreads(threads)
         real, spectrum = self.library.fftw_malloc(8 * n * n), self.library.fftw_malloc(16 * n * (n // 2 + 1))
@@ -49,12 +49,14 @@ class Fftw:
 
         batch(2)
         count = max(1, int(budget / 10 / batch(3)))
+        wall, cpu = time.perf_counter(), time.process_time()
         seconds = [batch(count) for _ in range(10)]
+        share = (time.process_time() - cpu) / ((time.perf_counter() - wall) * threads)
         self.library.fftw_destroy_plan(forward)
         self.library.fftw_destroy_plan(inverse)
         self.library.fftw_free(real)
         self.library.fftw_free(spectrum)
-        return seconds
+        return seconds, share
 
 
 def main():
@@ -68,7 +70,8 @@ def main():
         for threads in task["threads"]:
             if threads > 1 and not fftw.parallel:
                 sys.exit("this FFTW has no threads")
-            pairs.append({"n": n, "threads": threads, "seconds": fftw.pair(n, threads, task["seconds"])})
+            seconds, share = fftw.pair(n, threads, task["seconds"])
+            pairs.append({"n": n, "threads": threads, "seconds": seconds, "share": share})
     fftw.library.fftw_export_wisdom_to_filename(wisdom)
     print(json.dumps({"version": fftw.version, "pairs": pairs}))
 

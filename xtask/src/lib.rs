@@ -2,6 +2,7 @@
 //! report out that prints itself as a table or as JSON (docs/interface.md).
 
 pub mod archive;
+pub mod bench_peers;
 pub mod contact;
 pub mod elastic;
 pub mod failure;

@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use gfmd_xtask::failure::Failure;
 use gfmd_xtask::session::{Common, Session};
-use gfmd_xtask::{contact, green, json, kappa_sweep, surface};
+use gfmd_xtask::{bench_peers, contact, green, json, kappa_sweep, surface};
 use serde::Serialize;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
@@ -29,6 +29,8 @@ enum Command {
     KappaSweep(Box<kappa_sweep::Args>),
     /// Make a rough surface, or measure one
     Surface(Box<surface::Args>),
+    /// Time other programs on the same contacts, to the same certified residual
+    BenchPeers(Box<bench_peers::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
 }
@@ -61,6 +63,7 @@ fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
             kappa_sweep::Outcome::Planned(plan) => print(&plan, as_json),
             kappa_sweep::Outcome::Config(text) => write(&text),
         },
+        Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, as_json),
         Command::Surface(args) => print(&surface::run(args, session)?, as_json),
         Command::Green(args) => print(&green::run(args)?, as_json),
     }

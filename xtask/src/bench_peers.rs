@@ -1,0 +1,251 @@
+//! `bench-peers`: the same contacts by this program and by others, to the same certified residual, timed side by side.
+//!
+//! The peers run as they are installed from PyPI into a Python environment of their own, every solve in a process of its
+//! own. One routine, in NumPy and shared with none of them, judges the final pressure of everyone (peers/certify.py).
+
+mod contestant;
+mod judge;
+mod measure;
+mod process;
+mod python;
+mod report;
+mod tolerance;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_field::Grid;
+use gfmd_surface::{SelfAffine, Statistics};
+use ndarray_npy::write_npy;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::session::{Session, machine};
+
+use contestant::{Contestant, Problem};
+use measure::Bench;
+use python::Environment;
+pub use report::{Case, Entry, Report, Timing};
+
+/// Flags of `bench-peers`.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[command(after_help = "Examples:
+  cargo xtask bench-peers --quick
+  cargo xtask bench-peers --write-docs
+  cargo xtask bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
+pub struct Args {
+    /// Points along a side
+    #[arg(long, value_delimiter = ',', default_values_t = [512, 1024, 2048], value_name = "N,..")]
+    pub sizes: Vec<usize>,
+    /// Hurst exponents
+    #[arg(long, value_delimiter = ',', default_values_t = [0.8, 0.0], value_name = "H,..")]
+    pub hurst: Vec<f64>,
+    /// Reduced pressures p/(E* g)
+    #[arg(long, value_delimiter = ',', default_values_t = [0.01, 0.05, 0.2], value_name = "P,..")]
+    pub p_star: Vec<f64>,
+    /// Numbers of threads to compare at
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
+    pub thread_counts: Vec<usize>,
+    /// Names the surfaces
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The residual that everyone must reach, in complementarity, penetration, negative pressure and load
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
+    pub tol: f64,
+    /// Solvers of this program to run
+    #[arg(long, value_delimiter = ',', default_values_t = ["auto".to_owned(), "cg".to_owned()], value_name = "SOLVER,..")]
+    pub solvers: Vec<String>,
+    /// Other programs to run
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart])]
+    pub peers: Vec<Peer>,
+    /// The transforms that Tamaas gets
+    #[arg(long, value_enum, default_value_t = TamaasFftw::Preloaded)]
+    pub tamaas_fftw: TamaasFftw,
+    /// Times a solve is repeated at least, up to 1024 x 1024 points; larger ones may run once. The median counts
+    #[arg(long, default_value_t = 3, value_name = "K")]
+    pub repeats: usize,
+    /// Leave out solves of peers that take longer than this, or are expected to
+    #[arg(long, default_value_t = 1800.0, value_name = "SECONDS")]
+    pub patience: f64,
+    /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
+    #[arg(long, conflicts_with_all = ["sizes", "hurst", "p_star", "repeats"])]
+    pub quick: bool,
+    /// The Python to make the environment with
+    #[arg(long, default_value = "python3", value_name = "PROGRAM")]
+    pub python: PathBuf,
+    /// Folder of the environment, made when missing [default: bench-peers/venv beside the build]
+    #[arg(long, value_name = "FOLDER")]
+    pub venv: Option<PathBuf>,
+    /// Write the page of the documentation
+    #[arg(long, num_args = 0..=1, default_missing_value = "docs/benchmarks.md", value_name = "FILE.md")]
+    pub write_docs: Option<PathBuf>,
+}
+
+/// Other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Peer {
+    /// Tamaas, PolonskyKeerRey
+    Tamaas,
+    /// ContactMechanics, its default solver
+    ContactMechanics,
+    /// ContactMechanics with NuMPI's conjugate gradients without restart, given the displacement
+    NoRestart,
+    /// The same under a load, which costs it more
+    NoRestartLoad,
+}
+
+/// Where the transforms of Tamaas come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TamaasFftw {
+    /// An FFTW with vector code, preloaded; plans are estimated, as Tamaas asks for
+    Preloaded,
+    /// The same with measured plans, which its users do not get
+    Tuned,
+    /// As installed: the FFTW inside its package
+    Own,
+}
+
+impl Args {
+    /// The arguments with the small set of `--quick` filled in.
+    fn resolved(&self) -> Self {
+        let mut args = self.clone();
+        if self.quick {
+            (args.sizes, args.hurst, args.p_star, args.repeats) = (vec![128, 256], vec![0.8], vec![0.05], 1);
+        }
+        args.sizes.sort_unstable();
+        args.thread_counts.sort_unstable();
+        args
+    }
+
+    fn check(&self) -> Result<(), Failure> {
+        let positive = |flag, values: &[f64]| match values.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+            Some(bad) => Err(Failure::input(flag, format!("a positive, finite number is allowed, found {bad}"))),
+            None => Ok(()),
+        };
+        positive("--p-star", &self.p_star)?;
+        positive("--patience", &[self.patience])?;
+        if !(1e-12..=1e-3).contains(&self.tol) {
+            return Err(Failure::input("--tol", format!("1e-12 to 1e-3 is allowed, found {}", self.tol)));
+        }
+        if let Some(bad) = self.sizes.iter().find(|n| **n < 32) {
+            return Err(Failure::input("--sizes", format!("at least 32 points are allowed, found {bad}")));
+        }
+        if self.repeats == 0 {
+            return Err(Failure::input("--repeats", "at least 1 is allowed, found 0"));
+        }
+        if self.thread_counts.contains(&0) {
+            return Err(Failure::input("--thread-counts", "at least 1 is allowed, found 0"));
+        }
+        let empty = [
+            ("--sizes", self.sizes.is_empty()),
+            ("--hurst", self.hurst.is_empty()),
+            ("--p-star", self.p_star.is_empty()),
+            ("--thread-counts", self.thread_counts.is_empty()),
+            ("--solvers", self.solvers.is_empty()),
+        ];
+        match empty.into_iter().find(|(_, empty)| *empty) {
+            Some((flag, _)) => Err(Failure::input(flag, "at least one value is needed")),
+            None => Ok(()),
+        }
+    }
+
+    /// Everyone who competes; the first is the one that others are compared with.
+    fn contestants(&self) -> Vec<Contestant> {
+        let own = self.solvers.iter().cloned().map(Contestant::Own);
+        own.chain(self.peers.iter().copied().map(Contestant::Peer)).collect()
+    }
+}
+
+/// Cell length over longest wavelength, and grid points per shortest wavelength, of every surface.
+const EPS_T_INV: f64 = 2.0;
+const EPS_C_INV: f64 = 4.0;
+
+/// Points along the side of a surface that takes no memory to speak of.
+const SMALL: usize = 32;
+
+/// Spectral rms gradient of every surface.
+const RMS_GRADIENT: f64 = 0.1;
+
+/// Runs the command. What is finished when something fails is kept in a file that the failure names.
+///
+/// # Errors
+/// Unusable input; an environment that cannot be made; a solve of this program that fails; anyone whose answer is
+/// certified less well than asked or differs from that of the others.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let args = args.resolved();
+    args.check()?;
+    let folder = work_folder()?;
+    let environment = Environment::prepare(&args, &folder, session)?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let (possible, too_many): (Vec<usize>, Vec<usize>) = args.thread_counts.iter().partition(|t| **t <= cores);
+    if possible.is_empty() {
+        return Err(Failure::input("--thread-counts", format!("1 to {cores} is allowed here, found {too_many:?}")));
+    }
+    let mut report = Report {
+        date: jiff::Zoned::now().date().to_string(),
+        machine: machine(),
+        commit: env!("GFMD_GIT_COMMIT").into(),
+        versions: environment.versions(),
+        fftw: environment.fftw_in_words(),
+        tamaas_fftw: environment.tamaas_fftw,
+        contestants: args.contestants().iter().map(ToString::to_string).collect(),
+        tolerance: args.tol,
+        seed: args.seed,
+        cases: Vec::new(),
+        notes: environment.notes.clone(),
+        kept: folder.join("bench-peers.json"),
+    };
+    if !too_many.is_empty() {
+        report.notes.push(format!("{too_many:?} threads were left out: there are {cores} cores"));
+    }
+    let small = problems(&args, SMALL, 0.8, environment.scratch())?;
+    let mut bench = Bench::new(&args, possible, &small[0], &environment, session)?;
+    for &points in &args.sizes {
+        for &hurst in &args.hurst {
+            let problems = problems(&args, points, hurst, environment.scratch())?;
+            for problem in &problems {
+                let done = bench.case(problem, &mut report.notes).map_err(|failure| report.keep_after(failure))?;
+                report.cases.push(done);
+                report.keep()?;
+            }
+        }
+    }
+    if let Some(file) = &args.write_docs {
+        report.write_page(file)?;
+    }
+    Ok(report)
+}
+
+/// Where this command keeps its things: beside the build.
+fn work_folder() -> Result<PathBuf, Failure> {
+    let program = std::env::current_exe().ok();
+    let build = program.as_deref().and_then(|file| file.parent()?.parent()).map(PathBuf::from);
+    let folder = build.unwrap_or_else(|| "target".into()).join("bench-peers");
+    let made = std::fs::create_dir_all(&folder);
+    made.map_err(|error| Failure::Computation(format!("{}: {error}", folder.display())))?;
+    Ok(folder)
+}
+
+/// The loads of one surface, which is written where everyone can read it.
+fn problems(args: &Args, points: usize, hurst: f64, folder: &std::path::Path) -> Result<Vec<Problem>, Failure> {
+    let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
+    let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
+    let shortest = EPS_C_INV / points as f64;
+    let spectrum = SelfAffine::new(hurst, 1.0 / EPS_T_INV, shortest, RMS_GRADIENT);
+    let heights = spectrum.heights(&grid, args.seed).map_err(|error| refuse(&error))?;
+    let statistics = Statistics::of(&heights, &grid).map_err(|error| refuse(&error))?;
+    let rms_gradient = statistics.moments.rms_gradient();
+    let file = folder.join(format!("h-{points}-{hurst}.npy"));
+    write_npy(&file, &heights).map_err(|error| Failure::Computation(format!("{}: {error}", file.display())))?;
+    let answer = args.contestants()[0].pressure_file(folder, 1);
+    let load = |&p_star: &f64| {
+        let mean_pressure = p_star * rms_gradient;
+        Problem { points, hurst, p_star, mean_pressure, heights: file.clone(), answer: answer.clone() }
+    };
+    Ok(args.p_star.iter().map(load).collect())
+}

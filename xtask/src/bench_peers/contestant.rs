@@ -1,0 +1,180 @@
+//! Who competes, and one solve by each.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::process::{Ended, output};
+use super::python::{Environment, Script};
+use super::{Peer, TamaasFftw};
+use crate::load::LoadRecord;
+use crate::session::Session;
+
+/// A program with a solver.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Contestant {
+    /// This program with one of its solvers.
+    Own(String),
+    /// Another one.
+    Peer(Peer),
+}
+
+impl fmt::Display for Contestant {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Own(solver) if solver == "auto" => f.write_str("gfmd"),
+            Self::Own(solver) => write!(f, "gfmd {solver}"),
+            Self::Peer(Peer::Tamaas) => f.write_str("Tamaas"),
+            Self::Peer(Peer::ContactMechanics) => f.write_str("ContactMechanics"),
+            Self::Peer(Peer::NoRestart) => f.write_str("CM no-restart"),
+            Self::Peer(Peer::NoRestartLoad) => f.write_str("CM no-restart, load"),
+        }
+    }
+}
+
+/// One load on one surface; E* = 1, cell length 1.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    pub(super) points: usize,
+    pub(super) hurst: f64,
+    pub(super) p_star: f64,
+    pub(super) mean_pressure: f64,
+    pub(super) heights: PathBuf,
+    /// Where the first contestant leaves its pressure.
+    pub(super) answer: PathBuf,
+}
+
+/// What is known of one solve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Solve {
+    /// Wall time of the solve alone.
+    pub(super) seconds: f64,
+    pub(super) iterations: Option<u64>,
+    pub(super) transform_pairs: Option<f64>,
+    /// Largest resident memory of the process.
+    pub(super) peak_bytes: u64,
+    /// That before the surface was read; of this program, that with next to no surface.
+    pub(super) baseline_bytes: u64,
+}
+
+/// Where and how to run a solve.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub(super) environment: &'a Environment,
+    pub(super) session: &'a Session,
+    pub(super) limit: Duration,
+    /// Memory of this program on next to no points.
+    pub(super) own_baseline: u64,
+}
+
+impl Contestant {
+    /// Whether more than one thread changes anything.
+    pub(super) fn is_threaded(&self, environment: &Environment) -> bool {
+        match self {
+            Self::Own(_) => true,
+            Self::Peer(Peer::Tamaas) => environment.tamaas_has_threads(),
+            Self::Peer(_) => false,
+        }
+    }
+
+    /// Where the final pressure goes. That of this program is the same for any number of threads.
+    pub(super) fn pressure_file(&self, folder: &Path, threads: usize) -> PathBuf {
+        let name = self.to_string().replace([' ', ','], "-");
+        folder.join(match self {
+            Self::Own(_) => format!("{name}.h5"),
+            Self::Peer(_) => format!("{name}-{threads}.npy"),
+        })
+    }
+
+    /// Solves to `tolerance`, which means something else to each, and leaves the final pressure in `out` (.h5 by this
+    /// program, which is not asked to write any without a name; .npy by the others, always).
+    pub(super) fn solve(
+        &self,
+        problem: &Problem,
+        tolerance: f64,
+        threads: usize,
+        out: Option<&Path>,
+        place: Place,
+    ) -> Result<Solve, Ended> {
+        let task = |more: serde_json::Value| {
+            let mut task = json!({
+                "heights": problem.heights,
+                "mean_pressure": problem.mean_pressure,
+                "tolerance": tolerance,
+                "threads": threads,
+                "answer": problem.answer,
+                "out": out.map_or_else(|| place.environment.scratch().join("unused.npy"), Path::to_path_buf),
+            });
+            if let (Some(task), serde_json::Value::Object(more)) = (task.as_object_mut(), more) {
+                task.extend(more);
+            }
+            task
+        };
+        let environment = place.environment;
+        match self {
+            Self::Own(solver) => own(solver, problem, tolerance, threads, out, place),
+            Self::Peer(Peer::Tamaas) => {
+                let measured = environment.tamaas_fftw == TamaasFftw::Tuned;
+                let fftw = environment.preloaded();
+                let plans = if measured { "measured" } else { "estimated" };
+                let task = task(json!({ "fftw": fftw, "plans": plans }));
+                environment.run_within(Script::Tamaas, &task, place.limit, place.session)
+            }
+            Self::Peer(peer) => {
+                let solver = match peer {
+                    Peer::NoRestart => "no-restart",
+                    Peer::NoRestartLoad => "no-restart-load",
+                    _ => "default",
+                };
+                let task = task(json!({ "solver": solver }));
+                environment.run_within(Script::ContactMechanics, &task, place.limit, place.session)
+            }
+        }
+    }
+}
+
+/// What the command `contact` prints, as far as it is needed here.
+#[derive(Deserialize)]
+struct Contact {
+    loads: Vec<LoadRecord>,
+    peak_bytes: u64,
+}
+
+/// This program is started anew, so that its memory can be told and nothing is warm that would be cold for others.
+fn own(
+    solver: &str,
+    problem: &Problem,
+    tolerance: f64,
+    threads: usize,
+    out: Option<&Path>,
+    place: Place,
+) -> Result<Solve, Ended> {
+    let program = std::env::current_exe().map_err(|error| Ended::Failed(error.to_string()))?;
+    let mut command = Command::new(program);
+    command.args(["contact", "--json", "--quiet", "--length", "1", "--e-star", "1"]);
+    command.arg("--surface").arg(&problem.heights);
+    command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
+    command.arg("--tol").arg(format!("{tolerance:e}"));
+    command.arg("--threads").arg(threads.to_string());
+    if solver != "auto" {
+        command.arg("--solver").arg(solver);
+    }
+    if let Some(out) = out {
+        command.arg("--out").arg(out);
+    }
+    let printed = output(&mut command, place.limit, place.session)?;
+    let unreadable = |what: &str| Ended::Failed(format!("the output of contact has {what}"));
+    let contact: Contact = serde_json::from_str(&printed).map_err(|error| unreadable(&error.to_string()))?;
+    let [load] = &contact.loads[..] else { return Err(unreadable("not exactly one load")) };
+    Ok(Solve {
+        seconds: load.seconds,
+        iterations: Some(load.iterations),
+        transform_pairs: Some(load.transform_pairs),
+        peak_bytes: contact.peak_bytes,
+        baseline_bytes: place.own_baseline,
+    })
+}

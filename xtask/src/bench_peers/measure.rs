@@ -1,0 +1,300 @@
+//! One case: everyone solves it, everyone is judged, everyone is timed between two looks at the yardstick.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::Args;
+use super::contestant::{Contestant, Place, Problem, Solve};
+use super::judge::{Verdict, judge};
+use super::process::Ended;
+use super::python::{Environment, Yardstick};
+use super::report::{Case, Entry, Timing, in_words};
+use super::tolerance::loosest;
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// The largest grid on which solves are repeated, points along a side.
+const REPEATED: usize = 1024;
+
+/// Short solves are repeated until they have taken so long together, in seconds, or so often.
+const WORTHWHILE: f64 = 2.0;
+const OFTEN: usize = 9;
+
+/// A solve of a peer that took longer than this, in seconds, while its tolerance was looked for counts as timed.
+const LENGTHY: f64 = 20.0;
+
+/// Time of a peer grows with about this power of the points along a side.
+const GROWTH: f64 = 3.0;
+
+/// Residuals of two equal solves differ by rounding: what is found once must hold again.
+const MARGIN: f64 = 0.98;
+
+/// What is known of a peer on a smaller grid.
+#[derive(Clone, Copy)]
+struct Known {
+    points: usize,
+    tolerance: f64,
+    seconds: f64,
+}
+
+/// Surface and load, without the grid: Hurst exponent and reduced pressure, bit by bit.
+type Kind = [u64; 2];
+
+pub(super) struct Bench<'a> {
+    args: &'a Args,
+    threads: Vec<usize>,
+    environment: &'a Environment,
+    session: &'a Session,
+    contestants: Vec<Contestant>,
+    known: HashMap<(String, Kind), Known>,
+    own_baseline: u64,
+}
+
+/// A contestant that takes part in a case.
+struct Starter {
+    contestant: Contestant,
+    /// What it is asked for.
+    tolerance: f64,
+    /// A solve on the first number of threads that need not be run again.
+    first: Option<Solve>,
+    /// Iterations and transform pairs of this program, which must be the same every time.
+    cost: Option<(Option<u64>, Option<f64>)>,
+}
+
+impl<'a> Bench<'a> {
+    /// `small` is a problem of next to no points: what this program takes for it, it takes for nothing.
+    pub(super) fn new(
+        args: &'a Args,
+        threads: Vec<usize>,
+        small: &Problem,
+        environment: &'a Environment,
+        session: &'a Session,
+    ) -> Result<Self, Failure> {
+        let (contestants, known) = (args.contestants(), HashMap::new());
+        let mut bench = Self { args, threads, environment, session, contestants, known, own_baseline: 0 };
+        let most = bench.most_threads();
+        let first = bench.contestants[0].clone();
+        let solve = first.solve(small, args.tol, most, None, bench.place());
+        bench.own_baseline = solve.map_err(|ended| ended.failure(&first.to_string()))?.peak_bytes;
+        Ok(bench)
+    }
+
+    fn most_threads(&self) -> usize {
+        self.threads.iter().copied().max().unwrap_or(1)
+    }
+
+    /// Everything about one problem. Peers that cannot are left out with a note.
+    pub(super) fn case(&mut self, problem: &Problem, notes: &mut Vec<String>) -> Result<Case, Failure> {
+        let name = format!("{0} x {0}, H = {1}, p* = {2}", problem.points, problem.hurst, problem.p_star);
+        tracing::info!("{name}");
+        let mut starters = Vec::new();
+        for contestant in self.contestants.clone() {
+            match &contestant {
+                Contestant::Own(_) => starters.push(self.own(contestant, problem)?),
+                Contestant::Peer(_) => match self.peer(&contestant, problem) {
+                    Ok(starter) => starters.push(starter),
+                    Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure(&name)),
+                    Err(ended) => {
+                        let note = format!("{contestant} is left out at {name}: {}", ended.in_words());
+                        tracing::warn!("{note}");
+                        notes.push(note);
+                    }
+                },
+            }
+        }
+        self.compare(problem, &name, starters)
+    }
+
+    fn place(&self) -> Place<'a> {
+        let limit = Duration::from_secs_f64(self.args.patience);
+        Place { environment: self.environment, session: self.session, limit, own_baseline: self.own_baseline }
+    }
+
+    fn file(&self, contestant: &Contestant, threads: usize) -> PathBuf {
+        contestant.pressure_file(self.environment.scratch(), threads)
+    }
+
+    /// Writes the pressure of this program, once for any number of threads.
+    fn own(&self, contestant: Contestant, problem: &Problem) -> Result<Starter, Failure> {
+        let threads = self.most_threads();
+        let file = self.file(&contestant, threads);
+        let solve = contestant.solve(problem, self.args.tol, threads, Some(&file), self.place());
+        let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
+        let cost = Some((solve.iterations, solve.transform_pairs));
+        Ok(Starter { contestant, tolerance: self.args.tol, first: None, cost })
+    }
+
+    /// Finds the loosest tolerance that a peer needs.
+    fn peer(&mut self, contestant: &Contestant, problem: &Problem) -> Result<Starter, Ended> {
+        let key = (contestant.to_string(), [problem.hurst.to_bits(), problem.p_star.to_bits()]);
+        let known = self.known.get(&key).copied();
+        if let Some(known) = known {
+            let expected = known.seconds * (problem.points as f64 / known.points as f64).powf(GROWTH);
+            if expected > self.args.patience {
+                return Err(Ended::TooLong(Duration::from_secs_f64(self.args.patience)));
+            }
+        }
+        let threads = if contestant.is_threaded(self.environment) { self.threads[0] } else { 1 };
+        let file = self.file(contestant, threads);
+        let reference = &self.contestants[0];
+        let fields = BTreeMap::from([
+            (reference.to_string(), self.file(reference, threads)),
+            (contestant.to_string(), file.clone()),
+        ]);
+        let mut last = f64::NAN;
+        let found =
+            loosest(MARGIN * self.args.tol, known.map_or(self.args.tol, |known| known.tolerance), |tolerance| {
+                let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place())?;
+                let verdicts = judge(problem, &fields, &reference.to_string(), self.environment, self.session)?;
+                let residual = verdicts.get(&contestant.to_string()).map_or(f64::NAN, Verdict::worst);
+                tracing::debug!(
+                    "{contestant}: asked for {tolerance:.2e}, certified {residual:.2e}, {:.3} s",
+                    solve.seconds
+                );
+                last = tolerance;
+                Ok((residual, solve))
+            })?;
+        let Some(found) = found else {
+            return Err(Ended::Failed(format!("it cannot be brought to a certified residual of {:e}", self.args.tol)));
+        };
+        let seconds = found.solve.seconds;
+        self.known.insert(key, Known { points: problem.points, tolerance: found.tolerance, seconds });
+        let is_final = found.tolerance == last && self.repeats(problem) == 1 && seconds > LENGTHY;
+        let first = is_final.then_some(found.solve);
+        Ok(Starter { contestant: contestant.clone(), tolerance: found.tolerance, first, cost: None })
+    }
+
+    fn repeats(&self, problem: &Problem) -> usize {
+        if problem.points <= REPEATED { self.args.repeats } else { 1 }
+    }
+
+    fn is_lacking(&self, problem: &Problem, done: &[Solve]) -> bool {
+        let seconds: f64 = done.iter().map(|solve| solve.seconds).sum();
+        done.len() < self.repeats(problem) || (done.len() < OFTEN && seconds < WORTHWHILE)
+    }
+
+    /// Times everyone in turns, so that a busy spell of the machine hits all, and judges what they leave.
+    fn compare(&self, problem: &Problem, name: &str, starters: Vec<Starter>) -> Result<Case, Failure> {
+        let before = self.environment.yardstick(problem.points, &self.threads, self.session)?;
+        let mut solves: Vec<BTreeMap<usize, Vec<Solve>>> = vec![BTreeMap::new(); starters.len()];
+        for (starter, solves) in starters.iter().zip(&mut solves) {
+            if let Some(first) = &starter.first {
+                solves.insert(self.used(&starter.contestant, self.threads[0]), vec![first.clone()]);
+            }
+        }
+        let mut lacking = true;
+        while lacking {
+            lacking = false;
+            for (starter, solves) in starters.iter().zip(&mut solves) {
+                let mut used: Vec<usize> = self.threads.iter().map(|t| self.used(&starter.contestant, *t)).collect();
+                used.dedup();
+                for threads in used {
+                    let done = solves.entry(threads).or_default();
+                    if self.is_lacking(problem, done) {
+                        done.push(self.time(starter, problem, threads)?);
+                        lacking = true;
+                    }
+                }
+            }
+        }
+        let after = self.environment.yardstick(problem.points, &self.threads, self.session)?;
+        let mut timings = Vec::new();
+        for &threads in &self.threads {
+            let (yardstick_seconds, processor_share) = yardstick(&before, &after, threads);
+            let verdicts = self.verdicts(problem, name, &starters, threads)?;
+            let mut entries: Vec<Entry> = Vec::new();
+            for (starter, solves) in starters.iter().zip(&solves) {
+                let used = self.used(&starter.contestant, threads);
+                let Some(solves) = solves.get(&used) else { continue };
+                let label = starter.contestant.to_string();
+                let Some(verdict) = verdicts.get(&label) else { continue };
+                let all_seconds: Vec<f64> = solves.iter().map(|solve| solve.seconds).collect();
+                let seconds = median(&all_seconds);
+                let ours = entries.first().map_or(seconds, |entry| entry.seconds);
+                let last = &solves[solves.len() - 1];
+                let entry = Entry {
+                    name: label,
+                    threads: used,
+                    seconds,
+                    all_seconds,
+                    cost: seconds / yardstick_seconds,
+                    slower: seconds / ours,
+                    iterations: last.iterations,
+                    transform_pairs: last.transform_pairs,
+                    peak_bytes: last.peak_bytes,
+                    own_bytes: last.peak_bytes.saturating_sub(last.baseline_bytes),
+                    tolerance: starter.tolerance,
+                    verdict: verdict.clone(),
+                };
+                tracing::info!("{}: {entry}", in_words(threads));
+                entries.push(entry);
+            }
+            timings.push(Timing { threads, yardstick_seconds, processor_share, entries });
+        }
+        let Problem { points, hurst, p_star, mean_pressure, .. } = *problem;
+        Ok(Case { n: points, hurst, p_star, mean_pressure, timings })
+    }
+
+    /// How many threads a contestant runs on when it may use so many.
+    fn used(&self, contestant: &Contestant, threads: usize) -> usize {
+        if contestant.is_threaded(self.environment) { threads } else { 1 }
+    }
+
+    fn time(&self, starter: &Starter, problem: &Problem, threads: usize) -> Result<Solve, Failure> {
+        let contestant = &starter.contestant;
+        let file = matches!(contestant, Contestant::Peer(_)).then(|| self.file(contestant, threads));
+        let solve = contestant.solve(problem, starter.tolerance, threads, file.as_deref(), self.place());
+        let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
+        match starter.cost {
+            Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(
+                "{contestant} on {threads} threads took {:?} iterations and {:?} pairs, before {:?} and {:?}",
+                solve.iterations, solve.transform_pairs, cost.0, cost.1
+            ))),
+            _ => Ok(solve),
+        }
+    }
+
+    /// Judges everyone; whoever is not certified or not in agreement ends the run.
+    fn verdicts(
+        &self,
+        problem: &Problem,
+        name: &str,
+        starters: &[Starter],
+        threads: usize,
+    ) -> Result<BTreeMap<String, Verdict>, Failure> {
+        let named = |starter: &Starter| {
+            let contestant = &starter.contestant;
+            (contestant.to_string(), self.file(contestant, self.used(contestant, threads)))
+        };
+        let fields = starters.iter().map(named).collect();
+        let reference = self.contestants[0].to_string();
+        let verdicts = judge(problem, &fields, &reference, self.environment, self.session);
+        let verdicts = verdicts.map_err(|ended| ended.failure("the verdict"))?;
+        for (contestant, verdict) in &verdicts {
+            if let Some(objection) = verdict.objection(self.args.tol, problem.points) {
+                let text = format!("{contestant} at {name}, {threads} threads, against {reference}: {objection}");
+                return Err(Failure::Computation(text));
+            }
+        }
+        Ok(verdicts)
+    }
+}
+
+/// Median of one pair over both looks, and the smallest share of the processor.
+fn yardstick(before: &[Yardstick], after: &[Yardstick], threads: usize) -> (f64, f64) {
+    let looks = || before.iter().chain(after).filter(|look| look.threads == threads);
+    let seconds: Vec<f64> = looks().flat_map(|look| look.seconds.iter().copied()).collect();
+    (median(&seconds), looks().map(|look| look.share).fold(f64::INFINITY, f64::min))
+}
+
+/// The middle of the sorted values; NaN without any.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}

@@ -1,0 +1,85 @@
+//! A program run to its end, unless it takes too long or the user stops us.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Why a program gave no result.
+#[derive(Debug)]
+pub(super) enum Ended {
+    /// It was stopped after this long.
+    TooLong(Duration),
+    /// The user stopped us.
+    Interrupted,
+    /// It could not be started, or failed: what it said last.
+    Failed(String),
+}
+
+impl Ended {
+    /// The failure of a program without which nothing goes on.
+    pub(super) fn failure(self, what: &str) -> Failure {
+        match self {
+            Self::Interrupted => Failure::Interrupted(format!("interrupted: {what}")),
+            other => Failure::Computation(format!("{what}: {}", other.in_words())),
+        }
+    }
+
+    pub(super) fn in_words(self) -> String {
+        match self {
+            Self::TooLong(limit) => format!("it takes longer than {} s", limit.as_secs()),
+            Self::Interrupted => "interrupted".into(),
+            Self::Failed(said) => said,
+        }
+    }
+}
+
+/// Time between two looks at a running program. It is not timed by these looks.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// Runs `command`; what it printed on stdout.
+pub(super) fn output(command: &mut Command, limit: Duration, session: &Session) -> Result<String, Ended> {
+    let failed = |error: std::io::Error| Ended::Failed(error.to_string());
+    // Files, since a pipe that nobody empties stops its writer.
+    let [mut stdout, mut stderr] = [tempfile::tempfile().map_err(failed)?, tempfile::tempfile().map_err(failed)?];
+    let handles = [stdout.try_clone().map_err(failed)?, stderr.try_clone().map_err(failed)?];
+    let [to_stdout, to_stderr] = handles.map(Stdio::from);
+    let program = command.get_program().to_string_lossy().into_owned();
+    let started = command.stdin(Stdio::null()).stdout(to_stdout).stderr(to_stderr).spawn();
+    let mut child = started.map_err(|error| Ended::Failed(format!("cannot start {program}: {error}")))?;
+    let deadline = Instant::now() + limit;
+    let status = loop {
+        match child.try_wait().map_err(failed)? {
+            Some(status) => break status,
+            None if session.is_interrupted() => return Err(stopped(&mut child, Ended::Interrupted)),
+            None if Instant::now() >= deadline => return Err(stopped(&mut child, Ended::TooLong(limit))),
+            None => std::thread::sleep(PAUSE),
+        }
+    };
+    if session.is_interrupted() {
+        return Err(Ended::Interrupted);
+    }
+    if !status.success() {
+        let said = text(&mut stderr).map_err(failed)?;
+        let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");
+        return Err(Ended::Failed(format!("{status}: {}", last.trim())));
+    }
+    text(&mut stdout).map_err(failed)
+}
+
+fn stopped(child: &mut Child, why: Ended) -> Ended {
+    match child.kill().and_then(|()| child.wait()) {
+        Ok(_) => why,
+        Err(error) => Ended::Failed(format!("it cannot be stopped: {error}")),
+    }
+}
+
+fn text(file: &mut File) -> std::io::Result<String> {
+    file.seek(SeekFrom::Start(0))?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,273 @@
+//! The Python environment of the peers: made once, with pinned versions, and used by scripts that come with this program.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use tempfile::TempDir;
+
+use super::process::{Ended, output};
+use super::{Args, TamaasFftw};
+use crate::failure::Failure;
+use crate::session::Session;
+
+const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
+
+/// Installed where the system has no FFTW.
+const PYFFTW: &str = "pyFFTW==0.15.1";
+
+/// Installing, finding plans and judging take less than this.
+const LONG: Duration = Duration::from_secs(3600);
+
+/// The scripts.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Script {
+    Certify,
+    ContactMechanics,
+    Describe,
+    Tamaas,
+    Yardstick,
+}
+
+impl Script {
+    const ALL: [Self; 5] = [Self::Certify, Self::ContactMechanics, Self::Describe, Self::Tamaas, Self::Yardstick];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Certify => "certify.py",
+            Self::ContactMechanics => "solve_contact_mechanics.py",
+            Self::Describe => "describe.py",
+            Self::Tamaas => "solve_tamaas.py",
+            Self::Yardstick => "yardstick.py",
+        }
+    }
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Certify => include_str!("../../peers/certify.py"),
+            Self::ContactMechanics => include_str!("../../peers/solve_contact_mechanics.py"),
+            Self::Describe => include_str!("../../peers/describe.py"),
+            Self::Tamaas => include_str!("../../peers/solve_tamaas.py"),
+            Self::Yardstick => include_str!("../../peers/yardstick.py"),
+        }
+    }
+}
+
+/// An FFTW with vector code: names, or paths, for the loader.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Fftw {
+    pub(super) library: String,
+    pub(super) threads: Option<String>,
+    pub(super) source: String,
+}
+
+#[derive(Deserialize)]
+struct Description {
+    python: String,
+    fftw: Option<Fftw>,
+}
+
+/// The yardstick at one size and number of threads.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Yardstick {
+    pub(super) threads: usize,
+    /// One pair, the mean of each batch.
+    pub(super) seconds: Vec<f64>,
+    /// Processor time over wall time and threads.
+    pub(super) share: f64,
+}
+
+#[derive(Deserialize)]
+struct Yardsticks {
+    version: String,
+    pairs: Vec<Yardstick>,
+}
+
+/// A Python with the peers installed.
+pub(super) struct Environment {
+    python: PathBuf,
+    python_version: String,
+    fftw: Fftw,
+    fftw_version: String,
+    pub(super) tamaas_fftw: TamaasFftw,
+    /// What a reader of the results should know.
+    pub(super) notes: Vec<String>,
+    scratch: TempDir,
+}
+
+impl Environment {
+    /// Makes the environment where it is missing, and looks for an FFTW.
+    pub(super) fn prepare(args: &Args, folder: &Path, session: &Session) -> Result<Self, Failure> {
+        let venv = args.venv.clone().unwrap_or_else(|| folder.join("venv"));
+        let python = install(&args.python, &venv, session)?;
+        let scratch = tempfile::tempdir_in(folder).map_err(|error| cannot_write(folder, &error))?;
+        for script in Script::ALL {
+            let file = scratch.path().join(script.name());
+            fs::write(&file, script.text()).map_err(|error| cannot_write(&file, &error))?;
+        }
+        let describe = || -> Result<Description, Failure> {
+            let description = run(&python, scratch.path(), Script::Describe, None, &[], LONG, session);
+            description.map_err(|ended| ended.failure("the Python environment"))
+        };
+        let mut description = describe()?;
+        if description.fftw.is_none() {
+            tracing::info!("no FFTW on this system (Debian: libfftw3-double3); installing that of pyFFTW");
+            pip(&python, &[PYFFTW], session)?;
+            description = describe()?;
+        }
+        let Some(fftw) = description.fftw else {
+            let reason =
+                "none here, neither the system's nor pyFFTW's; the yardstick needs one (Debian: libfftw3-double3)";
+            return Err(Failure::input("FFTW", reason));
+        };
+        let mut notes = Vec::new();
+        if fftw.source != "system" {
+            notes.push(
+                "The system has no FFTW: that of pyFFTW took its place, as yardstick and under Tamaas.".to_owned(),
+            );
+        }
+        let mut tamaas_fftw = args.tamaas_fftw;
+        if !cfg!(target_os = "linux") && tamaas_fftw != TamaasFftw::Own {
+            notes.push("Libraries are preloaded on Linux only: Tamaas ran with the FFTW of its package.".into());
+            tamaas_fftw = TamaasFftw::Own;
+        }
+        let python_version = description.python;
+        let fftw_version = String::new();
+        let mut environment = Self { python, python_version, fftw, fftw_version, tamaas_fftw, notes, scratch };
+        environment.fftw_version = environment.yardsticks(&[], &[], 0.0, session)?.version;
+        Ok(environment)
+    }
+
+    /// A folder for surfaces and pressures, which goes with this value.
+    pub(super) fn scratch(&self) -> &Path {
+        self.scratch.path()
+    }
+
+    /// Pinned packages, and what runs them.
+    pub(super) fn versions(&self) -> BTreeMap<String, String> {
+        let pins = REQUIREMENTS.lines().filter_map(|line| line.split_once("=="));
+        let mut versions: BTreeMap<_, _> = pins.map(|(name, version)| (name.to_owned(), version.to_owned())).collect();
+        versions.insert("Python".into(), self.python_version.clone());
+        versions.insert("gfmd".into(), env!("CARGO_PKG_VERSION").into());
+        versions
+    }
+
+    /// The FFTW of the yardstick.
+    pub(super) fn fftw_in_words(&self) -> String {
+        let threads = if self.fftw.threads.is_some() { "" } else { ", without threads" };
+        format!("{} ({}{threads})", self.fftw_version, self.fftw.source)
+    }
+
+    /// The FFTW that stands in for that in the package of Tamaas.
+    pub(super) fn preloaded(&self) -> Option<&Fftw> {
+        (self.tamaas_fftw != TamaasFftw::Own).then_some(&self.fftw)
+    }
+
+    pub(super) fn tamaas_has_threads(&self) -> bool {
+        self.preloaded().is_some_and(|fftw| fftw.threads.is_some())
+    }
+
+    /// Times the yardstick, for about `seconds` each. Needs threads of FFTW beyond one.
+    pub(super) fn yardstick(
+        &self,
+        points: usize,
+        threads: &[usize],
+        session: &Session,
+    ) -> Result<Vec<Yardstick>, Failure> {
+        if self.fftw.threads.is_none() && threads.iter().any(|t| *t > 1) {
+            return Err(Failure::input("--thread-counts", "this FFTW has no threads: only 1 is allowed"));
+        }
+        Ok(self.yardsticks(&[points], threads, 0.5, session)?.pairs)
+    }
+
+    fn yardsticks(
+        &self,
+        sizes: &[usize],
+        threads: &[usize],
+        seconds: f64,
+        session: &Session,
+    ) -> Result<Yardsticks, Failure> {
+        let wisdom = self.scratch().join("wisdom");
+        let task =
+            json!({ "sizes": sizes, "threads": threads, "fftw": self.fftw, "wisdom": wisdom, "seconds": seconds });
+        self.run(Script::Yardstick, &task, session).map_err(|ended| ended.failure("the yardstick"))
+    }
+
+    /// Runs a script that does not take long.
+    pub(super) fn run<T: DeserializeOwned>(
+        &self,
+        script: Script,
+        task: &serde_json::Value,
+        session: &Session,
+    ) -> Result<T, Ended> {
+        self.run_within(script, task, LONG, session)
+    }
+
+    /// Runs a script; what it prints is read as JSON.
+    pub(super) fn run_within<T: DeserializeOwned>(
+        &self,
+        script: Script,
+        task: &serde_json::Value,
+        limit: Duration,
+        session: &Session,
+    ) -> Result<T, Ended> {
+        let threads = task["threads"].as_u64().unwrap_or(1).to_string();
+        let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
+        if let (Script::Tamaas, Some(fftw)) = (script, self.preloaded()) {
+            let libraries = [Some(fftw.library.as_str()), fftw.threads.as_deref()];
+            settings.push(("LD_PRELOAD", libraries.into_iter().flatten().collect::<Vec<_>>().join(" ")));
+        }
+        run(&self.python, self.scratch(), script, Some(task), &settings, limit, session)
+    }
+}
+
+fn run<T: DeserializeOwned>(
+    python: &Path,
+    scratch: &Path,
+    script: Script,
+    task: Option<&serde_json::Value>,
+    settings: &[(&str, String)],
+    limit: Duration,
+    session: &Session,
+) -> Result<T, Ended> {
+    let mut command = Command::new(python);
+    // Nothing of the user's own packages or settings.
+    command.arg("-I").arg(scratch.join(script.name())).args(task.map(ToString::to_string));
+    command.current_dir(scratch).envs(settings.iter().map(|(name, value)| (name, value)));
+    let printed = output(&mut command, limit, session)?;
+    serde_json::from_str(&printed)
+        .map_err(|error| Ended::Failed(format!("{} printed what cannot be read: {error}", script.name())))
+}
+
+/// The Python of the environment in `venv`, with everything installed.
+fn install(program: &Path, venv: &Path, session: &Session) -> Result<PathBuf, Failure> {
+    let python = venv.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    // Written last: an environment without it, or with another one, is not complete.
+    let complete = venv.join("gfmd-requirements.txt");
+    if fs::read_to_string(&complete).is_ok_and(|text| text == REQUIREMENTS) {
+        return Ok(python);
+    }
+    tracing::info!("installing the peers in {}", venv.display());
+    let made = output(Command::new(program).arg("-m").arg("venv").arg(venv), LONG, session);
+    made.map_err(|ended| ended.failure("--python, --venv"))?;
+    let packages: Vec<&str> = REQUIREMENTS.lines().collect();
+    pip(&python, &packages, session)?;
+    fs::write(&complete, REQUIREMENTS).map_err(|error| cannot_write(&complete, &error))?;
+    Ok(python)
+}
+
+fn pip(python: &Path, packages: &[&str], session: &Session) -> Result<(), Failure> {
+    let mut command = Command::new(python);
+    command.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(packages);
+    let done = output(&mut command, LONG, session);
+    done.map(|_| ()).map_err(|ended| ended.failure("pip cannot install the peers (Python 3.11 or later is needed)"))
+}
+
+fn cannot_write(file: &Path, error: &std::io::Error) -> Failure {
+    Failure::Computation(format!("cannot write {}: {error}", file.display()))
+}

@@ -1,0 +1,368 @@
+//! What was measured: as JSON, as tables to read, as a page of the documentation.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write as _};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::TamaasFftw;
+use super::judge::{AGREEMENT, Verdict};
+use crate::failure::Failure;
+
+/// The result of `bench-peers`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Day of the run.
+    pub date: String,
+    /// Processor, cores, operating system.
+    pub machine: String,
+    /// Commit that this program was built from.
+    pub commit: String,
+    /// Versions of everyone.
+    pub versions: BTreeMap<String, String>,
+    /// The FFTW of the yardstick.
+    pub fftw: String,
+    /// The transforms that Tamaas had.
+    pub tamaas_fftw: TamaasFftw,
+    /// Who took part; the first is the one compared with.
+    pub contestants: Vec<String>,
+    /// The residual that everyone was certified for.
+    pub tolerance: f64,
+    /// Seed of the surfaces.
+    pub seed: u64,
+    /// The measurements.
+    pub cases: Vec<Case>,
+    /// What a reader should know.
+    pub notes: Vec<String>,
+    /// The file that this report is kept in.
+    pub kept: PathBuf,
+}
+
+/// One load on one surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct Case {
+    /// Points along a side.
+    pub n: usize,
+    /// Hurst exponent.
+    pub hurst: f64,
+    /// Reduced pressure.
+    pub p_star: f64,
+    /// Mean pressure in units of E*.
+    pub mean_pressure: f64,
+    /// One for each number of threads.
+    pub timings: Vec<Timing>,
+}
+
+/// Everyone on so many threads.
+#[derive(Clone, Debug, Serialize)]
+pub struct Timing {
+    /// Number of threads allowed.
+    pub threads: usize,
+    /// Wall time of one pair of transforms by FFTW on as many threads.
+    pub yardstick_seconds: f64,
+    /// Processor time of the yardstick over its wall time and threads: below 1 on one thread, others were at work.
+    pub processor_share: f64,
+    /// The contestants.
+    pub entries: Vec<Entry>,
+}
+
+/// One contestant.
+#[derive(Clone, Debug, Serialize)]
+pub struct Entry {
+    /// Who.
+    pub name: String,
+    /// Threads it used; 1 where more make no difference to it.
+    pub threads: usize,
+    /// Wall time of the solve, set-up excluded: the median of `all_seconds`.
+    pub seconds: f64,
+    /// Every repeat.
+    pub all_seconds: Vec<f64>,
+    /// `seconds` in pairs of the yardstick.
+    pub cost: f64,
+    /// `seconds` over those of the first contestant.
+    pub slower: f64,
+    /// Iterations of its solver.
+    pub iterations: Option<u64>,
+    /// Transform pairs that it computed.
+    pub transform_pairs: Option<f64>,
+    /// Largest resident memory of its process.
+    pub peak_bytes: u64,
+    /// The same less what the program takes with all packages loaded and next to no surface.
+    pub own_bytes: u64,
+    /// What it was asked for, in its own measure.
+    pub tolerance: f64,
+    /// What its final pressure is worth.
+    pub verdict: Verdict,
+}
+
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} {:.4} s, {:.0} pairs, x {:.1}", self.name, self.seconds, self.cost, self.slower)?;
+        write!(f, ", certified {:.1e}, pressure differs by {:.1e}", self.verdict.worst(), self.verdict.differs.pressure)
+    }
+}
+
+/// Below this share of a processor for the yardstick a page says so.
+const BUSY: f64 = 0.9;
+
+impl Report {
+    /// Keeps what there is, so that a later failure does not lose it.
+    pub(super) fn keep(&self) -> Result<(), Failure> {
+        let text = crate::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
+        write_beside(&self.kept, &(text + "\n"))
+    }
+
+    /// The failure with the place of what is kept.
+    pub(super) fn keep_after(&self, failure: Failure) -> Failure {
+        if self.cases.is_empty() {
+            return failure;
+        }
+        let kept = format!("; the {} finished cases are kept in {}", self.cases.len(), self.kept.display());
+        failure.with(&kept)
+    }
+
+    /// Writes the page of the documentation.
+    pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
+        write_beside(file, &self.page())
+    }
+
+    fn threads(&self) -> Vec<usize> {
+        self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
+    }
+
+    /// Rows of cases, columns of contestants.
+    fn by_case(&self, threads: usize, title: String, cell: impl Fn(&Entry) -> String) -> Table {
+        let head = ["n", "H", "p*", "pair, ms"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned());
+        let row = |case: &Case| {
+            let timing = case.timings.iter().find(|timing| timing.threads == threads)?;
+            let pair = format!("{:.3}", 1e3 * timing.yardstick_seconds);
+            let first = [case.n.to_string(), case.hurst.to_string(), case.p_star.to_string(), pair];
+            let entry = |name: &String| timing.entries.iter().find(|entry| entry.name == *name);
+            let cells = self.contestants.iter().map(|name| entry(name).map_or_else(|| "-".into(), &cell));
+            Some(first.into_iter().chain(cells).collect())
+        };
+        Table { title, head: head.collect(), rows: self.cases.iter().filter_map(row).collect() }
+    }
+
+    fn costs(&self, threads: usize) -> Table {
+        let title = format!("Cost in pairs of FFTW, {}; in brackets times the first", in_words(threads));
+        self.by_case(threads, title, |entry| {
+            if entry.name == self.contestants[0] {
+                return format!("{:.0}", entry.cost);
+            }
+            format!("{:.0} ({:.1})", entry.cost, entry.slower)
+        })
+    }
+
+    fn seconds(&self, threads: usize) -> Table {
+        let title = format!("Seconds, {}", in_words(threads));
+        self.by_case(threads, title, |entry| format!("{:.4}", entry.seconds))
+    }
+
+    fn work(&self, threads: usize) -> Table {
+        self.by_case(threads, "Iterations / transform pairs computed".into(), |entry| {
+            let pairs = entry.transform_pairs.map_or_else(|| "?".into(), |pairs| format!("{pairs:.0}"));
+            let iterations = entry.iterations.map_or_else(|| "?".into(), |iterations| iterations.to_string());
+            format!("{iterations} / {pairs}")
+        })
+    }
+
+    fn certificates(&self, threads: usize) -> Table {
+        let title = "Certified residual / rms difference of the pressure / points that differ in contact";
+        self.by_case(threads, title.into(), |entry| {
+            let differs = entry.verdict.differs;
+            format!("{:.1e} / {:.0e} / {}", entry.verdict.worst(), differs.pressure, differs.points)
+        })
+    }
+
+    /// The most that anyone took at each size and number of threads.
+    fn memory(&self) -> Table {
+        let mut rows = Vec::new();
+        let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
+        sizes.dedup();
+        for n in sizes {
+            let field = (n * n * 8) as f64;
+            for threads in self.threads() {
+                let most = |name: &String| {
+                    let timings = self.cases.iter().filter(|case| case.n == n).flat_map(|case| &case.timings);
+                    let entries = timings.filter(|t| t.threads == threads).flat_map(|t| &t.entries);
+                    let largest = entries.filter(|entry| entry.name == *name).max_by_key(|entry| entry.own_bytes);
+                    largest.map_or_else(
+                        || "-".into(),
+                        |entry| format!("{:.1} ({:.0})", entry.own_bytes as f64 / field, entry.peak_bytes as f64 / 1e6),
+                    )
+                };
+                rows.push(
+                    [n.to_string(), threads.to_string()].into_iter().chain(self.contestants.iter().map(most)).collect(),
+                );
+            }
+        }
+        let head = ["n", "threads"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned()).collect();
+        Table {
+            title: "Peak memory in fields of n x n doubles (in brackets: of the whole process, MB)".into(),
+            head,
+            rows,
+        }
+    }
+
+    /// Smallest, median and largest ratio at each size and number of threads.
+    fn ratios(&self) -> Table {
+        let mut rows = Vec::new();
+        let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
+        sizes.dedup();
+        for n in sizes {
+            for threads in self.threads() {
+                let spread = |name: &String| {
+                    let timings = self.cases.iter().filter(|case| case.n == n).flat_map(|case| &case.timings);
+                    let entries = timings.filter(|t| t.threads == threads).flat_map(|t| &t.entries);
+                    let mut found: Vec<f64> = entries.filter(|entry| entry.name == *name).map(|e| e.slower).collect();
+                    found.sort_unstable_by(f64::total_cmp);
+                    match (found.first(), found.last()) {
+                        (Some(least), Some(most)) => {
+                            format!("{least:.1} / {:.1} / {most:.1}", super::measure::median(&found))
+                        }
+                        _ => "-".into(),
+                    }
+                };
+                let first = [n.to_string(), threads.to_string()];
+                rows.push(first.into_iter().chain(self.contestants.iter().skip(1).map(spread)).collect());
+            }
+        }
+        let head =
+            ["n", "threads"].map(str::to_owned).into_iter().chain(self.contestants.iter().skip(1).cloned()).collect();
+        let ours = self.contestants.first().map_or("the first", String::as_str);
+        Table { title: format!("Time over that of {ours}: smallest / median / largest"), head, rows }
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        let threads = self.threads();
+        let first = threads.first().copied().unwrap_or(1);
+        let mut tables = vec![self.ratios()];
+        tables.extend(threads.iter().map(|t| self.costs(*t)));
+        tables.extend(threads.iter().map(|t| self.seconds(*t)));
+        tables.extend([self.work(first), self.memory(), self.certificates(first)]);
+        tables
+    }
+
+    /// Whether others used the processor meanwhile, in words.
+    fn disturbance(&self) -> Option<String> {
+        let timings = self.cases.iter().flat_map(|case| &case.timings).filter(|timing| timing.threads == 1);
+        let least = timings.map(|timing| timing.processor_share).fold(f64::INFINITY, f64::min);
+        (least < BUSY).then(|| {
+            format!(
+                "The machine was busy with other work: at worst the yardstick got {:.0} % of a processor. Trust ratios \
+                 more than seconds, and both less than those of a quiet machine.",
+                100.0 * least
+            )
+        })
+    }
+
+    pub(super) fn page(&self) -> String {
+        let Self { date, machine, commit, fftw, seed, tolerance, .. } = self;
+        let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
+        let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
+        let plans = match self.tamaas_fftw {
+            TamaasFftw::Preloaded => {
+                "with this FFTW preloaded in place of the one in its package, which has no vector code"
+            }
+            TamaasFftw::Tuned => "with this FFTW preloaded and measured plans, which its users do not get",
+            TamaasFftw::Own => "with the FFTW of its package, which has no vector code",
+        };
+        let mut page = format!(
+            "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. -->\n\
+             # Against other programs\n\n\
+             {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
+             Half-space, hard wall, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
+             shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"
+        );
+        for note in self.disturbance().iter().chain(&self.notes) {
+            let _ = writeln!(page, "> {note}\n");
+        }
+        for table in self.tables() {
+            let _ = writeln!(page, "{}", table.markdown());
+        }
+        let _ = write!(
+            page,
+            "{}",
+            include_str!("method.md")
+                .replace("{tolerance}", &format!("{tolerance:e}"))
+                .replace("{agreement}", &format!("{AGREEMENT:e}"))
+        );
+        page
+    }
+}
+
+pub(super) fn in_words(threads: usize) -> String {
+    if threads == 1 { "1 thread".into() } else { format!("{threads} threads") }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "{}; FFTW: {}; everyone certified to {:e}\n", self.machine, self.fftw, self.tolerance)?;
+        for table in self.tables() {
+            writeln!(f, "{table}")?;
+        }
+        for note in self.disturbance().iter().chain(&self.notes) {
+            writeln!(f, "note: {note}")?;
+        }
+        writeln!(f, "kept: {}", self.kept.display())
+    }
+}
+
+/// Cells with a head and a title.
+struct Table {
+    title: String,
+    head: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
+        std::iter::once(&self.head).chain(&self.rows)
+    }
+
+    fn widths(&self) -> Vec<usize> {
+        let width =
+            |column: usize| self.lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
+        (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect()
+    }
+
+    fn markdown(&self) -> String {
+        let widths = self.widths();
+        let row = |cells: &Vec<String>| {
+            let cells = cells.iter().zip(&widths).map(|(cell, width)| format!(" {cell:>width$} |"));
+            format!("|{}\n", cells.collect::<String>())
+        };
+        let rule =
+            format!("|{}\n", widths.iter().map(|width| format!("{}:|", "-".repeat(width + 1))).collect::<String>());
+        format!("## {}\n\n{}{rule}{}", self.title, row(&self.head), self.rows.iter().map(row).collect::<String>())
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        let widths = self.widths();
+        for line in self.lines() {
+            let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+            writeln!(f, "{}", cells.join("  "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Never leaves half a file under a name.
+fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
+    let mut beside = file.as_os_str().to_owned();
+    beside.push(".part");
+    let write = || -> std::io::Result<()> {
+        let mut opened = File::create(&beside)?;
+        opened.write_all(text.as_bytes())?;
+        opened.sync_all()?;
+        std::fs::rename(&beside, file)
+    };
+    write().map_err(|error| Failure::Computation(format!("cannot write {}: {error}", file.display())))
+}

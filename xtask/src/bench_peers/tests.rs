@@ -1,0 +1,214 @@
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+
+use super::judge::{Difference, Verdict};
+use super::measure::median;
+use super::process::{Ended, output};
+use super::report::{Case, Entry, Report, Timing};
+use super::tolerance::{Found, loosest};
+use super::{Args, TamaasFftw};
+use crate::load::ResidualRecord;
+use crate::session::{Common, Session};
+
+fn session() -> Session {
+    Session::silent(Common { json: false, threads: 1, quiet: true, verbose: 0 })
+}
+
+fn search(target: f64, first: f64, residual: impl Fn(f64) -> f64) -> (Option<Found<()>>, usize) {
+    let mut solves = 0;
+    let found = loosest(target, first, |tolerance| {
+        solves += 1;
+        Ok::<_, Infallible>((residual(tolerance), ()))
+    });
+    (found.unwrap(), solves)
+}
+
+proptest! {
+    #[test]
+    fn a_proportional_residual_is_found_in_few_solves(factor in -4.0..4.0_f64, first in -12.0..-4.0_f64) {
+        let (target, first) = (1e-8, 10_f64.powf(first));
+        let (found, solves) = search(target, first, |t| 10_f64.powf(factor) * t);
+        let found = found.unwrap();
+        prop_assert!(found.residual <= target && found.residual >= 0.3 * target, "{found:?}");
+        prop_assert!(solves <= 5, "{solves}");
+    }
+
+    /// Methods stop at whole iterations: the residual is a staircase under the tolerance.
+    #[test]
+    fn a_staircase_is_certified_and_left_at_its_loosest_step(step in 0.05..1.5_f64, shift in 0.0..1.0_f64, factor in -2.0..2.0_f64) {
+        let target = 1e-8;
+        let residual = |t: f64| {
+            let steps = ((t.log10() + factor) / step - shift).floor() + shift;
+            10_f64.powf(step * steps)
+        };
+        let (found, _) = search(target, 1e-8, residual);
+        let found = found.unwrap();
+        prop_assert!(found.residual <= target);
+        prop_assert!(found.residual == residual(found.tolerance));
+        // Either close enough, or a step looser would fail.
+        prop_assert!(found.residual >= 0.3 * target || residual(1.4 * found.tolerance) > target, "{found:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_certified_is_not_found() {
+    let (found, solves) = search(1e-8, 1e-8, |_| 1e-5);
+    assert!(found.is_none() && solves < 20);
+    assert!(search(1e-8, 1e-8, |_| f64::NAN).0.is_none());
+    let refused: Result<Option<Found<()>>, &str> = loosest(1e-8, 1e-8, |_| Err("broken"));
+    assert_eq!(refused.unwrap_err(), "broken");
+}
+
+fn verdict(worst: f64, pressure: f64, points: u64) -> Verdict {
+    let residual =
+        ResidualRecord { complementarity: 0.1 * worst, penetration: worst, negative_pressure: 0.0, load: 1e-15 };
+    let differs = Difference { points, pressure };
+    Verdict { residual, area_fraction: 0.1, approach: 2.0, energy: 0.4, differs }
+}
+
+#[test]
+fn whoever_is_not_certified_or_disagrees_is_objected_to() {
+    assert_eq!(verdict(1e-8, 1e-7, 1).objection(1e-8, 512), None);
+    assert!(verdict(1.01e-8, 0.0, 0).objection(1e-8, 512).unwrap().contains("certified residual is 1.010e-8"));
+    assert!(verdict(f64::NAN, 0.0, 0).objection(1e-8, 512).is_some());
+    assert!(verdict(1e-9, 1.1e-6, 0).objection(1e-8, 512).unwrap().contains("pressure differs by 1.100e-6"));
+    assert!(verdict(1e-9, f64::NAN, 0).objection(1e-8, 512).is_some());
+    assert!(verdict(1e-9, 0.0, 2).objection(1e-8, 512).unwrap().contains("2 of 512 x 512 points, 1 are allowed"));
+    // A millionth of 2048 x 2048 points is 4.
+    assert_eq!(verdict(1e-9, 0.0, 4).objection(1e-8, 2048), None);
+    assert!(verdict(1e-9, 0.0, 5).objection(1e-8, 2048).is_some());
+}
+
+#[test]
+fn the_median_is_in_the_middle() {
+    assert!(median(&[]).is_nan());
+    assert_eq!(median(&[3.0]), 3.0);
+    assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+    assert_eq!(median(&[4.0, 1.0, 3.0, 2.0]), 2.5);
+}
+
+fn entry(name: &str, seconds: f64, slower: f64) -> Entry {
+    Entry {
+        name: name.into(),
+        threads: 1,
+        seconds,
+        all_seconds: vec![seconds],
+        cost: seconds / 1e-3,
+        slower,
+        iterations: Some(27),
+        transform_pairs: None,
+        peak_bytes: 50_000_000,
+        own_bytes: 10 * 8 * 512 * 512,
+        tolerance: 1e-8,
+        verdict: verdict(9e-9, 2e-8, 0),
+    }
+}
+
+fn report() -> Report {
+    let case = |n, ratio: f64| {
+        let mut entries = vec![entry("gfmd", 0.1, 1.0)];
+        if n == 512 {
+            entries.push(entry("Tamaas", 0.1 * ratio, ratio));
+        }
+        let timing =
+            |threads| Timing { threads, yardstick_seconds: 1e-3, processor_share: 0.5, entries: entries.clone() };
+        Case { n, hurst: 0.8, p_star: 0.05, mean_pressure: 0.005, timings: vec![timing(1), timing(2)] }
+    };
+    Report {
+        date: "2026-01-02".into(),
+        machine: "a processor".into(),
+        commit: "0123456789abcdef".into(),
+        versions: BTreeMap::from([("Tamaas".into(), "2.9.0".into())]),
+        fftw: "fftw-3.3.10".into(),
+        tamaas_fftw: TamaasFftw::Preloaded,
+        contestants: vec!["gfmd".into(), "Tamaas".into()],
+        tolerance: 1e-8,
+        seed: 1,
+        cases: vec![case(512, 20.0), case(512, 30.0), case(512, 70.0), case(1024, 1.0)],
+        notes: vec!["something to know".into()],
+        kept: "kept.json".into(),
+    }
+}
+
+#[test]
+fn the_page_has_every_number_in_its_place() {
+    let page = report().page();
+    assert!(page.contains("2026-01-02. a processor. Commit 0123456789ab. Tamaas 2.9.0. FFTW: fftw-3.3.10."), "{page}");
+    assert!(page.contains("20.0 / 30.0 / 70.0"), "{page}");
+    assert!(page.contains("the yardstick got 50 % of a processor") && page.contains("> something to know"));
+    assert!(page.contains("at most 1e-8") && !page.contains('{'));
+    let cells =
+        |line: &str| -> Vec<String> { line.trim_matches('|').split('|').map(|c| c.trim().to_owned()).collect() };
+    let rows: Vec<Vec<String>> = page.lines().filter(|line| line.starts_with('|')).map(cells).collect();
+    assert!(
+        rows.contains(&["512", "0.8", "0.05", "1.000", "100", "2000 (20.0)"].map(str::to_owned).to_vec()),
+        "{page}"
+    );
+    assert!(rows.contains(&["1024", "0.8", "0.05", "1.000", "100", "-"].map(str::to_owned).to_vec()));
+    assert!(rows.contains(&["512", "2", "10.0 (50)", "10.0 (50)"].map(str::to_owned).to_vec()), "{page}");
+    assert!(rows.contains(&["512", "0.8", "0.05", "1.000", "27 / ?", "27 / ?"].map(str::to_owned).to_vec()));
+    // A table has as many columns in every line.
+    for lines in page.split("## ") {
+        let mut widths: Vec<usize> =
+            lines.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
+        widths.dedup();
+        assert!(widths.len() <= 1, "{lines}");
+    }
+    assert!(report().to_string().contains("note: something to know"));
+}
+
+#[test]
+fn flags_out_of_range_are_refused_by_name() {
+    let refused = |change: fn(&mut Args), flag: &str| {
+        let mut args = args(&[]);
+        change(&mut args);
+        let text = args.check().unwrap_err().to_string();
+        assert!(text.starts_with(flag), "{text}");
+    };
+    args(&[]).check().unwrap();
+    refused(|args| args.sizes.push(31), "--sizes: at least 32 points");
+    refused(|args| args.sizes.clear(), "--sizes");
+    refused(|args| args.p_star = vec![0.0], "--p-star");
+    refused(|args| args.tol = f64::NAN, "--tol");
+    refused(|args| args.repeats = 0, "--repeats");
+    refused(|args| args.thread_counts = vec![0], "--thread-counts");
+    refused(|args| args.patience = -1.0, "--patience");
+    refused(|args| args.solvers.clear(), "--solvers");
+    let quick = args(&["--quick"]).resolved();
+    assert_eq!((quick.sizes, quick.p_star), (vec![128, 256], vec![0.05]));
+}
+
+fn args(flags: &[&str]) -> Args {
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+    <Line as clap::Parser>::parse_from(["bench-peers"].iter().chain(flags)).args
+}
+
+#[test]
+fn every_package_is_pinned() {
+    let requirements = include_str!("../../peers/requirements.txt");
+    assert!(requirements.lines().all(|line| line.split_once("==").is_some_and(|(_, version)| !version.is_empty())));
+    assert!(requirements.contains("Tamaas==") && requirements.contains("ContactMechanics=="));
+}
+
+#[cfg(unix)]
+#[test]
+fn programs_are_read_stopped_and_quoted() {
+    let shell = |line: &str, limit| output(Command::new("sh").args(["-c", line]), limit, &session());
+    let long = Duration::from_secs(20);
+    assert_eq!(shell("echo result; echo noise >&2", long).unwrap(), "result\n");
+    let said = shell("echo reason >&2; exit 3", long).unwrap_err().in_words();
+    assert!(said.contains("exit status: 3") && said.ends_with("reason"), "{said}");
+    let started = Instant::now();
+    assert!(matches!(shell("exec sleep 20", Duration::from_millis(50)), Err(Ended::TooLong(_))));
+    assert!(started.elapsed() < Duration::from_secs(10));
+    let missing = output(&mut Command::new("no-such-program-here"), long, &session()).unwrap_err().in_words();
+    assert!(missing.contains("cannot start no-such-program-here"), "{missing}");
+}
