@@ -266,9 +266,10 @@ impl Prepared {
         let mut failure = None;
         for (index, control) in self.controls.iter().enumerate() {
             let started = Instant::now();
-            let mut watch = |_: &gfmd_contact::Progress| match session.is_interrupted() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+            let mut watch = |now: &gfmd_contact::Progress| {
+                progress
+                    .advance(0.0, &format!("load {index}, iteration {}, residual {:.1e}", now.iteration, now.residual));
+                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let start = last.as_ref().map(|solution| solution.pressure.view());
             let outcome = contact.solve(*control, &settings, start, &mut watch);
