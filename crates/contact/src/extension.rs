@@ -71,10 +71,11 @@ impl Extension {
         let Some(first) = self.levels.first_mut() else { return out.copy_from_slice(known.gradient) };
         let columns = self.points[1];
         first.pull(self.points, |i, weights, values| {
+            let level = known.level;
             let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
             for ((weight, value), (x, gradient)) in weights.iter_mut().zip(values).zip(points) {
-                *weight = if *x > 0.0 { 1.0 } else { 0.0 };
-                *value = if *x > 0.0 { gradient - known.level } else { 0.0 };
+                *weight = f64::from(*x > 0.0);
+                *value = *weight * (gradient - level);
             }
         });
         self.climb(|above, below| {
@@ -99,24 +100,31 @@ impl Extension {
             });
         });
         self.levels[0].push(out, columns, |i, out, pushed| {
+            let level = known.level;
             let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
             for ((out, pushed), (x, gradient)) in out.iter_mut().zip(pushed).zip(points) {
-                let own = gradient - known.level;
-                let limit = if *x > 0.0 { f64::INFINITY } else { pushed.min(0.0) };
-                *out = if own < limit { own } else { *pushed };
+                let own = gradient - level;
+                *out = if (*x > 0.0) | ((own < 0.0) & (own < *pushed)) { own } else { *pushed };
             }
         });
     }
 
-    /// `t` ← Eᵀ t, with the E that made `extended`.
-    pub(crate) fn transpose(&mut self, known: Known, extended: &[f64], t: &mut [f64]) {
+    /// `t` ← Eᵀ t, with the E that made `extended`, which is used up.
+    pub(crate) fn transpose(&mut self, known: Known, extended: &mut [f64], t: &mut [f64]) {
         let Some(first) = self.levels.first_mut() else { return };
         let columns = self.points[1];
-        // Points that kept their own value are those that have it.
+        // Points that kept their own value are those that have it. What the others have is to be handed on.
+        rows(extended, columns).enumerate().for_each(|(i, passed)| {
+            let level = known.level;
+            let points = at(t, i, columns).iter().zip(at(known.gradient, i, columns));
+            for (passed, (t, gradient)) in passed.iter_mut().zip(points) {
+                *passed = f64::from(gradient - level != *passed) * t;
+            }
+        });
+        let passed = &*extended;
         first.gather(self.points, |i, line, part| {
-            let others = at(known.gradient, i, columns).iter().zip(at(extended, i, columns));
-            for ((line, t), (gradient, extended)) in line.iter_mut().zip(at(t, i, columns)).zip(others) {
-                *line += if gradient - known.level == *extended { 0.0 } else { part * t };
+            for (line, passed) in line.iter_mut().zip(at(passed, i, columns)) {
+                *line += part * passed;
             }
         });
         self.climb(|above, below| {
@@ -139,11 +147,9 @@ impl Extension {
             });
         });
         self.levels[0].spread(t, columns, |i, t, share| {
-            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
-            let others = points.zip(at(extended, i, columns));
-            for ((t, share), ((x, gradient), extended)) in t.iter_mut().zip(share).zip(others) {
-                let kept = if gradient - known.level == *extended { *t } else { 0.0 };
-                *t = if *x > 0.0 { kept + share } else { kept };
+            let points = at(known.x, i, columns).iter().zip(at(passed, i, columns));
+            for ((t, share), (x, passed)) in t.iter_mut().zip(share).zip(points) {
+                *t += f64::from(*x > 0.0) * share - passed;
             }
         });
     }
@@ -170,7 +176,8 @@ impl Extension {
     }
 }
 
-/// All that goes from one level to the next, row by row, on whole rows so that it is done in vectors.
+/// All that goes from one level to the next, row by row. Loops run over whole rows, without branches and with their
+/// constants at hand, so that compilers make them wide.
 impl Level {
     fn weight(&self, known: f64) -> f64 {
         weight(known, self.full)
@@ -202,10 +209,11 @@ impl Level {
         rows(below, columns).enumerate().for_each_init(
             || (vec![0.0; width + 2], vec![0.0; 2 * width]),
             |(line, pushed), (i, row)| {
+                let trust = self.trust;
                 let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
                 let parents = at(&self.value, i / 2, width).iter().zip(at(&self.value, beside, width));
                 for (line, (near, far)) in line[1..].iter_mut().zip(parents) {
-                    *line = self.trust * (0.75 * near + 0.25 * far);
+                    *line = trust * (0.75 * near + 0.25 * far);
                 }
                 (line[0], line[width + 1]) = (line[width], line[1]);
                 for (pair, parents) in pushed.as_chunks_mut::<2>().0.iter_mut().zip(line.windows(3)) {
@@ -337,7 +345,7 @@ mod tests {
                 extension.extend(known, &mut extended);
                 let traction = noise(x.len(), 3.3);
                 let mut image = traction.clone();
-                extension.transpose(known, &extended, &mut image);
+                extension.transpose(known, &mut extended.clone(), &mut image);
                 let direct: f64 = extended.iter().zip(&traction).map(|(a, b)| a * b).sum();
                 let around: f64 = gradient.iter().zip(&image).map(|(g, z)| (g + 0.1) * z).sum();
                 assert!((direct - around).abs() < 1e-13 * x.len() as f64, "{points:?}: {direct} {around}");

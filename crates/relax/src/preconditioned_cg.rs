@@ -266,7 +266,9 @@ struct Path {
 
 impl Path {
     fn end(&self, x: f64, z: f64) -> f64 {
-        if x > 0.0 || z != 0.0 { (x - self.length * z - self.mu).max(0.0) } else { 0.0 }
+        // Without branches, which would be taken at random.
+        let end = x - self.length * z - self.mu;
+        if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 }
     }
 }
 

@@ -1,0 +1,61 @@
+//! Transform pairs to 1e-8 by each conjugate-gradient method, cold, for rough surfaces on a half-space: the table of
+//! docs/solvers.md. `cargo run --release -p gfmd-contact --example pairs -- 512 1024`
+//!
+//! Beside the pairs stands the time of the whole solution, in units of the time of one of our pairs: what the sweeps
+//! over the vectors and the memory add to the transforms. It is only as steady as the machine.
+#![allow(clippy::print_stdout, reason = "a table is what it is for")]
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use gfmd_contact::{Contact, Control, Settings, Solver, SurfaceResponse};
+use gfmd_field::{Grid, Transform};
+use gfmd_green::{Body, Material};
+use gfmd_surface::Discretisation;
+
+const SOLVERS: [Solver; 3] = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let sizes: Vec<usize> = std::env::args().skip(1).map(|n| n.parse()).collect::<Result<_, _>>()?;
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+    println!("{:>5} {:>4} {:>5}  pairs (time of the solution in pairs), {SOLVERS:?}", "n", "H", "p*");
+    for n in if sizes.is_empty() { vec![512] } else { sizes } {
+        let grid = Grid::square(n, 1.0)?;
+        let response = SurfaceResponse::new(grid, &body);
+        let pair = time_of_a_pair(grid)?;
+        for hurst in [0.0, 0.3, 0.8] {
+            let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
+            let heights = numbers.self_affine(1.0, hurst, 0.1).heights(&grid, 1)?;
+            let contact = Contact::new(&response, heights.view())?;
+            for reduced_pressure in [0.01, 0.05, 0.2, 0.6] {
+                print!("{n:5} {hurst:4} {reduced_pressure:5} ");
+                for solver in SOLVERS {
+                    let settings = Settings { solver, ..Settings::default() };
+                    let load = Control::MeanPressure(reduced_pressure * 0.1);
+                    let begin = Instant::now();
+                    let solution = contact.solve(load, &settings, None, &mut |_| ControlFlow::Continue(()))?;
+                    let time = begin.elapsed().as_secs_f64() / pair;
+                    print!("{:7} ({time:4.0})", solution.transform_pairs);
+                }
+                println!();
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The fastest of several.
+fn time_of_a_pair(grid: Grid) -> Result<f64, Box<dyn std::error::Error>> {
+    let transform = Transform::new(grid);
+    let mut workspace = transform.workspace();
+    let kernel = vec![1.0; grid.spectrum_len()];
+    let field: Vec<f64> = (0..grid.len()).map(|i| (0.618_034 * i as f64).fract()).collect();
+    let mut out = vec![0.0; grid.len()];
+    let mut fastest = f64::INFINITY;
+    for _ in 0..10 {
+        let begin = Instant::now();
+        transform.convolve(&kernel, &field, &mut out, &mut workspace)?;
+        fastest = fastest.min(begin.elapsed().as_secs_f64());
+    }
+    Ok(fastest)
+}

@@ -1,0 +1,125 @@
+//! What an equilibration costs, in transform pairs: numbers that do not depend on the machine. The bounds are about a
+//! fifth above what was needed when they were set.
+
+use std::ops::ControlFlow;
+
+use gfmd_contact::{Contact, Control, Settings, Solution, Solver, SurfaceResponse};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_surface::Discretisation;
+use ndarray::Array2;
+
+const RMS_GRADIENT: f64 = 0.1;
+
+fn heights(grid: &Grid, hurst: f64) -> Array2<f64> {
+    let n = grid.points()[0] as f64;
+    let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n / 8.0, eps_c_inv: 4.0 };
+    numbers.self_affine(1.0, hurst, RMS_GRADIENT).heights(grid, 1).unwrap()
+}
+
+fn half_space() -> Body {
+    Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap())
+}
+
+fn press(grid: Grid, body: &Body, hurst: f64, control: Control, solver: Solver) -> Solution {
+    let response = SurfaceResponse::new(grid, body);
+    let heights = heights(&grid, hurst);
+    let contact = Contact::new(&response, heights.view()).unwrap();
+    let settings = Settings { solver, ..Settings::default() };
+    contact.solve(control, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn load(reduced_pressure: f64) -> Control {
+    Control::MeanPressure(reduced_pressure * RMS_GRADIENT)
+}
+
+fn pairs(points: usize, hurst: f64, reduced_pressure: f64) -> f64 {
+    let grid = Grid::square(points, 1.0).unwrap();
+    press(grid, &half_space(), hurst, load(reduced_pressure), Solver::Auto).transform_pairs
+}
+
+#[test]
+fn rough_surfaces_on_a_half_space() {
+    for hurst in [0.0, 0.3, 0.8] {
+        for (reduced_pressure, bound) in
+            [(1e-3, 29.0), (0.01, 29.0), (0.05, 29.0), (0.2, 27.0), (0.6, 27.0), (2.0, 18.0)]
+        {
+            let pairs = pairs(128, hurst, reduced_pressure);
+            assert!(pairs <= bound, "H {hurst}, p* {reduced_pressure}: {pairs} > {bound}");
+        }
+    }
+}
+
+#[test]
+fn the_cost_hardly_grows_with_the_grid() {
+    for (hurst, reduced_pressure) in [(0.0, 0.01), (0.0, 0.2), (0.8, 0.05)] {
+        let [coarse, fine] = [64, 512].map(|points| pairs(points, hurst, reduced_pressure));
+        assert!(fine <= 1.5 * coarse, "H {hurst}, p* {reduced_pressure}: {coarse} to {fine}");
+    }
+}
+
+#[test]
+fn layers_of_any_height() {
+    let grid = Grid::square(128, 1.0).unwrap();
+    for (poisson, height, bound) in [(0.3, 0.125, 28.0), (0.3, 0.02, 28.0), (0.45, 0.125, 28.0), (0.5, 0.125, 32.0)] {
+        let body = Body::slab(Material::from_contact_modulus(1.0, poisson).unwrap(), height).unwrap();
+        for reduced_pressure in [0.01, 0.2] {
+            let pairs = press(grid, &body, 0.8, load(reduced_pressure), Solver::Auto).transform_pairs;
+            assert!(pairs <= bound, "nu {poisson}, height {height}, p* {reduced_pressure}: {pairs} > {bound}");
+        }
+    }
+}
+
+#[test]
+fn prescribed_approach() {
+    let grid = Grid::square(128, 1.0).unwrap();
+    let heights = heights(&grid, 0.8);
+    let depth = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - heights.mean().unwrap();
+    let slab = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.125).unwrap();
+    for (body, part, bound) in [
+        (&slab, 0.1, 20.0),
+        (&slab, 0.9, 30.0),
+        (&half_space(), 0.1, 20.0),
+        (&half_space(), 0.5, 40.0),
+        (&half_space(), 0.9, 50.0),
+    ] {
+        let pairs = press(grid, body, 0.8, Control::Approach(part * depth), Solver::Auto).transform_pairs;
+        assert!(pairs <= bound, "{part} of {depth}: {pairs} > {bound}");
+    }
+}
+
+#[test]
+fn line_contacts() {
+    for (points, bound) in [(1000, 32.0), (16384, 48.0)] {
+        let grid = Grid::line(points, 1.0).unwrap();
+        for reduced_pressure in [0.01, 0.2] {
+            let pairs = press(grid, &half_space(), 0.8, load(reduced_pressure), Solver::Auto).transform_pairs;
+            assert!(pairs <= bound, "{points} points, p* {reduced_pressure}: {pairs} > {bound}");
+        }
+    }
+}
+
+#[test]
+fn other_methods_find_the_same_contact_at_a_higher_cost() {
+    let grid = Grid::square(128, 1.0).unwrap();
+    for hurst in [0.0, 0.8] {
+        let fast = press(grid, &half_space(), hurst, load(0.2), Solver::Auto);
+        for (solver, dearer) in [(Solver::ProjectedCg, 2.5), (Solver::PolonskyKeer, 5.0)] {
+            let slow = press(grid, &half_space(), hurst, load(0.2), solver);
+            assert!(slow.transform_pairs > dearer * fast.transform_pairs, "{solver:?}: {}", slow.transform_pairs);
+            let differing = fast.pressure.iter().zip(&slow.pressure).filter(|(a, b)| (**a > 0.0) != (**b > 0.0));
+            assert_eq!(differing.count(), 0, "{solver:?}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let grid = Grid::square(150, 1.0).unwrap();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| press(grid, &half_space(), 0.8, load(0.05), Solver::Auto).pressure)
+    };
+    let one = on(1);
+    assert!([2, 3, 8].into_iter().all(|threads| on(threads) == one));
+}
