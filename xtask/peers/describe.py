@@ -1,7 +1,8 @@
-"""Says which Python this is and which FFTW can be had: {"python": .., "fftw": {"library": .., "threads": .., "source": ..}}.
+"""Says which Python this is and which FFTW can be had: {"python": .., "fftw": {"library": .., "threads": .., "needs": [..],
+"source": ..}}.
 
 The FFTW is the system's, else the one that comes with pyFFTW, else null. The one inside the package of Tamaas is not
-offered: it has no vector code. Names are fit for loading and preloading.
+offered: it has no vector code. Names are fit for loading and preloading, those in "needs" first.
 """
 
 import ctypes
@@ -27,7 +28,7 @@ def of_the_system():
     if library is None:
         return None
     threads = filter(loads, ["libfftw3_threads.so.3", "libfftw3_omp.so.3"])
-    return {"library": library, "threads": next(threads, None), "source": "system"}
+    return {"library": library, "threads": next(threads, None), "needs": [], "source": "system"}
 
 
 def of_pyfftw():
@@ -38,8 +39,10 @@ def of_pyfftw():
     libraries = glob.glob(os.path.join(folder, "libfftw3-*.so*"))
     if not libraries:
         return None
-    threads = glob.glob(os.path.join(folder, "libfftw3_threads-*.so*")) + glob.glob(os.path.join(folder, "libfftw3_omp-*.so*"))
-    return {"library": libraries[0], "threads": next(iter(threads), None), "source": "pyFFTW"}
+    threads = glob.glob(os.path.join(folder, "libfftw3_omp-*.so*")) + [None]
+    # They find each other only once loaded.
+    needs = glob.glob(os.path.join(folder, "libgomp-*.so*"))
+    return {"library": libraries[0], "threads": threads[0], "needs": needs, "source": "pyFFTW"}
 
 
 print(json.dumps({"python": platform.python_version(), "fftw": of_the_system() or of_pyfftw()}))

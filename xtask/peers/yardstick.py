@@ -17,6 +17,7 @@ MEASURE = 0
 
 class Fftw:
     def __init__(self, names):
+        self.needs = [ctypes.CDLL(name) for name in names["needs"]]
         self.library = ctypes.CDLL(names["library"])
         self.parallel = ctypes.CDLL(names["threads"]) if names["threads"] else None
         if self.parallel:

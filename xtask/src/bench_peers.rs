@@ -22,6 +22,7 @@ use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
 use serde::Serialize;
 
+use crate::contact::SolverName;
 use crate::failure::Failure;
 use crate::session::{Session, machine};
 
@@ -56,8 +57,8 @@ pub struct Args {
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
     pub tol: f64,
     /// Solvers of this program to run
-    #[arg(long, value_delimiter = ',', default_values_t = ["auto".to_owned(), "cg".to_owned()], value_name = "SOLVER,..")]
-    pub solvers: Vec<String>,
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [SolverName::Auto, SolverName::Cg])]
+    pub solvers: Vec<SolverName>,
     /// Other programs to run
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart])]
     pub peers: Vec<Peer>,
@@ -67,7 +68,7 @@ pub struct Args {
     /// Times a solve is repeated at least, up to 1024 x 1024 points; larger ones may run once. The median counts
     #[arg(long, default_value_t = 3, value_name = "K")]
     pub repeats: usize,
-    /// Leave out solves of peers that take longer than this, or are expected to
+    /// Leave peers out of a case that takes them longer than this, or is expected to
     #[arg(long, default_value_t = 1800.0, value_name = "SECONDS")]
     pub patience: f64,
     /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
@@ -128,7 +129,12 @@ impl Args {
             None => Ok(()),
         };
         positive("--p-star", &self.p_star)?;
-        positive("--patience", &[self.patience])?;
+        if !(self.patience > 0.0 && self.patience <= 1e7) {
+            return Err(Failure::input(
+                "--patience",
+                format!("more than 0 to 1e7 s is allowed, found {}", self.patience),
+            ));
+        }
         if !(1e-12..=1e-3).contains(&self.tol) {
             return Err(Failure::input("--tol", format!("1e-12 to 1e-3 is allowed, found {}", self.tol)));
         }
@@ -156,7 +162,7 @@ impl Args {
 
     /// Everyone who competes; the first is the one that others are compared with.
     fn contestants(&self) -> Vec<Contestant> {
-        let own = self.solvers.iter().cloned().map(Contestant::Own);
+        let own = self.solvers.iter().copied().map(Contestant::Own);
         own.chain(self.peers.iter().copied().map(Contestant::Peer)).collect()
     }
 }

@@ -5,20 +5,22 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::process::{Ended, output};
-use super::python::{Environment, Script};
+use super::python::{Environment, LONG, Script};
 use super::{Peer, TamaasFftw};
+use crate::contact::SolverName;
 use crate::load::LoadRecord;
 use crate::session::Session;
 
 /// A program with a solver.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contestant {
     /// This program with one of its solvers.
-    Own(String),
+    Own(SolverName),
     /// Another one.
     Peer(Peer),
 }
@@ -26,8 +28,8 @@ pub(super) enum Contestant {
 impl fmt::Display for Contestant {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Own(solver) if solver == "auto" => f.write_str("gfmd"),
-            Self::Own(solver) => write!(f, "gfmd {solver}"),
+            Self::Own(SolverName::Auto) => f.write_str("gfmd"),
+            Self::Own(solver) => write!(f, "gfmd {}", name(*solver)),
             Self::Peer(Peer::Tamaas) => f.write_str("Tamaas"),
             Self::Peer(Peer::ContactMechanics) => f.write_str("ContactMechanics"),
             Self::Peer(Peer::NoRestart) => f.write_str("CM no-restart"),
@@ -66,6 +68,7 @@ pub(super) struct Solve {
 pub(super) struct Place<'a> {
     pub(super) environment: &'a Environment,
     pub(super) session: &'a Session,
+    /// After which a peer is stopped.
     pub(super) limit: Duration,
     /// Memory of this program on next to no points.
     pub(super) own_baseline: u64,
@@ -116,7 +119,7 @@ impl Contestant {
         };
         let environment = place.environment;
         match self {
-            Self::Own(solver) => own(solver, problem, tolerance, threads, out, place),
+            Self::Own(solver) => own(*solver, problem, tolerance, threads, out, place),
             Self::Peer(Peer::Tamaas) => {
                 let measured = environment.tamaas_fftw == TamaasFftw::Tuned;
                 let fftw = environment.preloaded();
@@ -137,6 +140,11 @@ impl Contestant {
     }
 }
 
+/// The name of a solver as a flag has it.
+fn name(solver: SolverName) -> String {
+    solver.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
 /// What the command `contact` prints, as far as it is needed here.
 #[derive(Deserialize)]
 struct Contact {
@@ -146,7 +154,7 @@ struct Contact {
 
 /// This program is started anew, so that its memory can be told and nothing is warm that would be cold for others.
 fn own(
-    solver: &str,
+    solver: SolverName,
     problem: &Problem,
     tolerance: f64,
     threads: usize,
@@ -160,13 +168,13 @@ fn own(
     command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
     command.arg("--tol").arg(format!("{tolerance:e}"));
     command.arg("--threads").arg(threads.to_string());
-    if solver != "auto" {
-        command.arg("--solver").arg(solver);
+    if solver != SolverName::Auto {
+        command.arg("--solver").arg(name(solver));
     }
     if let Some(out) = out {
         command.arg("--out").arg(out);
     }
-    let printed = output(&mut command, place.limit, place.session)?;
+    let printed = output(&mut command, LONG, place.session)?;
     let unreadable = |what: &str| Ended::Failed(format!("the output of contact has {what}"));
     let contact: Contact = serde_json::from_str(&printed).map_err(|error| unreadable(&error.to_string()))?;
     let [load] = &contact.loads[..] else { return Err(unreadable("not exactly one load")) };

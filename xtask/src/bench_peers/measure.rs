@@ -24,6 +24,9 @@ const OFTEN: usize = 9;
 /// A solve of a peer that took longer than this, in seconds, while its tolerance was looked for counts as timed.
 const LENGTHY: f64 = 20.0;
 
+/// What was quick enough once is let go on for this many times the limit: it would be a pity to lose the case.
+const INDULGENCE: f64 = 5.0;
+
 /// Time of a peer grows with about this power of the points along a side.
 const GROWTH: f64 = 3.0;
 
@@ -74,8 +77,8 @@ impl<'a> Bench<'a> {
         let (contestants, known) = (args.contestants(), HashMap::new());
         let mut bench = Self { args, threads, environment, session, contestants, known, own_baseline: 0 };
         let most = bench.most_threads();
-        let first = bench.contestants[0].clone();
-        let solve = first.solve(small, args.tol, most, None, bench.place());
+        let first = bench.contestants[0];
+        let solve = first.solve(small, args.tol, most, None, bench.place(1.0));
         bench.own_baseline = solve.map_err(|ended| ended.failure(&first.to_string()))?.peak_bytes;
         Ok(bench)
     }
@@ -106,8 +109,9 @@ impl<'a> Bench<'a> {
         self.compare(problem, &name, starters)
     }
 
-    fn place(&self) -> Place<'a> {
-        let limit = Duration::from_secs_f64(self.args.patience);
+    /// For peers that are allowed `patience` times what the user is ready to wait.
+    fn place(&self, patience: f64) -> Place<'a> {
+        let limit = Duration::from_secs_f64(patience * self.args.patience);
         Place { environment: self.environment, session: self.session, limit, own_baseline: self.own_baseline }
     }
 
@@ -119,7 +123,7 @@ impl<'a> Bench<'a> {
     fn own(&self, contestant: Contestant, problem: &Problem) -> Result<Starter, Failure> {
         let threads = self.most_threads();
         let file = self.file(&contestant, threads);
-        let solve = contestant.solve(problem, self.args.tol, threads, Some(&file), self.place());
+        let solve = contestant.solve(problem, self.args.tol, threads, Some(&file), self.place(1.0));
         let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
         let cost = Some((solve.iterations, solve.transform_pairs));
         Ok(Starter { contestant, tolerance: self.args.tol, first: None, cost })
@@ -145,7 +149,7 @@ impl<'a> Bench<'a> {
         let mut last = f64::NAN;
         let found =
             loosest(MARGIN * self.args.tol, known.map_or(self.args.tol, |known| known.tolerance), |tolerance| {
-                let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place())?;
+                let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place(1.0))?;
                 let verdicts = judge(problem, &fields, &reference.to_string(), self.environment, self.session)?;
                 let residual = verdicts.get(&contestant.to_string()).map_or(f64::NAN, Verdict::worst);
                 tracing::debug!(
@@ -162,7 +166,7 @@ impl<'a> Bench<'a> {
         self.known.insert(key, Known { points: problem.points, tolerance: found.tolerance, seconds });
         let is_final = found.tolerance == last && self.repeats(problem) == 1 && seconds > LENGTHY;
         let first = is_final.then_some(found.solve);
-        Ok(Starter { contestant: contestant.clone(), tolerance: found.tolerance, first, cost: None })
+        Ok(Starter { contestant: *contestant, tolerance: found.tolerance, first, cost: None })
     }
 
     fn repeats(&self, problem: &Problem) -> usize {
@@ -244,7 +248,7 @@ impl<'a> Bench<'a> {
     fn time(&self, starter: &Starter, problem: &Problem, threads: usize) -> Result<Solve, Failure> {
         let contestant = &starter.contestant;
         let file = matches!(contestant, Contestant::Peer(_)).then(|| self.file(contestant, threads));
-        let solve = contestant.solve(problem, starter.tolerance, threads, file.as_deref(), self.place());
+        let solve = contestant.solve(problem, starter.tolerance, threads, file.as_deref(), self.place(INDULGENCE));
         let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
         match starter.cost {
             Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(

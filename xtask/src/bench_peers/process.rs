@@ -30,7 +30,7 @@ impl Ended {
 
     pub(super) fn in_words(self) -> String {
         match self {
-            Self::TooLong(limit) => format!("it takes longer than {} s", limit.as_secs()),
+            Self::TooLong(limit) => format!("it takes longer than {} s", limit.as_secs_f64()),
             Self::Interrupted => "interrupted".into(),
             Self::Failed(said) => said,
         }

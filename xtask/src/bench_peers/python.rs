@@ -21,8 +21,8 @@ const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
 /// Installed where the system has no FFTW.
 const PYFFTW: &str = "pyFFTW==0.15.1";
 
-/// Installing, finding plans and judging take less than this.
-const LONG: Duration = Duration::from_secs(3600);
+/// Installing, finding plans, judging and our own solves take less than this.
+pub(super) const LONG: Duration = Duration::from_secs(3600);
 
 /// The scripts.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +63,7 @@ impl Script {
 pub(super) struct Fftw {
     pub(super) library: String,
     pub(super) threads: Option<String>,
+    pub(super) needs: Vec<String>,
     pub(super) source: String,
 }
 
@@ -219,8 +220,8 @@ impl Environment {
         let threads = task["threads"].as_u64().unwrap_or(1).to_string();
         let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
         if let (Script::Tamaas, Some(fftw)) = (script, self.preloaded()) {
-            let libraries = [Some(fftw.library.as_str()), fftw.threads.as_deref()];
-            settings.push(("LD_PRELOAD", libraries.into_iter().flatten().collect::<Vec<_>>().join(" ")));
+            let libraries = fftw.needs.iter().chain([&fftw.library]).chain(&fftw.threads);
+            settings.push(("LD_PRELOAD", libraries.map(String::as_str).collect::<Vec<_>>().join(" ")));
         }
         run(&self.python, self.scratch(), script, Some(task), &settings, limit, session)
     }
@@ -254,7 +255,10 @@ fn install(program: &Path, venv: &Path, session: &Session) -> Result<PathBuf, Fa
     }
     tracing::info!("installing the peers in {}", venv.display());
     let made = output(Command::new(program).arg("-m").arg("venv").arg(venv), LONG, session);
-    made.map_err(|ended| ended.failure("--python, --venv"))?;
+    made.map_err(|ended| match ended {
+        Ended::Interrupted => ended.failure("the Python environment"),
+        other => Failure::input("--python, --venv", other.in_words()),
+    })?;
     let packages: Vec<&str> = REQUIREMENTS.lines().collect();
     pip(&python, &packages, session)?;
     fs::write(&complete, REQUIREMENTS).map_err(|error| cannot_write(&complete, &error))?;

@@ -177,6 +177,7 @@ fn flags_out_of_range_are_refused_by_name() {
     refused(|args| args.repeats = 0, "--repeats");
     refused(|args| args.thread_counts = vec![0], "--thread-counts");
     refused(|args| args.patience = -1.0, "--patience");
+    refused(|args| args.patience = 1e30, "--patience");
     refused(|args| args.solvers.clear(), "--solvers");
     let quick = args(&["--quick"]).resolved();
     assert_eq!((quick.sizes, quick.p_star), (vec![128, 256], vec![0.05]));
