@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver, SurfaceResponse};
+use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_response::NormalResponse;
 use ndarray::{Array2, ArrayView2};
 use serde_json::Value;
 
@@ -59,7 +60,7 @@ pub fn unit_half_space() -> Body {
 /// # Errors
 /// As [`Contact::solve`].
 pub fn press(
-    response: &SurfaceResponse,
+    response: &NormalResponse,
     heights: ArrayView2<f64>,
     control: Control,
     settings: &Settings,
@@ -75,6 +76,6 @@ pub fn press_on_half_space(heights: ArrayView2<f64>, mean_pressure: f64, toleran
     let (nx, ny) = heights.dim();
     let grid = Grid::new([nx, ny], [1.0, 1.0]).expect("a valid grid");
     let settings = Settings { tolerance, ..Settings::default() };
-    let response = SurfaceResponse::new(grid, &unit_half_space());
+    let response = NormalResponse::new(grid, &unit_half_space());
     press(&response, heights, Control::MeanPressure(mean_pressure), &settings).expect("converges")
 }

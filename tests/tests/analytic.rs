@@ -3,13 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Contact, Control, Settings, Solution, SurfaceResponse};
+use gfmd_contact::{Contact, Control, Settings, Solution};
 use gfmd_field::Grid;
 use gfmd_measure::theory::{
     Westergaard, hertz_line, hertz_point, johnson_area_at_low_load, johnson_area_near_full_contact,
     johnson_full_contact_pressure, persson_area,
 };
 use gfmd_measure::{contact_area, pressure_statistics};
+use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 use gfmd_tests::{number, press, press_on_half_space, reference, unit_half_space};
 use ndarray::Array2;
@@ -17,7 +18,7 @@ use ndarray::Array2;
 const TOLERANCE: f64 = 1e-11;
 
 fn line(profile: impl Fn(f64) -> f64, n: usize, mean_pressure: f64) -> Solution {
-    let response = SurfaceResponse::new(Grid::line(n, 1.0).unwrap(), &unit_half_space());
+    let response = NormalResponse::new(Grid::line(n, 1.0).unwrap(), &unit_half_space());
     let heights = Array2::from_shape_fn((n, 1), |(i, _)| profile(i as f64 / n as f64));
     let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
     press(&response, heights.view(), Control::MeanPressure(mean_pressure), &settings).unwrap()
@@ -151,7 +152,7 @@ fn at_full_contact_the_pressure_is_perssons_gaussian() {
     let numbers = Discretisation { eps_t_inv: 4.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };
     let grid = Grid::square(numbers.points().unwrap(), 1.0).unwrap();
     let heights = numbers.self_affine(1.0, 0.5, 0.1).heights(&grid, 5).unwrap();
-    let response = SurfaceResponse::new(grid, &unit_half_space());
+    let response = NormalResponse::new(grid, &unit_half_space());
     let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
     for p_star in [4.0, 8.0] {
         let load = Control::MeanPressure(p_star * 0.1);
@@ -169,7 +170,7 @@ fn a_higher_load_started_from_a_lower_one_is_the_same_contact() {
     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
     let grid = Grid::square(numbers.points().unwrap(), 1.0).unwrap();
     let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 11).unwrap();
-    let response = SurfaceResponse::new(grid, &unit_half_space());
+    let response = NormalResponse::new(grid, &unit_half_space());
     let contact = Contact::new(&response, heights.view()).unwrap();
     let settings = Settings { tolerance: 1e-12, ..Settings::default() };
     let mut watch = |_: &_| std::ops::ControlFlow::Continue(());

@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Control, Settings, SurfaceResponse};
+use gfmd_contact::{Control, Settings};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use gfmd_measure::{contact_area, elastic_energy_density};
+use gfmd_response::NormalResponse;
 use gfmd_tests::{SOLVERS, number, press, press_on_half_space, reference, reference_array};
 use ndarray::Array2;
 use serde_json::Value;
@@ -24,14 +25,14 @@ fn heights(problem: &Value) -> Array2<f64> {
     })
 }
 
-fn response(problem: &Value) -> SurfaceResponse {
+fn response(problem: &Value) -> NormalResponse {
     let number = |key| number(problem, key);
     let grid = Grid::new([number("nx") as usize, number("ny") as usize], [number("Lx"), number("Ly")]).unwrap();
     let height = problem["zm"].as_f64().map_or(Height::Infinite, Height::Finite);
     let body = Body::new(Material::from_young(number("E"), number("nu")).unwrap(), height).unwrap();
     match problem["kernel"].as_str() {
-        Some("restricted") => SurfaceResponse::held_sideways(grid, &body),
-        _ => SurfaceResponse::new(grid, &body),
+        Some("restricted") => NormalResponse::held_sideways(grid, &body),
+        _ => NormalResponse::new(grid, &body),
     }
 }
 

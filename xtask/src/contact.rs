@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver, SurfaceResponse};
+use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use serde::Serialize;
 
@@ -242,7 +243,7 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
         let name = args.source.name();
-        let response = SurfaceResponse::new(self.grid, &self.body);
+        let response = NormalResponse::new(self.grid, &self.body);
         let refuse = |error: ContactError| Failure::input(&name, error);
         let contact = Contact::new(&response, self.surface.heights.view()).map_err(refuse)?;
         let mut report = Report {

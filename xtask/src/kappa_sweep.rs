@@ -12,7 +12,8 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, SurfaceResponse};
+use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use rayon::prelude::*;
 
@@ -118,7 +119,7 @@ fn compute(
         if open.is_empty() {
             continue;
         }
-        let response = SurfaceResponse::new(plan.grid(point)?, &body);
+        let response = NormalResponse::new(plan.grid(point)?, &body);
         let one = |(number, run): &(usize, &Run)| {
             let loads = press(config, plan, point, run.seed, &response, session)?;
             journal.record(*number, &loads)?;
@@ -149,7 +150,7 @@ fn press(
     plan: &Plan,
     point: &Point,
     seed: u64,
-    response: &SurfaceResponse,
+    response: &NormalResponse,
     session: &Session,
 ) -> Result<Vec<LoadRecord>, Failure> {
     let heights = heights(config, plan, point, seed)?;
@@ -184,7 +185,7 @@ fn press(
 fn solve(
     config: &Config,
     contact: &Contact,
-    response: &SurfaceResponse,
+    response: &NormalResponse,
     p_star: f64,
     last: Option<&Solution>,
     session: &Session,
@@ -226,7 +227,7 @@ const EXAMPLE_POINTS: usize = 1024;
 fn example(config: &Config, plan: &Plan) -> Result<Example, Failure> {
     let moderate = plan.points.iter().filter(|point| point.n <= EXAMPLE_POINTS || config.surface.dim == 2);
     let point = *moderate.max_by_key(|point| point.n).unwrap_or(&plan.points[0]);
-    let response = SurfaceResponse::new(plan.grid(&point)?, &config.body()?);
+    let response = NormalResponse::new(plan.grid(&point)?, &config.body()?);
     let heights = heights(config, plan, &point, point.first_seed)?;
     let contact = Contact::new(&response, heights.view()).map_err(|error| Failure::input("surface", error))?;
     let silent = Session::silent(crate::session::Common { json: false, threads: 0, quiet: true, verbose: 0 });

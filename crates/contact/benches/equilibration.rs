@@ -8,9 +8,10 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
-use gfmd_contact::{Contact, Control, Settings, Solver, SurfaceResponse};
+use gfmd_contact::{Contact, Control, Settings, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 
 const SOLVERS: [(Solver, bool); 6] = [
@@ -29,7 +30,7 @@ fn equilibration(criterion: &mut Criterion) {
     let grid = Grid::square(n, 1.0).expect("a grid");
     let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 1).expect("a surface");
     let material = Material::from_contact_modulus(1.0, 0.0).expect("a material");
-    let response = SurfaceResponse::new(grid, &Body::half_space(material));
+    let response = NormalResponse::new(grid, &Body::half_space(material));
     let contact = Contact::new(&response, heights.view()).expect("a contact");
     let mut group = criterion.benchmark_group(format!("equilibration_{n}"));
     group.sample_size(10).sampling_mode(SamplingMode::Flat).warm_up_time(Duration::from_millis(1));

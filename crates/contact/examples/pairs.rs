@@ -8,9 +8,10 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use gfmd_contact::{Contact, Control, Settings, Solver, SurfaceResponse};
+use gfmd_contact::{Contact, Control, Settings, Solver};
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, Material};
+use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 
 const SOLVERS: [Solver; 3] = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
@@ -21,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:>5} {:>4} {:>5}  pairs (time of the solution in pairs), {SOLVERS:?}", "n", "H", "p*");
     for n in if sizes.is_empty() { vec![512] } else { sizes } {
         let grid = Grid::square(n, 1.0)?;
-        let response = SurfaceResponse::new(grid, &body);
+        let response = NormalResponse::new(grid, &body);
         let pair = time_of_a_pair(grid)?;
         for hurst in [0.0, 0.3, 0.8] {
             let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };

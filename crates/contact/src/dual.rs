@@ -5,13 +5,14 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use gfmd_relax::{Iterate, MinimiseError, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, Target};
+use gfmd_response::NormalResponse;
 
 use crate::extension::{Extension, Known};
 use crate::problem::{End, Ended, Transforms};
-use crate::{Contact, ContactError, Control, Progress, Settings, Solver, SurfaceResponse, Watch};
+use crate::{Contact, ContactError, Control, Progress, Settings, Solver, Watch};
 
 struct Dual<'a> {
-    response: &'a SurfaceResponse,
+    response: &'a NormalResponse,
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
     stiffness: Cow<'a, [f64]>,
@@ -37,12 +38,13 @@ impl Quadratic for Dual<'_> {
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
         self.transforms.singles += 2;
-        self.response.transform.convolve(&self.compliance, x, out, &mut self.transforms.workspace).expect(FITS);
+        self.response.transform().convolve(&self.compliance, x, out, &mut self.transforms.workspace).expect(FITS);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
         self.transforms.singles += 1;
-        let mean = self.response.transform.quadratic_form(&self.compliance, direction, &mut self.transforms.workspace);
+        let mean =
+            self.response.transform().quadratic_form(&self.compliance, direction, &mut self.transforms.workspace);
         mean.expect(FITS) * direction.len() as f64
     }
 
@@ -53,7 +55,7 @@ impl Quadratic for Dual<'_> {
         let known = Known { x, gradient, level: multiplier };
         let Self { response, stiffness, transforms, extension, displacement, .. } = self;
         extension.extend(known, displacement);
-        response.transform.convolve(stiffness, displacement, out, &mut transforms.workspace).expect(FITS);
+        response.transform().convolve(stiffness, displacement, out, &mut transforms.workspace).expect(FITS);
         extension.transpose(known, displacement, out);
     }
 }
@@ -73,11 +75,11 @@ pub(crate) fn solve(
     };
     let (compliance, stiffness, linear) = match control {
         Control::MeanPressure(_) => {
-            (Cow::from(&response.compliance), Cow::from(&response.stiffness), Cow::from(&contact.clearance))
+            (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(&contact.clearance))
         }
         Control::Approach(approach) => {
-            let (mut compliance, mut stiffness) = (response.compliance.clone(), response.stiffness.clone());
-            compliance[0] = response.uniform_compliance;
+            let (mut compliance, mut stiffness) = (response.compliance().to_vec(), response.stiffness().to_vec());
+            compliance[0] = response.uniform_compliance();
             stiffness[0] =
                 if compliance[0] > 0.0 { 1.0 / compliance[0] } else { LEVEL * response.stiffness_range()[0] };
             let linear: Vec<f64> = contact.clearance.iter().map(|c| c - approach).collect();
@@ -87,7 +89,7 @@ pub(crate) fn solve(
     let points = response.grid().points();
     // Waves along the longer side.
     let stride = if points[0] >= points[1] { 1 } else { points[0] };
-    let extension = Extension::new(points, mean.is_some(), |periods| response.stiffness[periods * stride]);
+    let extension = Extension::new(points, mean.is_some(), |periods| response.stiffness()[periods * stride]);
     let transforms = Transforms::new(response);
     let mut dual = Dual { response, compliance, stiffness, linear, transforms, extension, displacement: vec![0.0; n] };
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); n]);

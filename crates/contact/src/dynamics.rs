@@ -10,10 +10,11 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use gfmd_relax::{Bounds, Fire, Landscape, Method, Outcome, RelaxError, State, Stop, Verlet, relax};
+use gfmd_response::NormalResponse;
 use gfmd_vector::{add, pass};
 
 use crate::problem::{End, Ended, Transforms};
-use crate::{Contact, ContactError, Control, Progress, Settings, Solver, SurfaceResponse, Watch};
+use crate::{Contact, ContactError, Control, Progress, Settings, Solver, Watch};
 
 /// Time step of the original method over its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
@@ -34,7 +35,7 @@ pub(crate) fn solve(
 ) -> Result<Ended, ContactError> {
     let mut spent = Spent { iterations: 0, singles: 0 };
     let (pressure, end) = match control {
-        Control::Approach(approach) if contact.response.uniform_compliance == 0.0 => {
+        Control::Approach(approach) if contact.response.uniform_compliance() == 0.0 => {
             search_load(contact, approach, settings, start, &mut spent, watch)?
         }
         _ => equilibrate(contact, control, settings, start, &mut spent, watch)?,
@@ -50,7 +51,7 @@ struct Spent {
 
 /// The elastic surface layer below a rigid wall.
 struct Layer<'a> {
-    response: &'a SurfaceResponse,
+    response: &'a NormalResponse,
     stiffness: Cow<'a, [f64]>,
     wall: Cow<'a, [f64]>,
     /// Uniform force per area that pushes the body up.
@@ -68,7 +69,7 @@ impl Landscape for Layer<'_> {
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
         self.transforms.singles += 2;
         let fits = "every field of a contact problem has the size of its grid";
-        self.response.transform.convolve(&self.stiffness, u, force, &mut self.transforms.workspace).expect(fits);
+        self.response.transform().convolve(&self.stiffness, u, force, &mut self.transforms.workspace).expect(fits);
         pass(
             [force],
             &|start, [force]| {
@@ -97,10 +98,10 @@ impl<'a> Layer<'a> {
         let response = contact.response;
         let [softest, _] = response.stiffness_range();
         let (stiffness, wall, push, force_scale) = match control {
-            Control::MeanPressure(mean) => (Cow::from(&response.stiffness), Cow::from(&contact.clearance), mean, mean),
+            Control::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(&contact.clearance), mean, mean),
             Control::Approach(approach) => {
-                let mut stiffness = response.stiffness.clone();
-                stiffness[0] = 1.0 / response.uniform_compliance;
+                let mut stiffness = response.stiffness().to_vec();
+                stiffness[0] = 1.0 / response.uniform_compliance();
                 let wall: Vec<f64> = contact.clearance.iter().map(|c| c - approach).collect();
                 (Cow::from(stiffness), Cow::from(wall), 0.0, softest * contact.rms_height)
             }
@@ -124,8 +125,8 @@ impl<'a> Layer<'a> {
         let fits = "every field of a contact problem has the size of its grid";
         let response = self.response;
         response
-            .transform
-            .convolve(&response.compliance, pressure, &mut u, &mut self.transforms.workspace)
+            .transform()
+            .convolve(response.compliance(), pressure, &mut u, &mut self.transforms.workspace)
             .expect(fits);
         let sums = gfmd_vector::reduce(
             u.len(),
@@ -139,7 +140,7 @@ impl<'a> Layer<'a> {
         );
         // The rigid surface does not move under a prescribed load, the body does.
         let rise =
-            if self.push > 0.0 { sums[2] / sums[1] } else { -response.uniform_compliance * sums[0] / u.len() as f64 };
+            if self.push > 0.0 { sums[2] / sums[1] } else { -response.uniform_compliance() * sums[0] / u.len() as f64 };
         u.iter_mut().for_each(|u| *u = rise - *u);
         u
     }

@@ -9,7 +9,8 @@
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
 //!
 //! ```
-//! use gfmd_contact::{Contact, Control, Settings, SurfaceResponse};
+//! use gfmd_contact::{Contact, Control, Settings};
+//! use gfmd_response::NormalResponse;
 //! use gfmd_field::Grid;
 //! use gfmd_green::{Body, Material};
 //! use ndarray::Array2;
@@ -18,7 +19,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let n = 64;
 //! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-//! let response = SurfaceResponse::new(Grid::square(n, 1.0)?, &body);
+//! let response = NormalResponse::new(Grid::square(n, 1.0)?, &body);
 //! let wave = |i: usize| (std::f64::consts::TAU * i as f64 / n as f64).cos();
 //! let heights = Array2::from_shape_fn((n, n), |(i, j)| 0.01 * wave(i) * wave(j));
 //!
@@ -39,12 +40,10 @@ mod dynamics;
 mod error;
 mod extension;
 mod problem;
-mod response;
 mod solution;
 mod solver;
 
 pub use error::ContactError;
 pub use problem::{Contact, Control, Progress, Settings, Watch};
-pub use response::SurfaceResponse;
 pub use solution::{Residual, Solution};
 pub use solver::Solver;

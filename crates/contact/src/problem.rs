@@ -1,10 +1,11 @@
 use std::ops::ControlFlow;
 
 use gfmd_field::Workspace;
+use gfmd_response::NormalResponse;
 use gfmd_vector::{add, pass, reduce};
 use ndarray::{Array2, ArrayView2};
 
-use crate::{ContactError, Residual, Solution, Solver, SurfaceResponse, dual, dynamics};
+use crate::{ContactError, Residual, Solution, Solver, dual, dynamics};
 
 /// What presses the bodies together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +49,7 @@ pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> ControlFlow<()>;
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall).
 pub struct Contact<'a> {
-    pub(crate) response: &'a SurfaceResponse,
+    pub(crate) response: &'a NormalResponse,
     /// Distance from the highest point of the rigid surface down to it: max h − h ≥ 0.
     pub(crate) clearance: Vec<f64>,
     pub(crate) mean_clearance: f64,
@@ -60,7 +61,7 @@ impl<'a> Contact<'a> {
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
-    pub fn new(response: &'a SurfaceResponse, heights: ArrayView2<f64>) -> Result<Self, ContactError> {
+    pub fn new(response: &'a NormalResponse, heights: ArrayView2<f64>) -> Result<Self, ContactError> {
         let expected = response.grid().points();
         let found = heights.dim().into();
         if found != expected {
@@ -133,16 +134,16 @@ impl<'a> Contact<'a> {
     pub fn certify(&self, pressure: Vec<f64>, control: Control) -> Result<Solution, ContactError> {
         let response = self.response;
         let n = pressure.len();
-        let mut workspace = response.transform.workspace();
+        let mut workspace = response.transform().workspace();
         let mut displacement = vec![0.0; n];
-        response.transform.convolve(&response.compliance, &pressure, &mut displacement, &mut workspace)?;
+        response.transform().convolve(response.compliance(), &pressure, &mut displacement, &mut workspace)?;
         let [sum, touching] = reduce(
             n,
             &|range| pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from(*p > 0.0)])),
             &add,
         );
         let mean_pressure = sum / n as f64;
-        let uniform = response.uniform_compliance * mean_pressure;
+        let uniform = response.uniform_compliance() * mean_pressure;
         // u_z = −G p; then the mean of clearance − u_z over the contact is where the rigid surface must be.
         let contact_sum = pass(
             [&mut displacement],
@@ -212,7 +213,7 @@ impl<'a> Contact<'a> {
                 Err(ContactError::MeanPressure { found })
             }
             Control::Approach(found) => {
-                let limit = (self.response.uniform_compliance == 0.0).then_some(self.mean_clearance);
+                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.mean_clearance);
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(ContactError::Approach { found, limit }) }
             }
@@ -258,8 +259,8 @@ pub(crate) struct Transforms {
 }
 
 impl Transforms {
-    pub(crate) fn new(response: &SurfaceResponse) -> Self {
-        Self { workspace: response.transform.workspace(), singles: 0 }
+    pub(crate) fn new(response: &NormalResponse) -> Self {
+        Self { workspace: response.transform().workspace(), singles: 0 }
     }
 
     pub(crate) fn pairs(&self) -> f64 {

@@ -3,9 +3,10 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Contact, Control, Settings, Solution, Solver, SurfaceResponse};
+use gfmd_contact::{Contact, Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 use ndarray::Array2;
 
@@ -22,7 +23,7 @@ fn half_space() -> Body {
 }
 
 fn press(grid: Grid, body: &Body, hurst: f64, control: Control, solver: Solver) -> Solution {
-    let response = SurfaceResponse::new(grid, body);
+    let response = NormalResponse::new(grid, body);
     let heights = heights(&grid, hurst);
     let contact = Contact::new(&response, heights.view()).unwrap();
     let settings = Settings { solver, ..Settings::default() };

@@ -1,18 +1,20 @@
 //! Green's function molecular dynamics of rough contact: the physics crates of the workspace under one name.
 //!
-//! | module      | what                                                          |
-//! |-------------|---------------------------------------------------------------|
-//! | [`field`]   | periodic grids, half spectra, transforms                      |
-//! | [`green`]   | elastic half-spaces, slabs and stacks, per wave vector        |
-//! | [`surface`] | self-affine surfaces and their statistics                     |
-//! | [`relax`]   | minimisers without physics                                    |
-//! | [`contact`] | hard-wall contact: problem, solvers, certified solution       |
-//! | [`measure`] | area, kappa, pressure statistics, comparison theories         |
+//! | module       | what                                                        |
+//! |--------------|-------------------------------------------------------------|
+//! | [`field`]    | periodic grids, half spectra, transforms                    |
+//! | [`green`]    | elastic half-spaces, slabs and stacks, per wave vector      |
+//! | [`surface`]  | self-affine surfaces and their statistics                   |
+//! | [`relax`]    | minimisers without physics                                  |
+//! | [`response`] | stiffness and compliance of a body, applied to whole fields |
+//! | [`contact`]  | hard-wall contact: problem, solvers, certified solution     |
+//! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
 //!
 //! ```
-//! use gfmd::contact::{Contact, Control, Settings, SurfaceResponse};
+//! use gfmd::contact::{Contact, Control, Settings};
 //! use gfmd::green::{Body, Material};
 //! use gfmd::measure::{contact_area, kappa};
+//! use gfmd::response::NormalResponse;
 //! use gfmd::{field::Grid, surface::Discretisation};
 //! use std::ops::ControlFlow;
 //!
@@ -23,7 +25,7 @@
 //! let heights = discretisation.self_affine(1.0, 0.8, rms_gradient).heights(&grid, 1)?;
 //!
 //! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
-//! let response = SurfaceResponse::new(grid, &body);
+//! let response = NormalResponse::new(grid, &body);
 //! let load = Control::MeanPressure(p_star * response.contact_modulus() * rms_gradient);
 //! let solution = Contact::new(&response, heights.view())?
 //!     .solve(load, &Settings::default(), None, &mut |_| ControlFlow::Continue(()))?;
@@ -39,4 +41,5 @@ pub use gfmd_field as field;
 pub use gfmd_green as green;
 pub use gfmd_measure as measure;
 pub use gfmd_relax as relax;
+pub use gfmd_response as response;
 pub use gfmd_surface as surface;

@@ -1,21 +1,19 @@
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, normal_stiffness_table, restricted_normal_stiffness_table};
 
-/// The elastic body as its surface sees it, on one grid: planned transforms and the frictionless normal compliance of
-/// every mode. Built once, shared between problems and threads.
-pub struct SurfaceResponse {
-    pub(crate) transform: Transform,
-    /// G_zz(q) in length/stress; 0 at q = 0, see `uniform_compliance`.
-    pub(crate) compliance: Vec<f64>,
-    /// 1/G_zz(q) in stress/length; 0 at q = 0.
-    pub(crate) stiffness: Vec<f64>,
-    pub(crate) uniform_compliance: f64,
-    softest: f64,
-    stiffest: f64,
+/// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
+/// problems in which only u_z and the pressure matter. Built once, shared between problems and threads.
+#[derive(Debug)]
+pub struct NormalResponse {
+    transform: Transform,
+    compliance: Vec<f64>,
+    stiffness: Vec<f64>,
+    uniform_compliance: f64,
+    stiffness_range: [f64; 2],
     contact_modulus: f64,
 }
 
-impl SurfaceResponse {
+impl NormalResponse {
     /// Tabulates the response of `body` on `grid`; its surface is free to move sideways.
     pub fn new(grid: Grid, body: &Body) -> Self {
         Self::from_stiffness(grid, body, normal_stiffness_table(body, &grid, 0.0))
@@ -39,8 +37,7 @@ impl SurfaceResponse {
             compliance,
             stiffness,
             uniform_compliance: if uniform.is_finite() { uniform } else { 0.0 },
-            softest,
-            stiffest,
+            stiffness_range: [softest, stiffest],
             contact_modulus: body.material().contact_modulus(),
         }
     }
@@ -48,6 +45,22 @@ impl SurfaceResponse {
     /// The grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
+    }
+
+    /// The planned transforms of the grid.
+    pub fn transform(&self) -> &Transform {
+        &self.transform
+    }
+
+    /// G_zz(q) in length/stress, laid out as [`Grid::modes`]; 0 at q = 0, see
+    /// [`uniform_compliance`](Self::uniform_compliance).
+    pub fn compliance(&self) -> &[f64] {
+        &self.compliance
+    }
+
+    /// 1/G_zz(q) in stress/length, laid out as [`Grid::modes`]; 0 at q = 0.
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
     }
 
     /// E* of the body, in stress.
@@ -63,6 +76,6 @@ impl SurfaceResponse {
 
     /// Smallest and largest stiffness 1/G_zz of the modes q ≠ 0, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
-        [self.softest, self.stiffest]
+        self.stiffness_range
     }
 }

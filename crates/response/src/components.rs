@@ -1,0 +1,36 @@
+use gfmd_field::Grid;
+
+/// The components of a vector on the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Components {
+    /// x, z: plane strain, on a line.
+    Plane,
+    /// x, y, z.
+    Space,
+}
+
+impl Components {
+    /// Those of a grid: two of a line, three else.
+    pub fn of(grid: &Grid) -> Self {
+        if grid.is_line() { Self::Plane } else { Self::Space }
+    }
+
+    /// How many.
+    #[expect(clippy::len_without_is_empty, reason = "there are two or three")]
+    pub fn len(self) -> usize {
+        self.axes().len()
+    }
+
+    /// Which axis of space each one belongs to: x is 0, y is 1, z is 2.
+    pub fn axes(self) -> &'static [usize] {
+        match self {
+            Self::Plane => &[0, 2],
+            Self::Space => &[0, 1, 2],
+        }
+    }
+
+    /// The index of z, the last.
+    pub fn normal(self) -> usize {
+        self.len() - 1
+    }
+}

@@ -1,0 +1,81 @@
+use gfmd_green::Matrix3;
+
+/// A Hermitian matrix of one wave vector, rows and columns x, y, z, of the kind that an isotropic body has: real in the
+/// surface and along z, imaginary between them.
+///
+/// ```text
+///   x  [    xx      xy    i xz ]
+///   y  [    xy      yy    i yz ]
+///   z  [ −i xz   −i yz      zz ]
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hermitian {
+    /// Entry (x, x).
+    pub xx: f64,
+    /// Entry (y, y).
+    pub yy: f64,
+    /// Entry (z, z).
+    pub zz: f64,
+    /// Entries (x, y) and (y, x).
+    pub xy: f64,
+    /// Entry (x, z), divided by i.
+    pub xz: f64,
+    /// Entry (y, z), divided by i.
+    pub yz: f64,
+}
+
+impl Hermitian {
+    /// The matrix of a stiffness or compliance of `gfmd-green`.
+    pub fn of(matrix: &Matrix3) -> Self {
+        let [x, y, z] = matrix;
+        Self { xx: x[0].re, yy: y[1].re, zz: z[2].re, xy: x[1].re, xz: x[2].im, yz: y[2].im }
+    }
+
+    /// A multiple of each component.
+    pub fn diagonal([xx, yy, zz]: [f64; 3]) -> Self {
+        Self { xx, yy, zz, ..Self::default() }
+    }
+
+    /// Entry by entry.
+    pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        let Self { xx, yy, zz, xy, xz, yz } = self;
+        Self { xx: f(xx), yy: f(yy), zz: f(zz), xy: f(xy), xz: f(xz), yz: f(yz) }
+    }
+
+    /// The inverse of a positive definite matrix, by its Cholesky factors.
+    ///
+    /// With u_z = i w the matrix is real and symmetric, which is where it is inverted.
+    pub fn inverse(self) -> Self {
+        let Self { xx, yy, zz, xy, xz, yz } = self;
+        let (l21, l31) = (xy / xx, -xz / xx);
+        let d2 = yy - l21 * xy;
+        let l32 = (-yz + l21 * xz) / d2;
+        let d3 = zz + l31 * xz - l32 * l32 * d2;
+        // L⁻¹, then L⁻ᵀ D⁻¹ L⁻¹.
+        let m31 = l21 * l32 - l31;
+        let [i1, i2, i3] = [1.0 / xx, 1.0 / d2, 1.0 / d3];
+        Self {
+            xx: i1 + l21 * l21 * i2 + m31 * m31 * i3,
+            yy: i2 + l32 * l32 * i3,
+            zz: i3,
+            xy: -l21 * i2 - m31 * l32 * i3,
+            xz: -m31 * i3,
+            yz: l32 * i3,
+        }
+    }
+}
+
+impl std::ops::Add for Hermitian {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            xx: self.xx + other.xx,
+            yy: self.yy + other.yy,
+            zz: self.zz + other.zz,
+            xy: self.xy + other.xy,
+            xz: self.xz + other.xz,
+            yz: self.yz + other.yz,
+        }
+    }
+}

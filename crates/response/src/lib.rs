@@ -1,0 +1,54 @@
+//! The elastic body as its surface sees it on one grid: stiffness (traction = K displacement) and compliance
+//! (displacement = G traction) applied to whole fields.
+//!
+//! - [`NormalResponse`]: one number per mode, for problems in which only u_z and the pressure matter.
+//! - [`FullResponse`]: a matrix per mode, for problems in which every component moves: x, y, z, or x, z on a line.
+//! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner made of stiffness and interface.
+//!
+//! A field of several components is one slice, component after component, each laid out as a field of `gfmd-field`:
+//! [`Components`] says how many there are. Displacement and traction are those of the body's surface, +z out of the
+//! body; pressing down makes u_z and t_z negative.
+//!
+//! A uniform shear of a slab, and a wave that moves in all components:
+//!
+//! ```
+//! use gfmd_field::Grid;
+//! use gfmd_green::{Body, Material};
+//! use gfmd_response::FullResponse;
+//!
+//! let body = Body::slab(Material::from_young(70.0, 0.33)?, 0.5)?;
+//! let grid = Grid::square(16, 1.0)?;
+//! let response = FullResponse::new(grid, &body);
+//! let mut ws = response.workspace();
+//! let points = grid.len();
+//!
+//! let mut displacement = vec![0.0; 3 * points];
+//! displacement[..points].fill(0.001);
+//! let mut traction = vec![0.0; 3 * points];
+//! response.stiffness().apply(&displacement, &mut traction, &mut ws)?;
+//! let shear_modulus = 70.0 / (2.0 * 1.33);
+//! assert!((traction[0] - shear_modulus * 0.001 / 0.5).abs() < 1e-14);
+//!
+//! for (i, u) in displacement.iter_mut().enumerate() {
+//!     *u = (i as f64 * 0.618).fract();
+//! }
+//! response.stiffness().apply(&displacement, &mut traction, &mut ws)?;
+//! let mut back = vec![0.0; 3 * points];
+//! response.compliance().apply(&traction, &mut back, &mut ws)?;
+//! assert!(back.iter().zip(&displacement).all(|(a, b)| (a - b).abs() < 1e-12));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Not here: the matrices of one wave vector (`gfmd-green`), what acts on the surface (`gfmd-contact` and others).
+
+mod components;
+mod full;
+mod hermitian;
+mod normal;
+mod operator;
+
+pub use components::Components;
+pub use full::FullResponse;
+pub use hermitian::Hermitian;
+pub use normal::NormalResponse;
+pub use operator::{Operator, Workspace};

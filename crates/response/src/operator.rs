@@ -1,0 +1,168 @@
+use std::fmt;
+use std::sync::Arc;
+
+use gfmd_field::{Grid, Mode, ShapeError, Transform};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::{Components, Hermitian};
+
+/// A Hermitian matrix per mode, applied to vector fields on a grid: a stiffness, a compliance, or a preconditioner.
+pub struct Operator {
+    transform: Arc<Transform>,
+    components: Components,
+    matrices: Vec<Hermitian>,
+}
+
+/// Memory of one caller, made by [`Operator::workspace`]: a spectrum for each component, and what a transform needs.
+/// It serves all operators of one grid. A call allocates nothing itself.
+pub struct Workspace {
+    transform: gfmd_field::Workspace,
+    spectra: [Vec<Complex64>; 3],
+}
+
+impl Operator {
+    /// Tabulates `matrix` for every mode of `grid`. Rows and columns of y do not count on a line.
+    ///
+    /// Entries odd in a Nyquist component must be zero, as those of
+    /// [`Body::stiffness_of`](gfmd_green::Body::stiffness_of) are (theory.md, section 0).
+    pub fn new(grid: Grid, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
+        Self::on(Arc::new(Transform::new(grid)), matrix)
+    }
+
+    /// Another operator on the same grid, which shares the planned transforms.
+    pub fn beside(&self, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
+        Self::on(Arc::clone(&self.transform), matrix)
+    }
+
+    fn on(transform: Arc<Transform>, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
+        let grid = *transform.grid();
+        let [lanes, positions] = grid.spectrum_shape();
+        let matrices = (0..lanes * positions)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|index| matrix(&grid.mode(index / positions, index % positions)))
+            .collect();
+        Self { transform, components: Components::of(&grid), matrices }
+    }
+
+    /// The grid of the fields.
+    pub fn grid(&self) -> &Grid {
+        self.transform.grid()
+    }
+
+    /// The components of the fields.
+    pub fn components(&self) -> Components {
+        self.components
+    }
+
+    /// The planned transforms of one component.
+    pub fn transform(&self) -> &Transform {
+        &self.transform
+    }
+
+    /// The matrices, laid out as [`Grid::modes`].
+    pub fn matrices(&self) -> &[Hermitian] {
+        &self.matrices
+    }
+
+    /// Memory for the operators of this grid. It serves as many threads as the current rayon pool has.
+    pub fn workspace(&self) -> Workspace {
+        let mut spectra = [const { Vec::new() }; 3];
+        for &axis in self.components.axes() {
+            spectra[axis] = vec![Complex64::ZERO; self.matrices.len()];
+        }
+        Workspace { transform: self.transform.workspace(), spectra }
+    }
+
+    /// `out` ← F⁻¹\[M F\[field\]\], both component after component. One transform pair for each component.
+    ///
+    /// # Errors
+    /// A slice or a workspace that does not fit the grid.
+    pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+        self.check("output", out)?;
+        self.analyse(field, ws)?;
+        let matrices = &self.matrices;
+        let [x, y, z] = &mut ws.spectra;
+        match self.components {
+            Components::Plane => (x, z, matrices).into_par_iter().with_min_len(CHUNK).for_each(|(x, z, m)| {
+                (*x, *z) = (*x * m.xx + (*z * m.xz).times_i(), *z * m.zz - (*x * m.xz).times_i());
+            }),
+            Components::Space => (x, y, z, matrices).into_par_iter().with_min_len(CHUNK).for_each(|(x, y, z, m)| {
+                (*x, *y, *z) = (
+                    *x * m.xx + *y * m.xy + (*z * m.xz).times_i(),
+                    *x * m.xy + *y * m.yy + (*z * m.yz).times_i(),
+                    *z * m.zz - (*x * m.xz + *y * m.yz).times_i(),
+                );
+            }),
+        }
+        for (&axis, component) in self.components.axes().iter().zip(out.chunks_exact_mut(self.grid().len())) {
+            self.transform.inverse(&ws.spectra[axis], component, &mut ws.transform)?;
+        }
+        Ok(())
+    }
+
+    /// (1/N) Σ_r f·(M f), summed over all modes and components: twice the elastic energy per area, if M is a stiffness
+    /// and f a displacement (theory.md, section 0). Half the work of [`apply`](Self::apply).
+    ///
+    /// # Errors
+    /// A slice or a workspace that does not fit the grid.
+    pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
+        self.analyse(field, ws)?;
+        let [_, positions] = self.grid().spectrum_shape();
+        let [x, y, z] = &ws.spectra;
+        let of_mode = |index: usize| {
+            let m = &self.matrices[index];
+            let (x, y, z) = (x[index], y.get(index).copied().unwrap_or_default(), z[index]);
+            let coupled = (x.conj() * z).im * m.xz + (y.conj() * z).im * m.yz;
+            let weight = self.grid().mode(index / positions, index % positions).weight;
+            let diagonal = m.xx * x.norm_sqr() + m.yy * y.norm_sqr() + m.zz * z.norm_sqr();
+            weight * (diagonal + 2.0 * (m.xy * (x.conj() * y).re - coupled))
+        };
+        // Chunks of one length, summed in order: the same bits for any number of threads.
+        let chunks = self.matrices.len().div_ceil(CHUNK);
+        let sums: Vec<f64> = (0..chunks)
+            .into_par_iter()
+            .map(|chunk| (chunk * CHUNK..((chunk + 1) * CHUNK).min(self.matrices.len())).map(of_mode).sum())
+            .collect();
+        Ok(sums.iter().sum())
+    }
+
+    fn analyse(&self, field: &[f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+        self.check("field", field)?;
+        for (&axis, component) in self.components.axes().iter().zip(field.chunks_exact(self.grid().len())) {
+            self.transform.forward(component, &mut ws.spectra[axis], &mut ws.transform)?;
+        }
+        Ok(())
+    }
+
+    fn check(&self, what: &'static str, field: &[f64]) -> Result<(), ShapeError> {
+        let expected = self.components.len() * self.grid().len();
+        if field.len() == expected { Ok(()) } else { Err(ShapeError { what, found: field.len(), expected }) }
+    }
+}
+
+/// Modes that one thread takes at a time.
+const CHUNK: usize = 4096;
+
+trait TimesI {
+    fn times_i(self) -> Self;
+}
+
+impl TimesI for Complex64 {
+    fn times_i(self) -> Self {
+        Self::new(-self.im, self.re)
+    }
+}
+
+impl fmt::Debug for Operator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Operator").field("grid", self.grid()).finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,158 @@
+//! The operators against the matrices of single modes, and against each other.
+
+use approx::assert_relative_eq;
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_response::{Components, FullResponse, Hermitian, NormalResponse};
+use proptest::prelude::*;
+
+fn noise(n: usize, seed: u64) -> Vec<f64> {
+    (0..n).map(|i| ((i as f64 + 1.0) * (0.618_033 + 1e-3 * seed as f64)).fract() - 0.5).collect()
+}
+
+fn bodies() -> [Body; 4] {
+    let material = |poisson| Material::from_young(3.0, poisson).unwrap();
+    [
+        Body::half_space(material(0.3)),
+        Body::slab(material(0.45), 0.3).unwrap(),
+        Body::slab(material(0.5), 0.05).unwrap(),
+        Body::slab(material(-0.4), 2.0).unwrap(),
+    ]
+}
+
+fn grids() -> [Grid; 5] {
+    [
+        Grid::new([12, 10], [1.0, 1.3]).unwrap(),
+        Grid::new([9, 8], [1.0, 1.3]).unwrap(),
+        Grid::new([7, 5], [2.0, 1.0]).unwrap(),
+        Grid::line(16, 1.0).unwrap(),
+        Grid::line(9, 1.0).unwrap(),
+    ]
+}
+
+fn without_means(field: &mut [f64], points: usize) {
+    for component in field.chunks_exact_mut(points) {
+        let mean = component.iter().sum::<f64>() / points as f64;
+        component.iter_mut().for_each(|value| *value -= mean);
+    }
+}
+
+#[test]
+fn compliance_undoes_stiffness_on_every_grid_and_body() {
+    for grid in grids() {
+        for body in bodies() {
+            let response = FullResponse::new(grid, &body);
+            let mut ws = response.workspace();
+            let mut displacement = noise(response.components().len() * grid.len(), 0);
+            without_means(&mut displacement, grid.len());
+            let (mut traction, mut back) = (displacement.clone(), displacement.clone());
+            response.stiffness().apply(&displacement, &mut traction, &mut ws).unwrap();
+            response.compliance().apply(&traction, &mut back, &mut ws).unwrap();
+            for (back, u) in back.iter().zip(&displacement) {
+                assert_relative_eq!(back, u, epsilon = 1e-11);
+            }
+            // U = ½⟨u, K u⟩ by modes and by points.
+            let by_modes = response.stiffness().quadratic_form(&displacement, &mut ws).unwrap();
+            let by_points = displacement.iter().zip(&traction).map(|(u, t)| u * t).sum::<f64>() / grid.len() as f64;
+            assert_relative_eq!(by_modes, by_points, max_relative = 1e-12);
+            assert!(by_modes > 0.0);
+        }
+    }
+}
+
+#[test]
+fn frictionless_pressure_moves_the_surface_as_the_normal_response_says() {
+    // Odd numbers of points: without Nyquist modes the two agree in every mode (theory.md, section 0).
+    let grid = Grid::new([9, 7], [1.0, 1.1]).unwrap();
+    for body in bodies() {
+        let (full, normal) = (FullResponse::new(grid, &body), NormalResponse::new(grid, &body));
+        let mut pressure = noise(grid.len(), 3);
+        without_means(&mut pressure, grid.len());
+        let mut traction = vec![0.0; 3 * grid.len()];
+        traction[2 * grid.len()..].copy_from_slice(&pressure);
+        let (mut displacement, mut normal_displacement) = (vec![0.0; 3 * grid.len()], vec![0.0; grid.len()]);
+        full.compliance().apply(&traction, &mut displacement, &mut full.workspace()).unwrap();
+        let mut ws = normal.transform().workspace();
+        normal.transform().convolve(normal.compliance(), &pressure, &mut normal_displacement, &mut ws).unwrap();
+        for (full, normal) in displacement[2 * grid.len()..].iter().zip(&normal_displacement) {
+            assert_relative_eq!(full, normal, epsilon = 1e-13);
+        }
+    }
+}
+
+#[test]
+fn a_line_is_a_plane_with_one_row() {
+    let body = &bodies()[1];
+    let (line, plane) = (Grid::line(12, 1.0).unwrap(), Grid::new([12, 3], [1.0, 0.7]).unwrap());
+    let (two, three) = (FullResponse::new(line, body), FullResponse::new(plane, body));
+    assert_eq!((two.components(), three.components()), (Components::Plane, Components::Space));
+    let profile = noise(24, 1);
+    let mut traction = vec![0.0; 24];
+    two.stiffness().apply(&profile, &mut traction, &mut two.workspace()).unwrap();
+    let mut field = vec![0.0; 3 * 36];
+    for (component, values) in [0, 2].into_iter().zip(profile.chunks_exact(12)) {
+        for (i, value) in values.iter().enumerate() {
+            field[component * 36 + 3 * i..][..3].fill(*value);
+        }
+    }
+    let mut out = vec![0.0; 3 * 36];
+    three.stiffness().apply(&field, &mut out, &mut three.workspace()).unwrap();
+    for (component, values) in [0, 2].into_iter().zip(traction.chunks_exact(12)) {
+        for (i, value) in values.iter().enumerate() {
+            assert_relative_eq!(out[component * 36 + 3 * i], *value, epsilon = 1e-12);
+        }
+    }
+    assert!(out[36..72].iter().all(|t| t.abs() < 1e-12));
+}
+
+#[test]
+fn same_bits_for_any_thread_count() {
+    let grid = Grid::new([128, 96], [1.0, 1.0]).unwrap();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let response = FullResponse::new(grid, &bodies()[0]);
+            let mut ws = response.workspace();
+            let field = noise(3 * grid.len(), 2);
+            let mut out = vec![0.0; field.len()];
+            response.stiffness().apply(&field, &mut out, &mut ws).unwrap();
+            (out, response.stiffness().quadratic_form(&field, &mut ws).unwrap())
+        })
+    };
+    assert!(on(1) == on(3));
+}
+
+#[test]
+fn means_that_do_not_answer_are_told() {
+    let [half_space, slab, rubber, _] = bodies();
+    let grid = Grid::square(4, 1.0).unwrap();
+    assert_eq!(FullResponse::new(grid, &half_space).uniform_compliance(), [0.0; 3]);
+    assert!(FullResponse::new(grid, &slab).uniform_compliance().iter().all(|g| *g > 0.0));
+    let [x, _, z] = FullResponse::new(grid, &rubber).uniform_compliance();
+    assert!(x > 0.0 && z == 0.0);
+}
+
+#[test]
+fn a_field_of_the_wrong_length_is_refused() {
+    let response = FullResponse::new(Grid::square(4, 1.0).unwrap(), &bodies()[0]);
+    let error = response.stiffness().apply(&[0.0; 16], &mut [0.0; 48], &mut response.workspace()).unwrap_err();
+    assert_eq!(error.to_string(), "the field has 16 values, this grid needs 48");
+}
+
+proptest! {
+    #[test]
+    fn the_inverse_of_a_matrix_is_its_inverse(entries in prop::array::uniform6(-1.0..1.0_f64), shift in 2.5..5.0_f64) {
+        let [xx, yy, zz, xy, xz, yz] = entries;
+        let m = Hermitian { xx: xx + shift, yy: yy + shift, zz: zz + shift, xy, xz, yz };
+        // Of real symmetric matrices, after u_z = i w.
+        let real = |m: Hermitian| [[m.xx, m.xy, -m.xz], [m.xy, m.yy, -m.yz], [-m.xz, -m.yz, m.zz]];
+        let (a, b) = (real(m), real(m.inverse()));
+        for (i, row) in a.iter().enumerate() {
+            // A symmetric matrix: its rows are its columns.
+            for (j, column) in b.iter().enumerate() {
+                let product: f64 = row.iter().zip(column).map(|(a, b)| a * b).sum();
+                prop_assert!((product - f64::from(u8::from(i == j))).abs() < 1e-12, "{:?}", m);
+            }
+        }
+    }
+}
