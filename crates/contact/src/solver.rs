@@ -2,7 +2,8 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solver {
-    /// The fastest that is safe: [`PreconditionedCg`](Self::PreconditionedCg).
+    /// The fastest that is safe: [`PreconditionedCg`](Self::PreconditionedCg), and where that takes more than 100
+    /// iterations, [`ProjectedCg`](Self::ProjectedCg) from there on.
     #[default]
     Auto,
     /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).

@@ -12,9 +12,9 @@ use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Ve
 /// function falls in every iteration, and no curvature is asked for.
 ///
 /// While no variable reaches zero these are exact line searches, and directions are made conjugate to the last step.
-/// When some do, a step that lowers the function is kept whole, since stepping back would take the zeros away again;
-/// when it has to step back nevertheless, the next length is that much shorter, as steps to the same end on a segment
-/// would get nowhere.
+/// When some do, a step that lowers the function is kept whole, since stepping back would take the zeros away again, and
+/// the next length is between this and what it should have been. When it has to step back nevertheless, the next length
+/// is that much shorter, as steps to the same end on a segment would get nowhere.
 ///
 /// One direction in 25, and any that the projection turns uphill, is the gradient itself. Projected gradients
 /// with a step that lowers the function converge whatever happens in between (Bertsekas 1976).
@@ -100,8 +100,7 @@ impl PreconditionedCg {
                 length = match lowest {
                     _ if settled => (path.length * lowest.min(CHANGE)).max(1.0),
                     ..DOWNHILL => path.length * lowest.max(1.0 / CHANGE),
-                    ..1.0 => path.length,
-                    _ => length.max((2.0 * path.length).min(1.0)),
+                    _ => (path.length * lowest).min(1.0).sqrt(),
                 };
             }
             if lowest < if settled { 1.0 } else { DOWNHILL } {
