@@ -20,8 +20,6 @@ struct Dual<'a> {
     linear: Cow<'a, [f64]>,
     transforms: Transforms,
     extension: Extension,
-    /// E r, on the way through the preconditioner.
-    displacement: Vec<f64>,
 }
 
 /// With prescribed approach, a half-space that keeps its mean level answers to a uniform displacement with any stiffness.
@@ -57,8 +55,7 @@ impl<'a> Dual<'a> {
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(control, Control::MeanPressure(_));
         let extension = Extension::new(points, floating, |periods| response.stiffness()[periods * stride]);
-        let displacement = vec![0.0; linear.len()];
-        Self { response, compliance, stiffness, linear, transforms: Transforms::new(response), extension, displacement }
+        Self { response, compliance, stiffness, linear, transforms: Transforms::new(response), extension }
     }
 }
 
@@ -84,10 +81,11 @@ impl Quadratic for Dual<'_> {
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
         self.transforms.singles += 2;
         let known = Known { x, gradient, level: multiplier };
-        let Self { response, stiffness, transforms, extension, displacement, .. } = self;
-        extension.extend(known, displacement);
-        response.transform().convolve(stiffness, displacement, out, &mut transforms.workspace).expect(FITS);
-        extension.transpose(known, displacement, out);
+        let Self { response, stiffness, transforms, extension, .. } = self;
+        extension.prepare(known);
+        let rows = |i: usize, row: &mut [f64]| extension.row(known, i, row);
+        response.transform().convolve_rows(stiffness, rows, out, |_, _| {}, &mut transforms.workspace).expect(FITS);
+        extension.transpose(known, out);
     }
 }
 

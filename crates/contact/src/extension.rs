@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 /// Continues values that are known on part of a periodic grid to all of it: E, linear, the identity on the known part.
@@ -9,6 +11,8 @@ pub(crate) struct Extension {
     points: [usize; 2],
     /// Cells of 2×2 points first, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
+    /// A bit for each point, row by row in whole words: whether it keeps its own value.
+    kept: Vec<AtomicU64>,
 }
 
 /// What is known: `gradient − level` where `x` > 0. Where that is negative at x = 0, and lower than what the
@@ -37,6 +41,9 @@ struct Level {
 /// large neighbourhood, which would cost the more energy the larger it is.
 const FULL: [f64; 2] = [1.5, 3.0];
 
+/// Points in a word of [`Extension::kept`].
+const BITS: usize = u64::BITS as usize;
+
 impl Extension {
     /// `stiffness` is that of the wave with so many periods along the longer side. Where it falls by half from an octave
     /// to the next longer one, as on a half-space, displacement spreads, and what is not known is taken from afar; where
@@ -63,12 +70,13 @@ impl Extension {
         if let (true, Some(top)) = (floating, levels.last_mut()) {
             top.full = 0.0;
         }
-        Self { points, levels }
+        let kept = (0..points[0] * points[1].div_ceil(BITS)).map(|_| AtomicU64::new(0)).collect();
+        Self { points, levels, kept }
     }
 
-    /// `out` ← E r.
-    pub(crate) fn extend(&mut self, known: Known, out: &mut [f64]) {
-        let Some(first) = self.levels.first_mut() else { return out.copy_from_slice(known.gradient) };
+    /// Everything of E r but the points themselves, which [`row`](Self::row) gives.
+    pub(crate) fn prepare(&mut self, known: Known) {
+        let Some(first) = self.levels.first_mut() else { return };
         let columns = self.points[1];
         first.pull(self.points, |i, weights, values| {
             let level = known.level;
@@ -78,7 +86,7 @@ impl Extension {
                 *value = *weight * (gradient - level);
             }
         });
-        self.climb(|above, below| {
+        climb(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             above.pull(below.cells, |i, weights, values| {
                 let cells = at(&below.known, i, columns).iter().zip(at(&below.value, i, columns));
@@ -88,8 +96,8 @@ impl Extension {
                 }
             });
         });
-        self.close();
-        self.descend(|above, below| {
+        close(&mut self.levels);
+        descend(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             let full = below.full;
             above.push(&mut below.value, columns, |i, value, pushed| {
@@ -99,35 +107,45 @@ impl Extension {
                 }
             });
         });
-        self.levels[0].push(out, columns, |i, out, pushed| {
-            let level = known.level;
-            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
-            for ((out, pushed), (x, gradient)) in out.iter_mut().zip(pushed).zip(points) {
-                let own = gradient - level;
-                *out = if (*x > 0.0) | ((own < 0.0) & (own < *pushed)) { own } else { *pushed };
-            }
-        });
     }
 
-    /// `t` ← Eᵀ t, with the E that made `extended`, which is used up.
-    pub(crate) fn transpose(&mut self, known: Known, extended: &mut [f64], t: &mut [f64]) {
-        let Some(first) = self.levels.first_mut() else { return };
+    /// Row i of E r, of what was [prepared](Self::prepare).
+    pub(crate) fn row(&self, known: Known, i: usize, out: &mut [f64]) {
         let columns = self.points[1];
-        // Points that kept their own value are those that have it. What the others have is to be handed on.
-        rows(extended, columns).enumerate().for_each(|(i, passed)| {
-            let level = known.level;
-            let points = at(t, i, columns).iter().zip(at(known.gradient, i, columns));
-            for (passed, (t, gradient)) in passed.iter_mut().zip(points) {
-                *passed = f64::from(gradient - level != *passed) * t;
+        match self.levels.first() {
+            Some(first) => first.interpolate(i, out),
+            None => out.fill(0.0),
+        }
+        let points = at(known.x, i, columns).chunks(BITS).zip(at(known.gradient, i, columns).chunks(BITS));
+        for ((out, (x, gradient)), kept) in out.chunks_mut(BITS).zip(points).zip(words(&self.kept, i, columns)) {
+            let mut bits = 0;
+            for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
+                let own = gradient - known.level;
+                let keeps = (*x > 0.0) | ((own < 0.0) & (own < *out));
+                *out = if keeps { own } else { *out };
+                bits |= u64::from(keeps) << j;
+            }
+            kept.store(bits, Ordering::Relaxed);
+        }
+    }
+
+    /// `t` ← Eᵀ t, with the E of the rows that were last given.
+    pub(crate) fn transpose(&mut self, known: Known, t: &mut [f64]) {
+        let [height, columns] = self.points;
+        let Some(first) = self.levels.first_mut() else { return };
+        let kept = |i: usize| words(&self.kept, i, columns);
+        // What points have that did not keep their own value is to be handed on.
+        let handed = &*t;
+        first.gather([height, columns], |i, line, part| {
+            let values = line.chunks_mut(BITS).zip(at(handed, i, columns).chunks(BITS));
+            for ((line, t), kept) in values.zip(kept(i)) {
+                let kept = kept.load(Ordering::Relaxed);
+                for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
+                    *line += if kept >> j & 1 == 0 { part * t } else { 0.0 };
+                }
             }
         });
-        let passed = &*extended;
-        first.gather(self.points, |i, line, part| {
-            for (line, passed) in line.iter_mut().zip(at(passed, i, columns)) {
-                *line += part * passed;
-            }
-        });
-        self.climb(|above, below| {
+        climb(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             above.gather(below.cells, |i, line, part| {
                 let cells = at(&below.value, i, columns).iter().zip(at(&below.known, i, columns));
@@ -136,8 +154,8 @@ impl Extension {
                 }
             });
         });
-        self.close();
-        self.descend(|above, below| {
+        close(&mut self.levels);
+        descend(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             let full = below.full;
             above.spread(&mut below.value, columns, |i, image, share| {
@@ -147,32 +165,35 @@ impl Extension {
             });
         });
         self.levels[0].spread(t, columns, |i, t, share| {
-            let points = at(known.x, i, columns).iter().zip(at(passed, i, columns));
-            for ((t, share), (x, passed)) in t.iter_mut().zip(share).zip(points) {
-                *t += f64::from(*x > 0.0) * share - passed;
+            let points = share.chunks(BITS).zip(at(known.x, i, columns).chunks(BITS));
+            for ((t, (share, x)), kept) in t.chunks_mut(BITS).zip(points).zip(kept(i)) {
+                let kept = kept.load(Ordering::Relaxed);
+                for (j, (t, (share, x))) in t.iter_mut().zip(share.iter().zip(x)).enumerate() {
+                    *t = if kept >> j & 1 == 0 { 0.0 } else { *t + f64::from(*x > 0.0) * share };
+                }
             }
         });
     }
+}
 
-    fn climb(&mut self, mut step: impl FnMut(&mut Level, &Level)) {
-        for k in 1..self.levels.len() {
-            let (below, above) = self.levels.split_at_mut(k);
-            step(&mut above[0], &below[k - 1]);
-        }
+fn climb(levels: &mut [Level], mut step: impl FnMut(&mut Level, &Level)) {
+    for k in 1..levels.len() {
+        let (below, above) = levels.split_at_mut(k);
+        step(&mut above[0], &below[k - 1]);
     }
+}
 
-    /// The top, where nothing is above.
-    fn close(&mut self) {
-        if let Some(top) = self.levels.last_mut() {
-            top.value[0] *= top.weight(top.known[0]);
-        }
+/// The top, where nothing is above.
+fn close(levels: &mut [Level]) {
+    if let Some(top) = levels.last_mut() {
+        top.value[0] *= top.weight(top.known[0]);
     }
+}
 
-    fn descend(&mut self, mut step: impl FnMut(&Level, &mut Level)) {
-        for k in (1..self.levels.len()).rev() {
-            let (below, above) = self.levels.split_at_mut(k);
-            step(&above[0], &mut below[k - 1]);
-        }
+fn descend(levels: &mut [Level], mut step: impl FnMut(&Level, &mut Level)) {
+    for k in (1..levels.len()).rev() {
+        let (below, above) = levels.split_at_mut(k);
+        step(&above[0], &mut below[k - 1]);
     }
 }
 
@@ -203,22 +224,33 @@ impl Level {
         );
     }
 
-    /// Interpolates the level below bilinearly, of which the cells here are the means: `write(i, row, interpolated)`.
-    fn push(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
+    /// Row i of the level below, of which the cells here are the means, bilinearly.
+    fn interpolate(&self, i: usize, row: &mut [f64]) {
         let [height, width] = self.cells;
+        let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
+        let (near, far) = (at(&self.value, i / 2, width), at(&self.value, beside, width));
+        let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
+        let children = |near: &[f64], far: &[f64]| {
+            let [before, own, after]: [f64; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
+            [before, after].map(|other| 0.75 * own + 0.25 * other)
+        };
+        for b in [0, width - 1] {
+            let three = [(b + width - 1) % width, b, (b + 1) % width];
+            let pair = children(&three.map(|b| near[b]), &three.map(|b| far[b]));
+            row[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
+        }
+        let inner = row.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
+        for ((pair, near), far) in inner.iter_mut().zip(near.windows(3)).zip(far.windows(3)) {
+            *pair = children(near, far);
+        }
+    }
+
+    /// Interpolates the whole level below: `write(i, row, interpolated)`.
+    fn push(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         rows(below, columns).enumerate().for_each_init(
-            || (vec![0.0; width + 2], vec![0.0; 2 * width]),
-            |(line, pushed), (i, row)| {
-                let trust = self.trust;
-                let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
-                let parents = at(&self.value, i / 2, width).iter().zip(at(&self.value, beside, width));
-                for (line, (near, far)) in line[1..].iter_mut().zip(parents) {
-                    *line = trust * (0.75 * near + 0.25 * far);
-                }
-                (line[0], line[width + 1]) = (line[width], line[1]);
-                for (pair, parents) in pushed.as_chunks_mut::<2>().0.iter_mut().zip(line.windows(3)) {
-                    *pair = [0, 2].map(|beside| 0.75 * parents[1] + 0.25 * parents[beside]);
-                }
+            || vec![0.0; columns],
+            |pushed, (i, row)| {
+                self.interpolate(i, pushed);
                 write(i, row, pushed);
             },
         );
@@ -284,6 +316,12 @@ fn add_pairs(line: &[f64], sums: &mut [f64]) {
     }
 }
 
+/// The words of row i.
+fn words(kept: &[AtomicU64], i: usize, columns: usize) -> &[AtomicU64] {
+    let words = columns.div_ceil(BITS);
+    &kept[i * words..][..words]
+}
+
 /// Row i.
 fn at(field: &[f64], i: usize, columns: usize) -> &[f64] {
     &field[i * columns..][..columns]
@@ -305,6 +343,13 @@ mod tests {
         Extension::new(points, floating, |periods| periods as f64)
     }
 
+    /// All rows of E r.
+    fn extend(extension: &mut Extension, known: Known, out: &mut [f64]) {
+        extension.prepare(known);
+        let columns = extension.points[1];
+        out.chunks_mut(columns).enumerate().for_each(|(i, row)| extension.row(known, i, row));
+    }
+
     /// Spread out, repeatable, in −1 to 1.
     fn noise(n: usize, seed: f64) -> Vec<f64> {
         (0..n).map(|i| 2.0 * ((i as f64 + 1.0) * 0.618_034 + seed * 0.754_878).fract() - 1.0).collect()
@@ -321,14 +366,14 @@ mod tests {
         for points in SHAPES {
             let (x, mut gradient) = field(points);
             let mut out = vec![f64::NAN; x.len()];
-            extension(points, true).extend(Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+            extend(&mut extension(points, true), Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
             for (k, out) in out.iter().enumerate() {
                 assert!(x[k] == 0.0 || *out == gradient[k] - 0.2, "{points:?} {k}");
                 assert!(x[k] > 0.0 || *out == gradient[k] - 0.2 || *out <= 0.8, "a mean of the others");
             }
             gradient.fill(0.7);
             if x.iter().any(|x| *x > 0.0) {
-                extension(points, true).extend(Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+                extend(&mut extension(points, true), Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
                 assert!(out.iter().all(|out| (out - 0.5).abs() < 1e-15), "{points:?}");
             }
         }
@@ -342,10 +387,10 @@ mod tests {
                 let known = Known { x: &x, gradient: &gradient, level: -0.1 };
                 let mut extension = extension(points, floating);
                 let mut extended = vec![0.0; x.len()];
-                extension.extend(known, &mut extended);
+                extend(&mut extension, known, &mut extended);
                 let traction = noise(x.len(), 3.3);
                 let mut image = traction.clone();
-                extension.transpose(known, &mut extended.clone(), &mut image);
+                extension.transpose(known, &mut image);
                 let direct: f64 = extended.iter().zip(&traction).map(|(a, b)| a * b).sum();
                 let around: f64 = gradient.iter().zip(&image).map(|(g, z)| (g + 0.1) * z).sum();
                 assert!((direct - around).abs() < 1e-13 * x.len() as f64, "{points:?}: {direct} {around}");
@@ -363,7 +408,7 @@ mod tests {
         let far = 32 * 64 + 32;
         let value = |x: &[f64], gradient: &[f64], floating| {
             let mut out = vec![f64::NAN; 4096];
-            extension(points, floating).extend(Known { x, gradient, level: 0.0 }, &mut out);
+            extend(&mut extension(points, floating), Known { x, gradient, level: 0.0 }, &mut out);
             out[far]
         };
         assert_eq!(value(&x, &gradient, true), 0.0);
@@ -380,7 +425,7 @@ mod tests {
         let (x, gradient) = field([16, 16]);
         let mut out = vec![f64::NAN; 256];
         let known = Known { x: &x, gradient: &gradient, level: -2.0 };
-        Extension::new([16, 16], true, |_| 1.0).extend(known, &mut out);
+        extend(&mut Extension::new([16, 16], true, |_| 1.0), known, &mut out);
         assert!(out.iter().zip(&x).all(|(out, x)| *x > 0.0 || *out == 0.0));
     }
 }
