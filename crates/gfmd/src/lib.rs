@@ -8,6 +8,7 @@
 //! | [`relax`]    | minimisers without physics                                  |
 //! | [`response`] | stiffness and compliance of a body, applied to whole fields |
 //! | [`contact`]  | hard-wall contact: problem, solvers, certified solution     |
+//! | [`mixed`]    | displacement prescribed here, traction there                |
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
 //!
 //! ```
@@ -40,6 +41,7 @@ pub use gfmd_contact as contact;
 pub use gfmd_field as field;
 pub use gfmd_green as green;
 pub use gfmd_measure as measure;
+pub use gfmd_mixed as mixed;
 pub use gfmd_relax as relax;
 pub use gfmd_response as response;
 pub use gfmd_surface as surface;

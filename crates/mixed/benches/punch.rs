@@ -1,0 +1,51 @@
+//! The flat square punch that sticks to a slab, 512² points, to 1e-8: conjugate gradients against damped dynamics.
+//!
+//! `cargo bench -p gfmd-mixed` prints iterations and transform pairs for each component, then times. A smaller grid:
+//! `GFMD_BENCH_POINTS=128 cargo bench -p gfmd-mixed`.
+
+use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_mixed::{Method, MixedProblem, Prescribed, Settings};
+use gfmd_response::FullResponse;
+use ndarray::Array2;
+
+const METHODS: [Method; 4] = [Method::ConjugateGradients, Method::Verlet, Method::VerletCritical, Method::Fire];
+
+fn punch(criterion: &mut Criterion) {
+    let n: usize = std::env::var("GFMD_BENCH_POINTS").ok().and_then(|n| n.parse().ok()).unwrap_or(512);
+    let grid = Grid::square(n, 1.27).expect("a grid");
+    let body = Material::from_young(70.0, 0.33).and_then(|material| Body::slab(material, 1.27)).expect("a body");
+    let response = FullResponse::new(grid, &body);
+    let under = |i: usize| (3 * n / 8..=5 * n / 8).contains(&i);
+    let points = Array2::from_shape_fn((n, n), |(i, j)| under(i) && under(j));
+    let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -0.005]).expect("points of the grid");
+    let problem = MixedProblem::new(&response, held).expect("a problem");
+    let mut group = criterion.benchmark_group(format!("sticking_punch_{n}"));
+    group.sample_size(10).sampling_mode(SamplingMode::Flat).warm_up_time(Duration::from_millis(1));
+    for method in METHODS {
+        let settings = Settings { method, ..Settings::default() };
+        let mut cost = None;
+        group.bench_function(format!("{method:?}"), |bencher| {
+            bencher.iter(|| {
+                let solution = problem.solve(&settings, &mut |_| ControlFlow::Continue(())).expect("converges");
+                cost = Some([solution.iterations, solution.transform_pairs / 3]);
+                black_box(solution)
+            });
+        });
+        if let Some([iterations, pairs]) = cost {
+            #[expect(clippy::print_stderr, reason = "beside what criterion prints")]
+            {
+                eprintln!("{method:?}: {iterations} iterations, {pairs} transform pairs for each component");
+            }
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, punch);
+criterion_main!(benches);

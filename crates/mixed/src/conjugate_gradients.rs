@@ -1,0 +1,86 @@
+//! The problem in terms of the traction on what is held: R G Rᵀ t = u − R G t_given, with R the restriction to the held
+//! entries. R G Rᵀ is symmetric and positive definite, and R K Rᵀ is near its inverse, which is the Schur complement
+//! R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
+
+use gfmd_vector::{dot, pass};
+
+use crate::problem::{End, Ended, Surface, largest};
+use crate::{Progress, Settings, Watch};
+
+pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+    let held = &surface.problem.prescribed.held;
+    let mut residual = surface.misfit.clone();
+    let mut direction = vec![0.0; residual.len()];
+    // First the preconditioned residual, then what the direction does.
+    let mut image = vec![0.0; residual.len()];
+    let mut slope = f64::INFINITY;
+    let mut confirmed = f64::INFINITY;
+    let mut iterations = 0;
+    let end = loop {
+        let now = Progress { iteration: iterations, residual: surface.relative(largest(&residual)) };
+        let stopped = watch(&now).is_break();
+        // A number that is not finite ends here, too.
+        let descending = now.residual > settings.tolerance;
+        if !descending || stopped || iterations >= settings.max_iterations {
+            surface.certify();
+            let found = surface.residual();
+            if found <= settings.tolerance {
+                break End::Converged;
+            } else if stopped {
+                break End::Interrupted;
+            } else if iterations >= settings.max_iterations {
+                break End::GaveUp("the iterations ran out".into());
+            } else if found.is_nan() || found > 0.5 * confirmed {
+                break End::GaveUp("rounding keeps the recomputed residual above the tolerance".into());
+            }
+            // The recursion has drifted from the truth: start again from here.
+            confirmed = found;
+            residual.copy_from_slice(&surface.misfit);
+            slope = f64::INFINITY;
+        }
+        surface.stiffness(&residual, &mut image);
+        restrict(held, &mut image);
+        let last = std::mem::replace(&mut slope, dot(&residual, &image));
+        let beta = slope / last;
+        pass(
+            [&mut direction],
+            &|start, [direction]| {
+                for (d, z) in direction.iter_mut().zip(&image[start..]) {
+                    *d = z + beta * *d;
+                }
+            },
+            &|(), ()| (),
+        );
+        surface.compliance(&direction, &mut image);
+        restrict(held, &mut image);
+        let step = slope / dot(&direction, &image);
+        pass(
+            [&mut surface.traction, &mut residual],
+            &|start, [traction, residual]| {
+                let along = direction[start..].iter().zip(&image[start..]);
+                for ((t, r), (d, g)) in traction.iter_mut().zip(residual).zip(along) {
+                    *t += step * d;
+                    *r -= step * g;
+                }
+            },
+            &|(), ()| (),
+        );
+        iterations += 1;
+    };
+    Ended { iterations, end }
+}
+
+/// Zero where the surface is free.
+fn restrict(held: &[bool], field: &mut [f64]) {
+    pass(
+        [field],
+        &|start, [field]| {
+            for (value, held) in field.iter_mut().zip(&held[start..]) {
+                if !held {
+                    *value = 0.0;
+                }
+            }
+        },
+        &|(), ()| (),
+    );
+}

@@ -1,0 +1,180 @@
+//! The problem in terms of the free displacement, equilibrated by damped dynamics: the surface layer moves under the
+//! given traction and its own elastic force −K u, what is held stays in its place (theory.md, section 6).
+//!
+//! Where the mean displacement of a component is zero whatever the load, the free points keep the mean that makes it
+//! so: their forces lose their mean, which is the mean traction that the stiffness knows nothing of.
+
+use std::ops::{ControlFlow, Range};
+
+use gfmd_relax::{Bounds, Fire, Landscape, Method as Dynamics, Outcome, RelaxError, State, Stop, Verlet, relax};
+use gfmd_vector::{add, pass, reduce, sum};
+
+use crate::problem::{End, Ended, Surface};
+use crate::{Method, Progress, Settings, Watch};
+
+/// Time step of the original method over its stability limit 2/√k_max.
+const SOURCE_TIME_STEP: f64 = 0.25;
+
+pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+    if surface.scale == 0.0 {
+        return Ended { iterations: 0, end: End::Converged };
+    }
+    let [softest, stiffest] = surface.problem.response.stiffness_range();
+    let verlet = match settings.method {
+        Method::Fire => return run(surface, &Fire::bitzek(Fire::largest_dt(stiffest)), settings, watch),
+        Method::VerletCritical => Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt()),
+        _ => Verlet::optimal(softest, stiffest),
+    };
+    match verlet {
+        Ok(verlet) => run(surface, &verlet, settings, watch),
+        Err(error) => Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
+    }
+}
+
+/// Runs until what the force on the held points does meets the tolerance, not only the forces on the free ones.
+fn run<M: Dynamics>(surface: &mut Surface, method: &M, settings: &Settings, watch: Watch) -> Ended {
+    let mut layer = Layer::new(surface);
+    let start = layer.start();
+    let mut state = match method.start(&mut layer, start) {
+        Ok(state) => state,
+        Err(error) => return Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
+    };
+    let mut observe = |now: &gfmd_relax::Progress, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
+        Ok(watch(&Progress { iteration: now.step, residual: now.residual }))
+    };
+    let mut stop = Stop { residual: settings.tolerance, settled: 0, max_steps: settings.max_iterations };
+    let end = loop {
+        let outcome = relax(&mut layer, method, &mut state, &stop, &mut observe);
+        layer.take_traction(&state.force);
+        let found = layer.surface.residual();
+        match outcome {
+            Ok(_) | Err(RelaxError::NotConverged { .. }) if found <= settings.tolerance => break End::Converged,
+            Ok(Outcome::Converged(now)) => {
+                stop.residual = now.residual * (0.5 * settings.tolerance / found).clamp(1e-3, 0.5);
+            }
+            Ok(Outcome::Interrupted(_)) => break End::Interrupted,
+            Err(error) => break End::GaveUp(error.to_string()),
+        }
+    };
+    Ended { iterations: state.step, end }
+}
+
+/// The surface as a layer of points that move.
+struct Layer<'s, 'p> {
+    surface: &'s mut Surface<'p>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// For each component whose mean is zero whatever the load: its number of free points.
+    floating: Vec<Option<f64>>,
+}
+
+impl<'s, 'p> Layer<'s, 'p> {
+    fn new(surface: &'s mut Surface<'p>) -> Self {
+        let problem = surface.problem;
+        let prescribed = &problem.prescribed;
+        let bound = |open: f64| {
+            let entries = prescribed.held.iter().zip(&prescribed.values);
+            entries.map(|(held, value)| if *held { *value } else { open }).collect()
+        };
+        let free = |held: &[bool]| held.iter().filter(|held| !**held).count() as f64;
+        let by_component = prescribed.held.chunks_exact(problem.response.grid().len()).enumerate();
+        let floating = by_component.map(|(c, held)| problem.floats(c).then(|| free(held))).collect();
+        Self { surface, lower: bound(f64::NEG_INFINITY), upper: bound(f64::INFINITY), floating }
+    }
+
+    fn points(&self) -> usize {
+        self.surface.problem.response.grid().len()
+    }
+
+    /// Flat, but for what is held, with the means that are prescribed.
+    fn start(&self) -> Vec<f64> {
+        let prescribed = &self.surface.problem.prescribed;
+        let mut u = vec![0.0; self.len()];
+        for ((c, u), free) in u.chunks_exact_mut(self.points()).enumerate().zip(&self.floating) {
+            let from = c * u.len();
+            let held = |i: usize| prescribed.held[from + i];
+            let total = sum(u.len(), &|range| range.filter(|i| held(*i)).map(|i| prescribed.values[from + i]).sum());
+            if let Some(free) = free {
+                u.fill(-total / free);
+            }
+        }
+        u
+    }
+
+    /// The traction that keeps the held points in place, with the given one elsewhere, and what it does.
+    fn take_traction(&mut self, force: &[f64]) {
+        let held = &self.surface.problem.prescribed.held;
+        pass(
+            [&mut self.surface.traction],
+            &|start, [traction]| {
+                for (k, t) in traction.iter_mut().enumerate() {
+                    if held[start + k] {
+                        *t = -force[start + k];
+                    }
+                }
+            },
+            &|(), ()| (),
+        );
+        self.surface.certify();
+    }
+}
+
+impl Landscape for Layer<'_, '_> {
+    fn len(&self) -> usize {
+        self.lower.len()
+    }
+
+    fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
+        self.surface.stiffness(u, force);
+        let problem = self.surface.problem;
+        let (held, values, points) = (&problem.prescribed.held, &problem.prescribed.values, self.points());
+        let mut energy = 0.0;
+        for ((c, force), free) in force.chunks_exact_mut(points).enumerate().zip(&self.floating) {
+            let component = c * points;
+            let [stored, pull] = pass(
+                [&mut *force],
+                &|start, [force]| {
+                    let mut sums = [0.0; 2];
+                    for (k, f) in force.iter_mut().enumerate() {
+                        let i = component + start + k;
+                        let given = if held[i] { 0.0 } else { values[i] };
+                        let elastic = std::mem::replace(f, given - *f);
+                        let pull = if held[i] { 0.0 } else { *f };
+                        sums = add(sums, [u[i] * (0.5 * elastic - given), pull]);
+                    }
+                    sums
+                },
+                &add,
+            );
+            energy += stored;
+            if let Some(free) = free {
+                let mean = pull / free;
+                pass([force], &|_, [force]| force.iter_mut().for_each(|f| *f -= mean), &|(), ()| ());
+            }
+        }
+        energy
+    }
+
+    fn bounds(&self) -> Bounds<'_> {
+        Bounds::Between { lower: &self.lower, upper: &self.upper }
+    }
+
+    /// The largest force on a free point over the largest traction.
+    fn residual(&self, _: &[f64], force: &[f64]) -> f64 {
+        let prescribed = &self.surface.problem.prescribed;
+        let leaf = |range: Range<usize>| {
+            range.fold([0.0; 2], |[free, scale], i| match (prescribed.held[i], force[i].abs()) {
+                (true, f) => [free, larger(scale, f)],
+                (false, f) => [larger(free, f), larger(scale, prescribed.values[i].abs())],
+            })
+        };
+        let merge = |a: [f64; 2], b: [f64; 2]| [larger(a[0], b[0]), larger(a[1], b[1])];
+        let [free, scale] = reduce(force.len(), &leaf, &merge);
+        if free == 0.0 { 0.0 } else { free / scale }
+    }
+}
+
+/// The larger of two, NaN if either is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
