@@ -10,9 +10,8 @@ use std::time::Duration;
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_mixed::{Method, MixedProblem, Prescribed, Settings};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, Prescribed, Settings};
 use gfmd_response::FullResponse;
-use ndarray::Array2;
 
 const METHODS: [Method; 4] = [Method::ConjugateGradients, Method::Verlet, Method::VerletCritical, Method::Fire];
 
@@ -21,8 +20,7 @@ fn punch(criterion: &mut Criterion) {
     let grid = Grid::square(n, 1.27).expect("a grid");
     let body = Material::from_young(70.0, 0.33).and_then(|material| Body::slab(material, 1.27)).expect("a body");
     let response = FullResponse::new(grid, &body);
-    let under = |i: usize| (3 * n / 8..=5 * n / 8).contains(&i);
-    let points = Array2::from_shape_fn((n, n), |(i, j)| under(i) && under(j));
+    let points = FlatPunch::new(0.25, Edge::Inclusive).expect("a punch").points(&grid);
     let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -0.005]).expect("points of the grid");
     let problem = MixedProblem::new(&response, held).expect("a problem");
     let mut group = criterion.benchmark_group(format!("sticking_punch_{n}"));

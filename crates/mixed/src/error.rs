@@ -34,6 +34,9 @@ pub enum MixedError {
         /// The index of the component.
         component: usize,
     },
+    /// A punch that does not fit into the cell.
+    #[error("a punch takes a fraction of the cell between 0 and 1, both excluded; found {0}")]
+    Fraction(f64),
     /// A tolerance outside 1e-15 … 0.1.
     #[error("the tolerance is {found:e}; allowed are 1e-15 to 0.1")]
     Tolerance {

@@ -23,18 +23,17 @@
 //! ```
 //! use gfmd_field::Grid;
 //! use gfmd_green::{Body, Material};
-//! use gfmd_mixed::{MixedProblem, Prescribed, Settings};
+//! use gfmd_mixed::{Edge, FlatPunch, MixedProblem, Prescribed, Settings};
 //! use gfmd_response::FullResponse;
-//! use ndarray::Array2;
 //! use std::ops::ControlFlow;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let grid = Grid::square(32, 1.0)?;
 //! let response = FullResponse::new(grid, &Body::slab(Material::from_young(70.0, 0.33)?, 1.0)?);
-//! let punch = Array2::from_shape_fn((32, 32), |(i, j)| (12..=20).contains(&i) && (12..=20).contains(&j));
 //!
-//! let depth = 0.004;
-//! let problem = MixedProblem::new(&response, Prescribed::sticking(&grid, punch.view(), [0.0, 0.0, -depth])?)?;
+//! let (punch, depth) = (FlatPunch::new(0.25, Edge::Inclusive)?.points(&grid), 0.004);
+//! let held = Prescribed::sticking(&grid, punch.view(), [0.0, 0.0, -depth])?;
+//! let problem = MixedProblem::new(&response, held)?;
 //! let solution = problem.solve(&Settings::default(), &mut |_| ControlFlow::Continue(()))?;
 //! assert!(solution.residual <= 1e-8);
 //! assert!((solution.displacement[[2, 16, 16]] + depth).abs() < 1e-8 * depth);
@@ -53,9 +52,11 @@ mod dynamics;
 mod error;
 mod prescribed;
 mod problem;
+mod punch;
 mod solution;
 
 pub use error::MixedError;
 pub use prescribed::Prescribed;
 pub use problem::{Method, MixedProblem, Progress, Settings, Watch};
+pub use punch::{Edge, FlatPunch};
 pub use solution::MixedSolution;

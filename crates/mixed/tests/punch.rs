@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use gfmd_contact::{Contact, Control};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_mixed::{Method, MixedProblem, MixedSolution, Prescribed, Settings};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed, Settings};
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
@@ -44,7 +44,7 @@ fn sticking_punches_are_those_of_a_dense_solution() {
         let grid = Grid::square(n, number("L")).unwrap();
         let slab = Body::slab(Material::from_young(number("E"), number("nu")).unwrap(), number("zm")).unwrap();
         let response = FullResponse::new(grid, &slab);
-        let points = middle(&grid, 0.5 * number("punch_fraction") * n as f64 - 0.5);
+        let points = FlatPunch::new(number("punch_fraction"), Edge::Strict).unwrap().points(&grid);
         assert_eq!(points.iter().filter(|under| **under).count() as u64, case["contact_nodes"].as_u64().unwrap());
         let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -depth]).unwrap();
         let solution = solve(&response, held, Method::ConjugateGradients, 1e-13);
@@ -134,9 +134,10 @@ fn a_frictionless_strip_tends_to_its_closed_form() {
         let fraction = case["contact_fraction"].as_f64().unwrap();
         // Mean pressure 1 presses the strip this far below the mean level of the surface.
         let depth = -2.0 / std::f64::consts::PI * (0.5 * std::f64::consts::PI * fraction).sin().ln();
+        let punch = FlatPunch::new(fraction, Edge::Inclusive).unwrap();
         let pressure = |n: usize| {
             let grid = Grid::line(n, 1.0).unwrap();
-            let held = Prescribed::frictionless(&grid, middle(&grid, 0.5 * fraction * n as f64).view(), -depth);
+            let held = Prescribed::frictionless(&grid, punch.points(&grid).view(), -depth);
             let solution =
                 solve(&FullResponse::new(grid, &half_space), held.unwrap(), Method::ConjugateGradients, 1e-10);
             assert!(solution.displacement.slice(s![1, .., ..]).mean().unwrap().abs() < 1e-12);
@@ -156,12 +157,40 @@ fn a_frictionless_strip_tends_to_its_closed_form() {
 #[test]
 fn the_cost_hardly_grows_with_the_grid() {
     let body = Body::slab(material(0.33), 1.27).unwrap();
+    let punch = FlatPunch::new(0.25, Edge::Inclusive).unwrap();
     let pairs = |n: usize| {
         let grid = Grid::square(n, 1.27).unwrap();
-        let points = middle(&grid, 0.125 * n as f64);
-        let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -0.005]).unwrap();
+        let held = Prescribed::sticking(&grid, punch.points(&grid).view(), [0.0, 0.0, -0.005]).unwrap();
         solve(&FullResponse::new(grid, &body), held, Method::ConjugateGradients, 1e-8).transform_pairs / 3
     };
     let [coarse, fine] = [32, 256].map(pairs);
     assert!(fine <= coarse + 10 && fine <= 26, "{coarse} {fine}");
+}
+
+#[test]
+fn a_few_iterations_are_enough_whatever_is_held_and_whatever_the_body() {
+    let n = 64;
+    let grid = Grid::square(n, 1.0).unwrap();
+    let wave = |i: usize, j: usize| {
+        let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / n as f64);
+        (3.0 * x).cos() * (4.0 * y + 1.0).cos() + 0.7 * (7.0 * x + 5.0 * y).cos() + 0.5 * (9.0 * y - 11.0 * x).sin()
+    };
+    let square = middle(&grid, 8.0);
+    let hole = square.mapv(|inside| !inside);
+    let patches = Array2::from_shape_fn((n, n), |(i, j)| wave(i, j) > 1.2);
+    let scattered = Array2::from_shape_fn((n, n), |(i, j)| ((i * n + j) as f64 * 0.618_033_988).fract() < 0.1);
+    for poisson in [-0.5, 0.33, 0.499, 0.5] {
+        let [thin, thick] = [0.02, 0.3].map(|height| Body::slab(material(poisson), height).unwrap());
+        for body in [thin, thick, Body::half_space(material(poisson))] {
+            let response = FullResponse::new(grid, &body);
+            for points in [&square, &hole, &patches, &scattered] {
+                let sticking = Prescribed::sticking(&grid, points.view(), [0.3, 0.0, -1.0]).unwrap();
+                let frictionless = Prescribed::frictionless(&grid, points.view(), -1.0).unwrap();
+                for prescribed in [sticking, frictionless] {
+                    let solution = solve(&response, prescribed, Method::ConjugateGradients, 1e-8);
+                    assert!(solution.iterations <= 30, "{} iterations, {body:?}", solution.iterations);
+                }
+            }
+        }
+    }
 }
