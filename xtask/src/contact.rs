@@ -165,7 +165,14 @@ pub fn memory_bytes(points: [usize; 2]) -> u64 {
 /// # Errors
 /// More memory needed than available.
 pub fn check_memory(points: [usize; 2]) -> Result<(), Failure> {
-    let needed = memory_bytes(points);
+    check_available(points, memory_bytes(points))
+}
+
+/// Refuses a grid that needs more bytes than there are.
+///
+/// # Errors
+/// More memory needed than available.
+pub fn check_available(points: [usize; 2], needed: u64) -> Result<(), Failure> {
     match available_bytes() {
         Some(available) if needed > available => Err(Failure::input(
             "the grid",

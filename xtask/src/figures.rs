@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
+use gfmd_green::Body;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
-use ndarray::Array2;
+use gfmd_mixed::MixedSolution;
+use ndarray::{Array2, Array3};
 
 use crate::contact;
 use crate::failure::Failure;
 use crate::fit::Axis as Limit;
 use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
 use crate::plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
+use crate::punch;
 
 /// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads.
 ///
@@ -61,6 +64,47 @@ pub fn sweep(
     let grid = plan.grid(&example.point)?;
     let modulus = config.body()?.material().contact_modulus();
     files.extend(draw_pressure(&named(&stem, "map"), &grid, &example.pressure, modulus, "cell length")?);
+    Ok(files)
+}
+
+/// The figures of a punch: maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through its
+/// middle; of a strip, the cut alone.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn punch(
+    prefix: &Path,
+    report: &punch::Report,
+    grid: &Grid,
+    body: &Body,
+    solution: &MixedSolution,
+) -> Result<Vec<PathBuf>, Failure> {
+    let modulus = body.material().contact_modulus();
+    let displacement = solution.displacement.mapv(|u| u / report.depth);
+    let traction = solution.traction.mapv(|t| t / modulus);
+    let normal = report.components.len() - 1;
+    let mut files = Vec::new();
+    if !grid.is_line() {
+        for (field, name) in displacement.outer_iter().zip(&report.components) {
+            let values: Vec<f64> = field.iter().copied().collect();
+            let map = Map::new(&values, grid.points(), grid.lengths(), &format!("*u*_{name} / depth"));
+            files.extend(map.save(&named(prefix, &format!("u_{name}"))).map_err(failed)?);
+        }
+        let pressure = solution.traction.index_axis(ndarray::Axis(0), normal).mapv(|t| -t);
+        files.extend(draw_pressure(&named(prefix, "pressure"), grid, &pressure, modulus, "length")?);
+    }
+    let middle = grid.points()[1] / 2;
+    let panel = |letter: &str, label: &str, fields: &Array3<f64>| {
+        // By symmetry nothing points along y there.
+        let series = [0, normal].map(|component| {
+            let along = (0..grid.points()[0]).map(|i| (i as f64 * grid.spacing()[0], fields[[component, i, middle]]));
+            Series::line(&format!("*{letter}*_{}", report.components[component]), component, along)
+        });
+        Panel { x: Axis::linear("*x*"), y: Axis::linear(label), series: series.into(), ..Panel::default() }
+    };
+    let panels = vec![panel("u", "displacement / depth", &displacement), panel("t", "traction / *E*\\*", &traction)];
+    let chart = Chart { share_y: false, ..Chart::new(panels) };
+    files.extend(chart.save(&named(prefix, "cut")).map_err(failed)?);
     Ok(files)
 }
 

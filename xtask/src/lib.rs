@@ -15,6 +15,7 @@ pub mod kappa_sweep;
 pub mod load;
 pub mod plot;
 pub mod progress;
+pub mod punch;
 pub mod session;
 pub mod source;
 pub mod surface;

@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use gfmd_xtask::failure::Failure;
 use gfmd_xtask::session::{Common, Session};
-use gfmd_xtask::{bench_peers, contact, green, json, kappa_sweep, surface};
+use gfmd_xtask::{bench_peers, contact, green, json, kappa_sweep, punch, surface};
 use serde::Serialize;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
@@ -31,6 +31,8 @@ enum Command {
     Surface(Box<surface::Args>),
     /// Time other programs on the same contacts, to the same certified residual
     BenchPeers(Box<bench_peers::Args>),
+    /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
+    Punch(Box<punch::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
 }
@@ -64,6 +66,11 @@ fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
             kappa_sweep::Outcome::Config(text) => write(&text),
         },
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, as_json),
+        Command::Punch(args) => {
+            let punch::Outcome { report, failure } = punch::run(args, session)?;
+            print(&report, as_json)?;
+            failure.map_or(Ok(()), Err)
+        }
         Command::Surface(args) => print(&surface::run(args, session)?, as_json),
         Command::Green(args) => print(&green::run(args)?, as_json),
     }

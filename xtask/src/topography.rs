@@ -9,9 +9,9 @@
 //! Heights come out as `[x, y]`, a 1-D array as `[n, 1]`. A point without a height is an error that says where and how
 //! many: no filling in behind the user's back.
 
-mod archived;
+pub(crate) mod archived;
 mod matrix;
-mod npy;
+pub(crate) mod npy;
 
 #[cfg(test)]
 mod tests;

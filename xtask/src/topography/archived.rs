@@ -8,7 +8,7 @@ use super::{Found, two_dimensional};
 const EVEN: f64 = 1e-6;
 
 /// Path and dataset of `FILE.h5:/dataset`; an empty dataset if the name is that of an HDF5 file alone.
-pub(super) fn split(name: &str) -> Option<(&str, &str)> {
+pub(crate) fn split(name: &str) -> Option<(&str, &str)> {
     let is_archive = |path: &str| {
         let path = path.to_ascii_lowercase();
         [".h5", ".hdf5"].iter().any(|ending| path.ends_with(ending))
