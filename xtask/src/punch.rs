@@ -233,9 +233,12 @@ impl Prepared {
             let reason = format!("a positive, finite length is allowed, found {}", args.depth);
             return Err(Failure::input("--depth", reason));
         }
-        let grids = (0..args.refine).map(|level| grid(args, args.n << level)).collect::<Result<Vec<_>, _>>()?;
+        let grids = (0..args.refine)
+            .map(|level| grid(args, args.n.saturating_mul(1 << level)))
+            .collect::<Result<Vec<_>, _>>()?;
         let finest = grids[grids.len() - 1].points();
-        check_available(finest, finest[0] as u64 * finest[1] as u64 * 8 * FIELDS_IN_MEMORY)?;
+        let bytes = finest.iter().fold(8 * FIELDS_IN_MEMORY, |bytes, points| bytes.saturating_mul(*points as u64));
+        check_available(finest, bytes)?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
         let body = BodyArgs { young: args.young, poisson: args.poisson, e_star: None, height }.body()?;
         let edge = match args.nodes {

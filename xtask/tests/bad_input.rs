@@ -84,6 +84,62 @@ fn surfaces_that_cannot_be_used() {
 }
 
 #[test]
+fn punches_that_cannot_be_pressed() {
+    let folder = tempfile::tempdir().unwrap();
+    let punch = |rest: &str, words: &[&str]| refused(folder.path(), &format!("punch --n 16 {rest}"), 2, words);
+    punch("--punch-fraction 1.5", &["--punch-fraction", "1.5", "between 0 and 1"]);
+    punch("--punch-fraction 1", &["--punch-fraction", "found 1"]);
+    punch("--punch-fraction -0.25", &["--punch-fraction", "-0.25"]);
+    refused(folder.path(), "punch --n 15 --punch-fraction 0.05", 2, &["--punch-fraction", "no point of 15", "0.05"]);
+    refused(folder.path(), "punch --n 1", 2, &["--n", "at least 2"]);
+    refused(folder.path(), "punch --n 1000000000", 2, &["1000000000", "GiB"]);
+    refused(folder.path(), "punch --n 2000000 --refine 2", 2, &["4000000", "GiB"]);
+    punch("--depth 0", &["--depth", "positive", "0"]);
+    punch("--depth -0.005", &["--depth", "-0.005"]);
+    punch("--depth nan", &["--depth", "NaN"]);
+    punch("--length 0", &["--length", "0"]);
+    punch("--height 0", &["--height", "0"]);
+    punch("--young -70", &["--young", "-70"]);
+    punch("--poisson 0.51", &["--poisson", "0.51", "0.5"]);
+    punch("--dim 4", &["--dim", "4"]);
+    punch("--refine 0", &["--refine", "0"]);
+    punch("--tol 1", &["--tol", "1e-15"]);
+    punch("--solver newton", &["--solver", "newton", "fire"]);
+    punch("--contact glued", &["--contact", "glued", "sticking"]);
+    punch("--nodes some", &["--nodes", "some", "inclusive"]);
+    punch("--out no/such/folder/p.h5", &["--out", "no/such/folder"]);
+}
+
+#[test]
+fn references_of_a_punch_that_cannot_be_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let save = |name: &str, shape: [usize; 3], value: f64| {
+        ndarray_npy::write_npy(folder.path().join(name), &Array3::from_elem(shape, value)).unwrap();
+    };
+    save("other.npy", [12, 12, 3], 0.0);
+    save("oblong.npy", [16, 8, 3], 0.0);
+    save("plane.npy", [16, 16, 2], 0.0);
+    save("hole.npy", [16, 16, 3], f64::NAN);
+    ndarray_npy::write_npy(folder.path().join("flat.npy"), &Array2::<f64>::zeros((16, 16))).unwrap();
+    std::fs::write(folder.path().join("broken.npy"), "not an array").unwrap();
+    std::fs::write(folder.path().join("broken.h5"), "not a file").unwrap();
+    let punch = |flags: &str, words: &[&str]| {
+        refused(folder.path(), &format!("punch --n 16 --compare {flags}"), 2, &[&["--compare"], words].concat());
+    };
+    punch("missing.npy", &["missing.npy", "No such file"]);
+    punch("missing.h5", &["missing.h5", "No such file"]);
+    punch("missing.txt", &["missing.txt", ".npy"]);
+    punch("broken.npy", &["broken.npy"]);
+    punch("broken.h5", &["broken.h5"]);
+    punch("other.npy", &["other.npy", "[12, 12, 3]", "divisor", "16"]);
+    punch("oblong.npy", &["[16, 8, 3]", "[m, m, 3]"]);
+    punch("plane.npy", &["[16, 16, 2]", "[m, m, 3]"]);
+    punch("flat.npy", &["[16, 16]"]);
+    punch("flat.npy --dim 2", &["[16, 16]", "[m, 2]"]);
+    punch("hole.npy", &["hole.npy", "NaN"]);
+}
+
+#[test]
 fn sweeps_that_cannot_be_computed() {
     let folder = tempfile::tempdir().unwrap();
     let sweep = |toml: &str, words: &[&str]| {
