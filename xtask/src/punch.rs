@@ -264,7 +264,8 @@ impl Prepared {
         self.warn_of_large_strain(args);
         let progress = Progress::new(&session.common, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
-        if let Some((reference, name)) = self.reference.as_ref().zip(args.compare.as_ref()) {
+        let reference = self.reference.as_ref();
+        if let Some((reference, name)) = reference.zip(args.compare.as_ref()) {
             report.comparison = Some(reference.compare(name, &solution, args.depth));
         }
         let mut pressures = vec![report.mean_pressure];
@@ -285,7 +286,8 @@ impl Prepared {
             report.out = Some(self.write(output, args, session, &report, &solution)?);
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
-            report.plots = crate::figures::punch(prefix, &report, &self.grids[0], &self.body, &solution)?;
+            let reference = reference.map(|reference| &reference.displacement);
+            report.plots = crate::figures::punch(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
         }
         let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })

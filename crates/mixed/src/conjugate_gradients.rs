@@ -38,7 +38,7 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
             residual.copy_from_slice(&surface.misfit);
             slope = f64::INFINITY;
         }
-        surface.stiffness(&residual, &mut image);
+        surface.elastic.stiffness(&residual, &mut image);
         restrict(held, &mut image);
         let last = std::mem::replace(&mut slope, dot(&residual, &image));
         let beta = slope / last;
@@ -51,7 +51,7 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
             },
             &|(), ()| (),
         );
-        surface.compliance(&direction, &mut image);
+        surface.elastic.compliance(&direction, &mut image);
         restrict(held, &mut image);
         let step = slope / dot(&direction, &image);
         pass(

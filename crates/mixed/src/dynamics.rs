@@ -10,7 +10,7 @@ use gfmd_relax::{Bounds, Fire, Landscape, Method as Dynamics, Outcome, RelaxErro
 use gfmd_vector::{add, pass, reduce, sum};
 
 use crate::problem::{End, Ended, Surface};
-use crate::{Method, Progress, Settings, Watch};
+use crate::{Method, Prescribed, Progress, Settings, Watch};
 
 /// Time step of the original method over its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
@@ -51,6 +51,9 @@ fn run<M: Dynamics>(surface: &mut Surface, method: &M, settings: &Settings, watc
             Ok(_) | Err(RelaxError::NotConverged { .. }) if found <= settings.tolerance => break End::Converged,
             Ok(Outcome::Converged(now)) => {
                 stop.residual = now.residual * (0.5 * settings.tolerance / found).clamp(1e-3, 0.5);
+                if stop.residual < f64::EPSILON {
+                    break End::GaveUp("rounding keeps the recomputed residual above the tolerance".into());
+                }
             }
             Ok(Outcome::Interrupted(_)) => break End::Interrupted,
             Err(error) => break End::GaveUp(error.to_string()),
@@ -86,17 +89,15 @@ impl<'s, 'p> Layer<'s, 'p> {
         self.surface.problem.response.grid().len()
     }
 
-    /// Flat, but for what is held, with the means that are prescribed.
+    /// Flat where it is free, at the level that gives each component the mean it must have.
     fn start(&self) -> Vec<f64> {
-        let prescribed = &self.surface.problem.prescribed;
+        let Prescribed { held, values, .. } = &self.surface.problem.prescribed;
         let mut u = vec![0.0; self.len()];
         for ((c, u), free) in u.chunks_exact_mut(self.points()).enumerate().zip(&self.floating) {
+            let Some(free) = free else { continue };
             let from = c * u.len();
-            let held = |i: usize| prescribed.held[from + i];
-            let total = sum(u.len(), &|range| range.filter(|i| held(*i)).map(|i| prescribed.values[from + i]).sum());
-            if let Some(free) = free {
-                u.fill(-total / free);
-            }
+            let of_held = |i: usize| if held[from + i] { values[from + i] } else { 0.0 };
+            u.fill(-sum(u.len(), &|range| range.map(of_held).sum()) / free);
         }
         u
     }
@@ -107,9 +108,9 @@ impl<'s, 'p> Layer<'s, 'p> {
         pass(
             [&mut self.surface.traction],
             &|start, [traction]| {
-                for (k, t) in traction.iter_mut().enumerate() {
-                    if held[start + k] {
-                        *t = -force[start + k];
+                for ((t, held), f) in traction.iter_mut().zip(&held[start..]).zip(&force[start..]) {
+                    if *held {
+                        *t = -f;
                     }
                 }
             },
@@ -125,22 +126,22 @@ impl Landscape for Layer<'_, '_> {
     }
 
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
-        self.surface.stiffness(u, force);
-        let problem = self.surface.problem;
-        let (held, values, points) = (&problem.prescribed.held, &problem.prescribed.values, self.points());
+        self.surface.elastic.stiffness(u, force);
+        let Prescribed { held, values, .. } = &self.surface.problem.prescribed;
+        let points = self.points();
         let mut energy = 0.0;
         for ((c, force), free) in force.chunks_exact_mut(points).enumerate().zip(&self.floating) {
-            let component = c * points;
             let [stored, pull] = pass(
                 [&mut *force],
                 &|start, [force]| {
+                    let from = c * points + start;
+                    let known = held[from..].iter().zip(&values[from..]);
                     let mut sums = [0.0; 2];
-                    for (k, f) in force.iter_mut().enumerate() {
-                        let i = component + start + k;
-                        let given = if held[i] { 0.0 } else { values[i] };
+                    for ((f, u), (held, value)) in force.iter_mut().zip(&u[from..]).zip(known) {
+                        let free = f64::from(u8::from(!held));
+                        let given = free * value;
                         let elastic = std::mem::replace(f, given - *f);
-                        let pull = if held[i] { 0.0 } else { *f };
-                        sums = add(sums, [u[i] * (0.5 * elastic - given), pull]);
+                        sums = add(sums, [u * (0.5 * elastic - given), free * *f]);
                     }
                     sums
                 },

@@ -102,14 +102,14 @@ impl<'a> MixedProblem<'a> {
             Method::ConjugateGradients => conjugate_gradients::solve(&mut surface, settings, watch),
             Method::Verlet | Method::VerletCritical | Method::Fire => dynamics::solve(&mut surface, settings, watch),
         };
-        let (shape, pairs) = (self.prescribed.shape(), surface.transform_pairs());
+        let shape = self.prescribed.shape();
         let field = |values| Array3::from_shape_vec(shape, values).expect("one value for each entry of the shape");
         let solution = MixedSolution {
             residual: surface.residual(),
             displacement: field(surface.displacement),
             traction: field(surface.traction),
             iterations,
-            transform_pairs: pairs,
+            transform_pairs: surface.elastic.applications * shape[0] as u64,
         };
         match end {
             End::Converged => Ok(solution),
@@ -147,8 +147,31 @@ pub(crate) struct Surface<'a> {
     pub(crate) misfit: Vec<f64>,
     /// The largest misfit with no traction where the surface is held.
     pub(crate) scale: f64,
+    pub(crate) elastic: Elastic<'a>,
+}
+
+/// The operators of the body, with their workspace and a count of their use.
+pub(crate) struct Elastic<'a> {
+    response: &'a FullResponse,
     workspace: Workspace,
     applications: u64,
+}
+
+impl Elastic<'_> {
+    /// `out` ← K `field`.
+    pub(crate) fn stiffness(&mut self, field: &[f64], out: &mut [f64]) {
+        self.apply(self.response.stiffness(), field, out);
+    }
+
+    /// `out` ← G `field`.
+    pub(crate) fn compliance(&mut self, field: &[f64], out: &mut [f64]) {
+        self.apply(self.response.compliance(), field, out);
+    }
+
+    fn apply(&mut self, operator: &Operator, field: &[f64], out: &mut [f64]) {
+        self.applications += 1;
+        operator.apply(field, out, &mut self.workspace).expect("every field has the size of the grid");
+    }
 }
 
 impl<'a> Surface<'a> {
@@ -162,42 +185,23 @@ impl<'a> Surface<'a> {
             misfit: vec![0.0; traction.len()],
             traction,
             scale: 1.0,
-            workspace: problem.response.workspace(),
-            applications: 0,
+            elastic: Elastic { response: problem.response, workspace: problem.response.workspace(), applications: 0 },
         };
         surface.certify();
         surface.scale = largest(&surface.misfit);
         surface
     }
 
-    /// `out` ← K `field`.
-    pub(crate) fn stiffness(&mut self, field: &[f64], out: &mut [f64]) {
-        self.apply(self.problem.response.stiffness(), field, out);
-    }
-
-    /// `out` ← G `field`.
-    pub(crate) fn compliance(&mut self, field: &[f64], out: &mut [f64]) {
-        self.apply(self.problem.response.compliance(), field, out);
-    }
-
-    fn apply(&mut self, operator: &Operator, field: &[f64], out: &mut [f64]) {
-        self.applications += 1;
-        operator.apply(field, out, &mut self.workspace).expect("every field has the size of the grid");
-    }
-
     /// Recomputes displacement and misfit from the traction.
     pub(crate) fn certify(&mut self) {
-        let mut displacement = std::mem::take(&mut self.displacement);
-        let traction = std::mem::take(&mut self.traction);
-        self.compliance(&traction, &mut displacement);
-        (self.displacement, self.traction) = (displacement, traction);
+        self.elastic.compliance(&self.traction, &mut self.displacement);
         let (displacement, Prescribed { held, values, .. }) = (&self.displacement, &self.problem.prescribed);
         pass(
             [&mut self.misfit],
             &|start, [misfit]| {
-                for (k, misfit) in misfit.iter_mut().enumerate() {
-                    let i = start + k;
-                    *misfit = if held[i] { values[i] - displacement[i] } else { 0.0 };
+                let known = held[start..].iter().zip(&values[start..]);
+                for ((misfit, u), (held, value)) in misfit.iter_mut().zip(&displacement[start..]).zip(known) {
+                    *misfit = if *held { value - u } else { 0.0 };
                 }
             },
             &|(), ()| (),
@@ -212,10 +216,6 @@ impl<'a> Surface<'a> {
     /// A misfit over the scale; with no scale there is nothing to solve.
     pub(crate) fn relative(&self, misfit: f64) -> f64 {
         if misfit == 0.0 { 0.0 } else { misfit / self.scale }
-    }
-
-    fn transform_pairs(&self) -> u64 {
-        self.applications * self.problem.response.components().len() as u64
     }
 }
 

@@ -50,7 +50,7 @@ impl FlatPunch {
 
     /// The width along x of the sharp-edged punch of the continuum whose force is nearest, in length: N points hold
     /// what a punch of about N − 1/3 spacings would. Measured; hence forces of either [`Edge`] converge with the first
-    /// order of the spacing, those with the edge included faster by half (docs/solvers.md).
+    /// order of the spacing, with half the error if the edge is included (docs/solvers.md).
     pub fn effective_width(&self, grid: &Grid) -> f64 {
         (self.points_across(grid) as f64 - 1.0 / 3.0) * grid.spacing()[0]
     }

@@ -15,7 +15,7 @@ const DISPLACEMENT: &str = "/fields/displacement";
 /// among them.
 #[derive(Clone, Debug)]
 pub(super) struct Reference {
-    displacement: Array3<f64>,
+    pub(super) displacement: Array3<f64>,
 }
 
 /// How far two displacements are apart.
