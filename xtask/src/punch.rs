@@ -1,6 +1,5 @@
 //! `punch`: a flat rigid punch on an elastic body, all components of displacement and traction.
 
-use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,11 +21,14 @@ use crate::session::{Session, peak_bytes};
 
 mod comparison;
 mod refinement;
+mod report;
 
 use comparison::Reference;
+use report::scalars;
 
 pub use comparison::Comparison;
 pub use refinement::Refinement;
+pub use report::Report;
 
 /// Flags of `punch`. The defaults are the case of the source: lengths in micrometres, stress in GPa.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -153,43 +155,6 @@ fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer:
         Some(height) => serialize_height(height, serializer),
         None => serializer.serialize_none(),
     }
-}
-
-/// The result, as printed.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Report {
-    pub dim: u8,
-    pub n: [usize; 2],
-    pub length: [f64; 2],
-    #[serde(serialize_with = "serialize_height")]
-    pub height: Height,
-    pub young: f64,
-    pub poisson: f64,
-    pub contact: ContactName,
-    pub nodes: Nodes,
-    pub punch_width: f64,
-    pub effective_width: f64,
-    pub depth: f64,
-    pub contact_nodes: usize,
-    pub components: Vec<&'static str>,
-    pub mean_pressure: f64,
-    pub mean_traction: Vec<f64>,
-    pub max_pressure: f64,
-    pub elastic_energy: f64,
-    pub residual: f64,
-    pub converged: bool,
-    pub iterations: u64,
-    pub transform_pairs: u64,
-    pub seconds: f64,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub comparison: Option<Comparison>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub refinement: Option<Refinement>,
-    pub peak_bytes: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub out: Option<PathBuf>,
-    pub plots: Vec<PathBuf>,
 }
 
 /// What was computed, and why it ended early if it did.
@@ -440,81 +405,4 @@ fn names(components: Components) -> Vec<&'static str> {
 /// `[x, y, component]`, row-major.
 fn by_point(field: &Array3<f64>) -> Vec<f64> {
     field.view().permuted_axes([1, 2, 0]).iter().copied().collect()
-}
-
-fn scalars(report: &Report) -> [(&'static str, &'static str, &'static str, f64); 12] {
-    [
-        ("mean_pressure", "stress", "mean pressure over the whole surface", report.mean_pressure),
-        ("max_pressure", "stress", "largest pressure, at the edge of the punch", report.max_pressure),
-        ("depth", "length", "how deep the punch is pressed", report.depth),
-        ("punch_width", "length", "width of the punch", report.punch_width),
-        ("effective_width", "length", "width that its points stand for, N - 1/3 spacings", report.effective_width),
-        ("contact_nodes", "1", "points under the punch", report.contact_nodes as f64),
-        ("elastic_energy", "stress length", "elastic energy per area of the surface", report.elastic_energy),
-        ("residual", "1", "largest error of the prescribed displacement over the depth", report.residual),
-        ("converged", "1", "1 if the residual is within the tolerance", f64::from(u8::from(report.converged))),
-        ("iterations", "1", "iterations, or time steps", report.iterations as f64),
-        ("transform_pairs", "1", "transform pairs of one component", report.transform_pairs as f64),
-        ("seconds", "s", "wall time", report.seconds),
-    ]
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [nx, ny] = self.n;
-        let kind = match self.contact {
-            ContactName::Sticking => "sticking",
-            ContactName::Frictionless => "frictionless",
-        };
-        let nodes = match self.nodes {
-            Nodes::Strict => "its edge excluded",
-            Nodes::Inclusive => "its edge included",
-        };
-        let body = match self.height {
-            Height::Finite(height) => format!("a slab of height {height}"),
-            Height::Infinite => "a half-space".into(),
-        };
-        writeln!(f, "flat {kind} punch on {body}, E = {}, nu = {}", self.young, self.poisson)?;
-        writeln!(
-            f,
-            "{nx} x {ny} points, cell {} x {}, {} points under the punch ({nodes})",
-            self.length[0], self.length[1], self.contact_nodes
-        )?;
-        writeln!(f, "width {:.6}, as the points act about {:.6}\n", self.punch_width, self.effective_width)?;
-        writeln!(f, "depth          {:>15.8e}", self.depth)?;
-        writeln!(f, "mean pressure  {:>15.8e}", self.mean_pressure)?;
-        writeln!(f, "max pressure   {:>15.8e}", self.max_pressure)?;
-        writeln!(f, "elastic energy {:>15.8e} per area", self.elastic_energy)?;
-        let per_component = self.transform_pairs / self.components.len() as u64;
-        writeln!(
-            f,
-            "residual       {:>15.1e} after {} iterations, {per_component} transform pairs per component, {:.2} s{}",
-            self.residual,
-            self.iterations,
-            self.seconds,
-            if self.converged { "" } else { "  NOT CONVERGED" }
-        )?;
-        if let Some(Comparison { reference, compared_points: [mx, my], error }) = &self.comparison {
-            writeln!(f, "\nagainst {reference} on {mx} x {my} points, rms difference over depth:")?;
-            for (component, error) in self.components.iter().zip(error) {
-                writeln!(f, "u_{component}            {error:>15.6e}")?;
-            }
-        }
-        if let Some(refinement) = &self.refinement {
-            writeln!(f, "\n{:>8} {:>15}", "n", "mean pressure")?;
-            for (n, pressure) in refinement.n.iter().zip(&refinement.mean_pressure) {
-                writeln!(f, "{n:>8} {pressure:>15.8e}")?;
-            }
-            let order =
-                refinement.order.map_or_else(String::new, |order| format!("   order of convergence {order:.3}"));
-            writeln!(f, "{:>8} {:>15.8e}{order}", "limit", refinement.extrapolated)?;
-        }
-        if let Some(out) = &self.out {
-            writeln!(f, "\nwritten: {}", out.display())?;
-        }
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
-    }
 }
