@@ -7,6 +7,7 @@
 //! | [`surface`]  | self-affine surfaces and their statistics                   |
 //! | [`relax`]    | minimisers without physics                                  |
 //! | [`response`] | stiffness and compliance of a body, applied to whole fields |
+//! | [`body`]     | displacement, strain and stress below the surface           |
 //! | [`contact`]  | hard-wall contact: problem, solvers, certified solution     |
 //! | [`mixed`]    | displacement prescribed here, traction there                |
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
@@ -37,6 +38,7 @@
 //! # }
 //! ```
 
+pub use gfmd_body as body;
 pub use gfmd_contact as contact;
 pub use gfmd_field as field;
 pub use gfmd_green as green;

@@ -61,4 +61,4 @@ pub use tables::{
     StiffnessRange, normal_compliance_table, normal_stiffness_range, normal_stiffness_table,
     restricted_normal_stiffness_table, stiffness_range,
 };
-pub use transfer::{Section, StressMatrix2, StressMatrix3};
+pub use transfer::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};

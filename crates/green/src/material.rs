@@ -1,3 +1,5 @@
+use std::ops::{Add, Mul};
+
 use crate::GreenError;
 
 /// An isotropic linearly elastic material: E > 0, −1 < ν ≤ 1/2. ν = 1/2 (incompressible) is exact.
@@ -73,6 +75,17 @@ impl Material {
     /// r = (1 − s)/(1 + s) = 1/(3 − 4ν): 1 at ν = 1/2.
     pub fn r(&self) -> f64 {
         1.0 / (3.0 - 4.0 * self.poisson)
+    }
+
+    /// ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy), of lateral strains (ε_xx, ε_yy) and σ_zz (stress), or of their
+    /// amplitudes (theory.md, section 5). The remaining stresses follow: σ_xx = σ_zz + 2 C44 (ε_xx − ε_zz), σ_yy alike.
+    pub fn normal_strain<T>(&self, lateral: [T; 2], normal_stress: T) -> T
+    where
+        T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        let narrowing = (lateral[0] + lateral[1]) * (2.0 * self.s() - 1.0);
+        // Not even an infinite stress changes the volume of an incompressible material.
+        if self.s() > 0.0 { normal_stress * self.p_wave_compliance() + narrowing } else { narrowing }
     }
 
     /// 1 − s = 1/(2(1 − ν)).

@@ -18,8 +18,16 @@ pub type StressMatrix3 = [[Complex64; 3]; 6];
 /// The same in plane strain: rows xx, zz, xz, columns x, z.
 pub type StressMatrix2 = [[Complex64; 2]; 3];
 
+/// What is continuous across a plane in the body, of one wave vector per surface displacement: rows ε_xx, ε_yy, γ_xy
+/// (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives all other strains and stresses,
+/// [`Material::normal_strain`] first.
+pub type ContinuousMatrix = [[Complex64; 3]; 6];
+
 /// Axes named by the rows of [`StressMatrix3`].
 const STRESS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
+
+/// Axes named by the rows of [`ContinuousMatrix`].
+const CONTINUOUS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [0, 1], [2, 2], [1, 2], [0, 2]];
 
 /// A plane inside a body, parallel to its surface: displacements and stresses there, per displacement of the surface
 /// (theory.md, section 5).
@@ -101,18 +109,28 @@ impl Section<'_> {
         on_axes(q, |q| self.state(q).displacement)
     }
 
+    /// Lateral strains and tractions here per displacement of the surface, of the wave vector `q` (rad/length).
+    ///
+    /// At q = 0 infinite where the stiffness is: an incompressible slab on a rigid base.
+    pub fn continuous_transfer(&self, q: [f64; 2]) -> ContinuousMatrix {
+        let state = self.state(q[0].hypot(q[1]));
+        let [x, y, _] = on_axes(q, |_| state.displacement);
+        let [xz, yz, zz] = on_axes(q, |_| state.traction);
+        let along = |q: f64, row: [Complex64; 3]| row.map(|entry| i_times(q, entry));
+        let (yx, xy) = (along(q[1], x), along(q[0], y));
+        [along(q[0], x), along(q[1], y), [0, 1, 2].map(|column| yx[column] + xy[column]), zz, yz, xz]
+    }
+
     /// Stress here per displacement of the surface, of the wave vector `q` (rad/length), in stress/length.
     ///
     /// At q = 0 infinite where the stiffness is: an incompressible slab on a rigid base.
     pub fn stress_transfer(&self, q: [f64; 2]) -> StressMatrix3 {
-        let displacement = self.displacement_transfer(q);
-        let traction = on_axes(q, |q| self.state(q).traction);
+        let continuous = self.continuous_transfer(q);
         let mut stress = [[Complex64::ZERO; 3]; 6];
         for column in 0..3 {
-            let [ux, uy] = [displacement[0][column], displacement[1][column]];
-            let [xz, yz, zz] = [traction[0][column], traction[1][column], traction[2][column]];
-            let [xx, yy] = self.lateral_stress([i_times(q[0], ux), i_times(q[1], uy)], zz);
-            let xy = self.material().shear_modulus() * (i_times(q[1], ux) + i_times(q[0], uy));
+            let [exx, eyy, gxy, zz, yz, xz] = continuous.map(|row| row[column]);
+            let [xx, yy] = self.lateral_stress([exx, eyy], zz);
+            let xy = self.material().shear_modulus() * gxy;
             for (row, value) in stress.iter_mut().zip([xx, yy, zz, yz, xz, xy]) {
                 row[column] = value;
             }
@@ -131,6 +149,14 @@ impl Section<'_> {
     pub fn stress_transfer_of(&self, mode: &Mode) -> StressMatrix3 {
         let mut matrix = self.stress_transfer(wavevector(mode));
         average_aliases(&mut matrix, &STRESS_ROWS, mode.nyquist);
+        matrix
+    }
+
+    /// [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component are zero
+    /// (theory.md, section 0).
+    pub fn continuous_transfer_of(&self, mode: &Mode) -> ContinuousMatrix {
+        let mut matrix = self.continuous_transfer(wavevector(mode));
+        average_aliases(&mut matrix, &CONTINUOUS_ROWS, mode.nyquist);
         matrix
     }
 
@@ -156,11 +182,8 @@ impl Section<'_> {
 
     /// σ_xx and σ_yy from ε_xx, ε_yy and σ_zz, finite at ν = 1/2.
     fn lateral_stress(&self, strain: [Complex64; 2], normal: Complex64) -> [Complex64; 2] {
-        let (s, shear) = (self.material().s(), self.material().shear_modulus());
-        // An infinite stress has no part in a strain that is zero.
-        let elastic = if s > 0.0 { normal * (s / shear) } else { Complex64::ZERO };
-        let thickening = elastic - (strain[0] + strain[1]) * (1.0 - 2.0 * s);
-        strain.map(|strain| normal + (strain - thickening) * (2.0 * shear))
+        let thickening = self.material().normal_strain(strain, normal);
+        strain.map(|strain| normal + (strain - thickening) * (2.0 * self.material().shear_modulus()))
     }
 
     /// Displacement and traction here per displacement of the surface, at |q| = `q`.

@@ -1,0 +1,67 @@
+use gfmd_green::Material;
+
+/// Strain and stress on one plane of a body, point by point, in the memory of a [`Workspace`](crate::Workspace).
+#[derive(Clone, Copy, Debug)]
+pub struct Deformation<'w> {
+    pub(crate) material: Material,
+    /// ε_xx, ε_yy, γ_xy, σ_zz, σ_yz, σ_xz; those that vanish on a line are empty.
+    pub(crate) fields: [&'w [f64]; 6],
+}
+
+/// Strain and stress at one point. Components are xx, yy, zz, yz, xz, xy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Dimensionless; of shear the engineering strain γ_ij = ∂_i u_j + ∂_j u_i.
+    pub strain: [f64; 6],
+    /// In stress, tension positive.
+    pub stress: [f64; 6],
+    shear_modulus: f64,
+}
+
+impl Deformation<'_> {
+    /// What the body is made of here.
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// Number of points.
+    #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
+    pub fn len(&self) -> usize {
+        self.fields[0].len()
+    }
+
+    /// The state at point `index` of the grid.
+    ///
+    /// Stress follows from lateral strain and normal stress, which are both finite at ν = 1/2 (theory.md, section 5).
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn at(&self, index: usize) -> State {
+        let on_a_plane = |field: &[f64]| if field.is_empty() { 0.0 } else { field[index] };
+        let [exx, eyy, gxy, zz, yz, xz] = self.fields.map(on_a_plane);
+        let shear_modulus = self.material.shear_modulus();
+        let ezz = self.material.normal_strain([exx, eyy], zz);
+        let lateral = |strain: f64| zz + 2.0 * shear_modulus * (strain - ezz);
+        State {
+            strain: [exx, eyy, ezz, yz / shear_modulus, xz / shear_modulus, gxy],
+            stress: [lateral(exx), lateral(eyy), zz, yz, xz, shear_modulus * gxy],
+            shear_modulus,
+        }
+    }
+}
+
+impl State {
+    /// Von Mises' equivalent stress √(3 s_ij s_ij / 2), s the deviator of the stress.
+    ///
+    /// From the strains: where a body hardly changes its volume, the stresses along the axes differ by little.
+    pub fn von_mises(&self) -> f64 {
+        let [xx, yy, zz, yz, xz, xy] = self.strain;
+        let stretch = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        self.shear_modulus * (2.0 * stretch + 3.0 * (yz * yz + xz * xz + xy * xy)).sqrt()
+    }
+
+    /// Elastic energy per volume, ½ σ_ij ε_ij, in stress.
+    pub fn energy_density(&self) -> f64 {
+        0.5 * self.stress.iter().zip(self.strain).map(|(stress, strain)| stress * strain).sum::<f64>()
+    }
+}

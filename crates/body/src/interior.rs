@@ -1,0 +1,233 @@
+use std::fmt;
+
+use gfmd_field::{Grid, Mode, ShapeError, Transform};
+use gfmd_green::{Body, Complex64, GreenError};
+use gfmd_response::Components;
+use rayon::prelude::*;
+
+use crate::Deformation;
+
+/// A body whose surface is displaced: the spectra from which every depth follows.
+pub struct Interior<'a> {
+    body: &'a Body,
+    transform: Transform,
+    components: Components,
+    /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
+    surface: [Vec<Complex64>; 3],
+}
+
+/// Memory of one caller, made by [`Interior::workspace`]: six fields, their spectra, and what a transform needs. A call
+/// allocates nothing itself.
+pub struct Workspace {
+    transform: gfmd_field::Workspace,
+    spectra: [Vec<Complex64>; 6],
+    fields: Vec<f64>,
+}
+
+/// Why there are no fields inside.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InteriorError {
+    /// A field or a workspace of another grid.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A depth outside the body.
+    #[error(transparent)]
+    Place(#[from] GreenError),
+    /// A value that is not a number.
+    #[error("a displacement must be finite, found {found} at index {index}")]
+    NotFinite {
+        /// What was found.
+        found: f64,
+        /// The first place where.
+        index: usize,
+    },
+    /// An incompressible slab on a rigid base whose surface moves up or down as a whole.
+    #[error("the mean of u_z must be zero on a slab that keeps its volume, found {found}")]
+    Volume {
+        /// The mean of u_z.
+        found: f64,
+    },
+}
+
+impl<'a> Interior<'a> {
+    /// Of a displacement of the surface, component after component (length): x, y, z, or x, z on a line.
+    ///
+    /// The mean of u_z of an incompressible slab on a rigid base is zero, and the mean pressure, which it says nothing
+    /// of, counts as zero (theory.md, section 3).
+    ///
+    /// # Errors
+    /// A displacement of the wrong length or with a value that is not finite; an incompressible slab whose volume would
+    /// change.
+    pub fn new(body: &'a Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
+        let mut interior = Self::at_rest(body, grid);
+        let (axes, points) = (interior.components.axes(), grid.len());
+        interior.check(displacement, axes.len() * points)?;
+        let mut ws = interior.transform.workspace();
+        for (&axis, component) in axes.iter().zip(displacement.chunks_exact(points)) {
+            interior.transform.forward(component, &mut interior.surface[axis], &mut ws)?;
+        }
+        interior.keep_volume(&displacement[interior.components.normal() * points..])?;
+        Ok(interior)
+    }
+
+    /// Of the normal displacement (length) of a surface without shear traction: its lateral displacement is added
+    /// (theory.md, section 3).
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn frictionless(body: &'a Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
+        let mut interior = Self::at_rest(body, grid);
+        interior.check(normal, grid.len())?;
+        let Self { transform, surface: [x, y, z], .. } = &mut interior;
+        transform.forward(normal, z, &mut transform.workspace())?;
+        let mode = mode_of(&grid);
+        (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
+            let factors = body.lateral_displacement(&mode(index));
+            [*x, *y] = factors.map(|factor| factor * *z);
+        });
+        interior.keep_volume(normal)?;
+        Ok(interior)
+    }
+
+    fn at_rest(body: &'a Body, grid: Grid) -> Self {
+        let surface = std::array::from_fn(|_| vec![Complex64::ZERO; grid.spectrum_len()]);
+        Self { body, transform: Transform::new(grid), components: Components::of(&grid), surface }
+    }
+
+    fn check(&self, displacement: &[f64], expected: usize) -> Result<(), InteriorError> {
+        if displacement.len() != expected {
+            return Err(ShapeError { what: "displacement", found: displacement.len(), expected }.into());
+        }
+        match displacement.iter().position(|u| !u.is_finite()) {
+            Some(index) => Err(InteriorError::NotFinite { found: displacement[index], index }),
+            None => Ok(()),
+        }
+    }
+
+    /// Where nothing moves the mean of u_z, it is zero but for rounding, and then exactly.
+    fn keep_volume(&mut self, normal: &[f64]) -> Result<(), InteriorError> {
+        if self.body.normal_compliance(0.0) > 0.0 {
+            return Ok(());
+        }
+        // By index, never by value: the uniform mode is the first.
+        let found = std::mem::take(&mut self.surface[2][0]).re;
+        let largest = normal.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
+        if found.abs() <= ROUNDING * largest { Ok(()) } else { Err(InteriorError::Volume { found }) }
+    }
+
+    /// The body.
+    pub fn body(&self) -> &'a Body {
+        self.body
+    }
+
+    /// The grid of the surface, and of every plane below it.
+    pub fn grid(&self) -> &Grid {
+        self.transform.grid()
+    }
+
+    /// The components of displacements.
+    pub fn components(&self) -> Components {
+        self.components
+    }
+
+    /// Memory for any number of depths. It serves as many threads as the current rayon pool has.
+    pub fn workspace(&self) -> Workspace {
+        let rows = if self.grid().is_line() { 3 } else { 6 };
+        Workspace {
+            transform: self.transform.workspace(),
+            spectra: std::array::from_fn(|_| vec![Complex64::ZERO; self.grid().spectrum_len()]),
+            fields: vec![0.0; rows * self.grid().len()],
+        }
+    }
+
+    /// Displacement (length) at `depth` (length) below the surface, component after component.
+    ///
+    /// # Errors
+    /// A depth outside the body; a workspace of another grid.
+    pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
+        self.check_workspace(ws)?;
+        let section = self.body.at_depth(depth)?;
+        let (mode, amplitude) = (mode_of(self.grid()), self.amplitude());
+        let [x, y, z, ..] = &mut ws.spectra;
+        (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
+            [*x, *y, *z] = apply(&section.displacement_transfer_of(&mode(index)), amplitude(index));
+        });
+        self.synthesise(self.components.axes(), ws)?;
+        Ok(&ws.fields[..self.components.len() * self.grid().len()])
+    }
+
+    /// Strain and stress at `depth` (length) below the surface. On the plane between two layers: those of the upper one.
+    ///
+    /// # Errors
+    /// As [`Self::displacement`].
+    pub fn deformation<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
+        self.check_workspace(ws)?;
+        let section = self.body.at_depth(depth)?;
+        let (mode, amplitude) = (mode_of(self.grid()), self.amplitude());
+        let [a, b, c, d, e, f] = &mut ws.spectra;
+        (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {
+            let rows = section.continuous_transfer_of(&mode(index));
+            [*a, *b, *c, *d, *e, *f] = apply(&rows, amplitude(index));
+        });
+        let rows: &[usize] = match self.components {
+            Components::Plane => &[0, 3, 5],
+            Components::Space => &[0, 1, 2, 3, 4, 5],
+        };
+        self.synthesise(rows, ws)?;
+        let mut fields: [&[f64]; 6] = [&[]; 6];
+        for (&row, field) in rows.iter().zip(ws.fields.chunks_exact(self.grid().len())) {
+            fields[row] = field;
+        }
+        Ok(Deformation { material: *section.material(), fields })
+    }
+
+    fn check_workspace(&self, ws: &Workspace) -> Result<(), ShapeError> {
+        let (found, expected) = (ws.spectra[0].len(), self.grid().spectrum_len());
+        if found == expected { Ok(()) } else { Err(ShapeError { what: "workspace", found, expected }) }
+    }
+
+    /// Fields of some of the spectra, one after the other.
+    fn synthesise(&self, spectra: &[usize], ws: &mut Workspace) -> Result<(), ShapeError> {
+        for (&index, field) in spectra.iter().zip(ws.fields.chunks_exact_mut(self.grid().len())) {
+            self.transform.inverse(&ws.spectra[index], field, &mut ws.transform)?;
+        }
+        Ok(())
+    }
+
+    /// ũ of the surface at a mode of the half spectrum.
+    fn amplitude(&self) -> impl Fn(usize) -> [Complex64; 3] + Sync + '_ {
+        let [x, y, z] = &self.surface;
+        move |index| [x[index], y[index], z[index]]
+    }
+}
+
+/// Modes that one thread takes at a time.
+const CHUNK: usize = 512;
+
+/// A mean below this part of the largest value is the rounding error of a sum.
+const ROUNDING: f64 = 1e-12;
+
+/// The modes of a grid by their index in the half spectrum.
+fn mode_of(grid: &Grid) -> impl Fn(usize) -> Mode + Sync + '_ {
+    let [_, positions] = grid.spectrum_shape();
+    move |index| grid.mode(index / positions, index % positions)
+}
+
+/// What does not move has no part, even where the matrix is infinite: u_z of an incompressible slab at q = 0.
+fn apply<const ROWS: usize>(matrix: &[[Complex64; 3]; ROWS], surface: [Complex64; 3]) -> [Complex64; ROWS] {
+    let product = |entry: &Complex64, u: Complex64| if u == Complex64::ZERO { u } else { entry * u };
+    matrix.map(|row| row.iter().zip(surface).map(|(entry, u)| product(entry, u)).sum())
+}
+
+impl fmt::Debug for Interior<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Interior").field("body", self.body).field("grid", self.grid()).finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").finish_non_exhaustive()
+    }
+}
