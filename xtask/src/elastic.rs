@@ -47,6 +47,50 @@ impl BodyArgs {
     }
 }
 
+/// The same for input that may say it itself: what no flag says is taken from the record of the run that made the file.
+#[derive(Args, Clone, Debug)]
+pub struct RecordedBodyArgs {
+    /// Young's modulus, stress; of the input's record if not given
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    young: Option<f64>,
+    /// Poisson's ratio, above -1 and up to 0.5
+    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    poisson: Option<f64>,
+    /// Contact modulus E* = E/(1 - NU^2), in place of --young
+    #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
+    e_star: Option<f64>,
+    /// Height of the slab, bonded to a rigid base; "inf" for a half-space
+    #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    height: Option<Height>,
+}
+
+impl RecordedBodyArgs {
+    /// The body, each of its numbers from a flag or else from `record`, the configuration of a run.
+    ///
+    /// # Errors
+    /// A number that neither has.
+    pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Failure> {
+        let recorded = |key: &str| record.get(key).and_then(|value| value.as_float());
+        let needed = |flag: &str| Failure::input(flag, "needed, since the input does not say it");
+        let height = match record.get("height").and_then(toml::Value::as_str) {
+            Some("inf") => Some(Height::Infinite),
+            _ => recorded("height").map(Height::Finite),
+        };
+        let e_star = self.e_star.or_else(|| if self.young.is_none() { recorded("e_star") } else { None });
+        let young = match (self.young.or_else(|| recorded("young")), e_star) {
+            (Some(young), _) => young,
+            (None, Some(_)) => 1.0, // not used
+            (None, None) => return Err(needed("--young")),
+        };
+        Ok(BodyArgs {
+            young,
+            poisson: self.poisson.or_else(|| recorded("poisson")).ok_or_else(|| needed("--poisson"))?,
+            e_star,
+            height: self.height.or(height).ok_or_else(|| needed("--height"))?,
+        })
+    }
+}
+
 /// A positive length, or `inf`.
 ///
 /// # Errors

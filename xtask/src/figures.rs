@@ -122,6 +122,49 @@ pub fn punch(
     Ok(files)
 }
 
+/// A value on a section through a body: `[along, upwards]`.
+pub struct SectionMap<'a> {
+    /// Of the file.
+    pub name: &'a str,
+    /// Of the colour bar.
+    pub label: &'a str,
+    /// Row-major.
+    pub values: &'a [f64],
+}
+
+/// The figures of a section of `size` (along `axis`, and depth): `PREFIX-name` of each map.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn section<'a>(
+    prefix: &Path,
+    maps: impl Iterator<Item = SectionMap<'a>>,
+    shape: [usize; 2],
+    size: [f64; 2],
+    axis: &str,
+    unit: &str,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for SectionMap { name, label, values } in maps {
+        let mut map = Map::new(values, shape, size, label);
+        map.x = format!("*{axis}* / {unit}");
+        map.y = format!("height above the lowest level / {unit}");
+        map.range = central(values);
+        files.extend(map.save(&named(prefix, name)).map_err(failed)?);
+    }
+    Ok(files)
+}
+
+/// The range of all but the half percent at either end, where it is much narrower than the whole: a field with singular
+/// edges has a few values far from the rest.
+fn central(values: &[f64]) -> Option<[f64; 2]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |per_mille: usize| sorted[(sorted.len() - 1) * per_mille / 1000];
+    let (whole, most) = (at(1000) - at(0), at(995) - at(5));
+    (most > 0.0 && whole > 1.5 * most).then(|| [at(5), at(995)])
+}
+
 fn named(stem: &Path, what: &str) -> PathBuf {
     let name = stem.file_name().unwrap_or_default().to_string_lossy();
     stem.with_file_name(format!("{name}-{what}"))

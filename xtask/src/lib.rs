@@ -3,6 +3,7 @@
 
 pub mod archive;
 pub mod bench_peers;
+pub mod body;
 pub mod contact;
 pub mod elastic;
 pub mod failure;
@@ -20,3 +21,4 @@ pub mod session;
 pub mod source;
 pub mod surface;
 pub mod topography;
+pub mod vti;

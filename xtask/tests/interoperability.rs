@@ -1,5 +1,5 @@
-//! What the program writes opens in h5py, xarray and netCDF4, installed into a fresh virtual environment, and in h5dump
-//! where that is installed.
+//! What the program writes opens in h5py, xarray, netCDF4 and VTK, installed into a fresh virtual environment, and in
+//! h5dump where that is installed.
 
 mod common;
 
@@ -19,11 +19,21 @@ fn succeeds(command: &mut Command) -> String {
 fn python() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("interoperability");
     let python = folder.join("bin/python");
-    if !folder.join("complete").exists() {
+    let packages = ["h5py", "xarray", "h5netcdf", "netCDF4", "numpy"];
+    // What VTK depends on is for windows and figures, which nobody opens here.
+    let alone = ["vtk"];
+    let installed = format!("{packages:?} {alone:?}");
+    let record = folder.join("complete");
+    if std::fs::read_to_string(&record).ok().as_ref() != Some(&installed) {
         succeeds(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
-        let packages = ["h5py", "xarray", "h5netcdf", "netCDF4", "numpy"];
-        succeeds(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(packages));
-        std::fs::write(folder.join("complete"), "").unwrap();
+        let install = || -> Command {
+            let mut pip = Command::new(&python);
+            pip.args(["-m", "pip", "install", "--quiet"]);
+            pip
+        };
+        succeeds(install().args(packages));
+        succeeds(install().arg("--no-deps").args(alone));
+        std::fs::write(record, installed).unwrap();
     }
     python
 }
@@ -43,7 +53,13 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
     .unwrap();
     run("kappa-sweep --config sweep.toml --out sweep.h5 --json -q");
 
-    let files = ["contact.h5", "line.h5", "surface.h5", "sweep.h5"].map(|name| folder.path().join(name));
+    let body = "body --surface contact.h5 --levels 5 --deepest 0.4 --json";
+    run(&format!("{body} --out body.h5"));
+    run(&format!("{body} --out body.vti"));
+    run(&format!("{body} --slice x=0.25 --out slice.h5"));
+
+    let names = ["contact.h5", "line.h5", "surface.h5", "sweep.h5", "body.h5", "slice.h5"];
+    let files = names.map(|name| folder.path().join(name));
     let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/interoperability/check.py");
     succeeds(Command::new(python()).arg(check).args(&files));
 
@@ -66,6 +82,37 @@ assert abs(float(chosen.mean()) - float(points.kappa[(points.p_star == 0.02) & (
 root = xarray.open_dataset(folder + '/sweep.h5', engine='h5netcdf')
 for name in 'schema_version program version git_commit command created config machine threads'.split():
     assert name in root.attrs, name
+";
+    succeeds(Command::new(python()).args(["-c", script]).arg(folder.path()));
+    let script = "
+import sys, numpy, xarray
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+from vtkmodules.util.numpy_support import vtk_to_numpy
+fields = xarray.open_dataset(sys.argv[1] + '/body.h5', group='fields', engine='h5netcdf')
+assert fields.displacement.dims == ('depth', 'x', 'y', 'component') and list(fields.component) == ['x', 'y', 'z']
+assert fields.stress.sel(tensor='zz').dims == ('depth', 'x', 'y') and fields.stress.units == 'stress'
+reader = vtkXMLImageDataReader()
+reader.SetFileName(sys.argv[1] + '/body.vti')
+reader.Update()
+image = reader.GetOutput()
+assert image.GetDimensions() == (32, 32, 5), image.GetDimensions()
+numpy.testing.assert_allclose(image.GetSpacing(), (1 / 32, 1 / 32, 0.1), rtol=1e-15)
+numpy.testing.assert_allclose(image.GetOrigin(), (0, 0, -0.4), rtol=1e-15)
+data = image.GetPointData()
+names = [data.GetArrayName(k) for k in range(data.GetNumberOfArrays())]
+assert names == ['displacement', 'strain', 'stress', 'von_mises', 'energy_density'], names
+order = {3: ['x', 'y', 'z'], 6: ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']}
+for name in names:
+    array = data.GetArray(name)
+    seen = vtk_to_numpy(array).reshape(5, 32, 32, -1)
+    labels = order.get(array.GetNumberOfComponents(), [])
+    assert [array.GetComponentName(k) for k in range(len(labels))] == [label.upper() for label in labels]
+    wanted = fields[name].transpose('depth', 'y', 'x', ...)[::-1]
+    wanted = wanted.sel({wanted.dims[-1]: labels}) if labels else wanted
+    numpy.testing.assert_array_equal(seen, wanted.values.reshape(seen.shape), err_msg=name)
+slice = xarray.open_dataset(sys.argv[1] + '/slice.h5', group='fields', engine='h5netcdf')
+assert slice.stress.dims == ('depth', 'y', 'tensor')
+numpy.testing.assert_array_equal(slice.stress.values, fields.stress.sel(x=0.25).values)
 ";
     succeeds(Command::new(python()).args(["-c", script]).arg(folder.path()));
     if Command::new("h5dump").arg("--version").output().is_ok() {

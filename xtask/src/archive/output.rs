@@ -67,7 +67,7 @@ impl Output {
     }
 
     /// Syncs the part to the disk and renames it to the target.
-    pub(super) fn publish(&self) -> Result<(), ArchiveError> {
+    pub(crate) fn publish(&self) -> Result<(), ArchiveError> {
         let part = self.part();
         let io = |action, path: &Path| {
             let path = path.to_path_buf();

@@ -30,6 +30,15 @@ pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
     let shape = reader.shape(dataset).map_err(|error| error.to_string())?;
     let values = reader.values::<f64>(dataset).map_err(|error| error.to_string())?;
     let heights = two_dimensional(&shape, values)?;
+    let lengths = lengths(&reader, dataset, heights.dim().into())?;
+    // "length" and "1" are words for any consistent unit.
+    let unit = reader.text(dataset, "units").ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()));
+    Ok(Found { heights, lengths, unit, channel: None })
+}
+
+/// Cell lengths from evenly spaced coordinates `x` and `y` beside a dataset, if they are there. Of a profile, the second
+/// is 1 and means nothing.
+pub(crate) fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Option<[f64; 2]>, String> {
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let length = |axis: &str, points: usize| -> Result<Option<f64>, String> {
         let name = format!("{group}/{axis}");
@@ -38,12 +47,9 @@ pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
             false => Ok(None),
         }
     };
-    let (nx, ny) = heights.dim();
+    let [nx, ny] = points;
     let along_y = if ny == 1 { Some(1.0) } else { length("y", ny)? };
-    let lengths = length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]);
-    // "length" and "1" are words for any consistent unit.
-    let unit = reader.text(dataset, "units").ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()));
-    Ok(Found { heights, lengths, unit, channel: None })
+    Ok(length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]))
 }
 
 /// The period of n coordinates with even spacing: n times the spacing; `None` of another number of coordinates.

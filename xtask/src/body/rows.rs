@@ -1,0 +1,98 @@
+//! Which points of a plane are kept: all, or a row of them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use gfmd_field::Grid;
+use serde::{Serialize, Serializer};
+
+use crate::failure::Failure;
+
+/// A row of points: an axis (x is 0, y is 1) and the position across it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    axis: usize,
+    position: f64,
+}
+
+const AXES: [&str; 2] = ["x", "y"];
+
+impl FromStr for Slice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('=').and_then(|(name, position)| {
+            let axis = AXES.iter().position(|axis| *axis == name)?;
+            Some(Self { axis, position: position.parse().ok()? })
+        });
+        parts.ok_or_else(|| format!("x=POSITION or y=POSITION is allowed, found {text:?}"))
+    }
+}
+
+impl fmt::Display for Slice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={:?}", AXES[self.axis], self.position)
+    }
+}
+
+impl Serialize for Slice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// Some points of a plane, and the axes along which they lie.
+#[derive(Clone, Debug)]
+pub(super) struct Rows {
+    /// The row at the position of its points; none of a whole plane, or of a line.
+    pub(super) slice: Option<Slice>,
+    /// x is 0, y is 1.
+    pub(super) axes: Vec<usize>,
+    /// Their indices in a field.
+    pub(super) points: Vec<usize>,
+}
+
+impl Rows {
+    /// The row nearest to `slice`, or all points.
+    pub(super) fn new(slice: Option<Slice>, grid: &Grid) -> Result<Self, Failure> {
+        let Some(slice) = slice else {
+            let axes = if grid.is_line() { vec![0] } else { vec![0, 1] };
+            return Ok(Self { slice, axes, points: (0..grid.len()).collect() });
+        };
+        let (name, length) = (AXES[slice.axis], grid.lengths()[slice.axis]);
+        if grid.is_line() {
+            return Err(Failure::input("--slice", "a line is a slice already, and has no y"));
+        }
+        if !(0.0..length).contains(&slice.position) {
+            let reason = format!("{name} from 0 to below {length} is allowed, found {}", slice.position);
+            return Err(Failure::input("--slice", reason));
+        }
+        let count = grid.points()[slice.axis];
+        let index = (slice.position / grid.spacing()[slice.axis]).round() as usize % count;
+        Ok(Self::row(slice.axis, index, grid))
+    }
+
+    /// The row in the middle, along x.
+    pub(super) fn middle(grid: &Grid) -> Self {
+        Self::row(1, grid.points()[1] / 2, grid)
+    }
+
+    fn row(axis: usize, index: usize, grid: &Grid) -> Self {
+        let ([nx, ny], position) = (grid.points(), index as f64 * grid.spacing()[axis]);
+        let points = match axis {
+            0 => (0..ny).map(|j| index * ny + j).collect(),
+            _ => (0..nx).map(|i| i * ny + index).collect(),
+        };
+        Self { slice: Some(Slice { axis, position }), axes: vec![1 - axis], points }
+    }
+
+    /// Points kept along x and y.
+    pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
+        [0, 1].map(|axis| if self.axes.contains(&axis) { grid.points()[axis] } else { 1 })
+    }
+
+    /// Where they begin along x and y.
+    pub(super) fn origin(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.slice.filter(|slice| slice.axis == axis).map_or(0.0, |slice| slice.position))
+    }
+}
