@@ -1,4 +1,19 @@
-//! Shared by the validation tests: reference data, and short ways to pose a contact problem.
+//! Validation: what the crates compute against references, closed forms and identities.
+//!
+//! A [`Check`] is a number and the bound it must meet. [`TOPICS`] lists the functions that make them, one file each; `cargo
+//! test` asserts them, and `cargo xtask verify` prints them and writes docs/validation.md. To add a topic: a file with a
+//! function of a [`Reference`], and its line in [`TOPICS`].
+//!
+//! Beside them, for tests: reference data, and short ways to pose a contact problem.
+
+mod analytic;
+mod check;
+mod damping;
+mod exact;
+mod inside;
+mod kernels;
+mod limits;
+mod reference;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -9,6 +24,19 @@ use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
 use ndarray::{Array2, ArrayView2};
 use serde_json::Value;
+
+pub use check::{Bound, Check, Topic, ValidationError};
+pub use reference::Reference;
+
+/// All topics, in the order of docs/validation.md.
+pub const TOPICS: [Topic; 6] = [
+    Topic { title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
+    Topic { title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
+    Topic { title: "Fields inside the body", checks: inside::checks },
+    Topic { title: "Damping of the dynamics", checks: damping::checks },
+    Topic { title: "Contacts with a closed form", checks: analytic::checks },
+    Topic { title: "Contacts that other programs solved", checks: exact::checks },
+];
 
 /// Every method that can be asked for by name.
 pub const SOLVERS: [Solver; 6] = [
@@ -22,7 +50,7 @@ pub const SOLVERS: [Solver; 6] = [
 
 /// The file `name` of `data/reference`.
 pub fn reference_path(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
+    Reference::default().path(name)
 }
 
 /// A reference file as JSON.
@@ -30,8 +58,7 @@ pub fn reference_path(name: &str) -> PathBuf {
 /// # Panics
 /// If it is missing or not JSON.
 pub fn reference(name: &str) -> Value {
-    let text = std::fs::read_to_string(reference_path(name)).expect(name);
-    serde_json::from_str(&text).expect(name)
+    Reference::default().json(name).expect(name)
 }
 
 /// A reference array.
@@ -39,7 +66,7 @@ pub fn reference(name: &str) -> Value {
 /// # Panics
 /// If it is missing or not a two-dimensional array of doubles.
 pub fn reference_array(name: &str) -> Array2<f64> {
-    ndarray_npy::read_npy(reference_path(name)).expect(name)
+    Reference::default().array(name).expect(name)
 }
 
 /// The number under `key`.
@@ -51,6 +78,9 @@ pub fn number(value: &Value, key: &str) -> f64 {
 }
 
 /// A half-space of contact modulus 1.
+///
+/// # Panics
+/// Never.
 pub fn unit_half_space() -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, 0.0).expect("a valid material"))
 }
@@ -70,12 +100,14 @@ pub fn press(
 
 /// Presses `heights` on the unit half-space over a square cell of length 1, by the default method.
 ///
-/// # Panics
-/// If it does not converge.
-pub fn press_on_half_space(heights: ArrayView2<f64>, mean_pressure: f64, tolerance: f64) -> Solution {
-    let (nx, ny) = heights.dim();
-    let grid = Grid::new([nx, ny], [1.0, 1.0]).expect("a valid grid");
+/// # Errors
+/// As [`Contact::solve`], and a shape that is no grid.
+pub fn press_on_half_space(
+    heights: ArrayView2<f64>,
+    mean_pressure: f64,
+    tolerance: f64,
+) -> Result<Solution, ValidationError> {
+    let grid = Grid::new(heights.dim().into(), [1.0, 1.0])?;
     let settings = Settings { tolerance, ..Settings::default() };
-    let response = NormalResponse::new(grid, &unit_half_space());
-    press(&response, heights, Control::MeanPressure(mean_pressure), &settings).expect("converges")
+    Ok(press(&NormalResponse::new(grid, &unit_half_space()), heights, Control::MeanPressure(mean_pressure), &settings)?)
 }

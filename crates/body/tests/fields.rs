@@ -1,20 +1,13 @@
-//! What must hold inside every body, as fields on a grid: given values, equilibrium, Hooke's law, the base, energy, limits.
-
-use std::f64::consts::TAU;
+//! What must hold inside every body, as fields on a grid: equilibrium, Hooke's law, the base, energy, limits.
 
 use approx::assert_relative_eq;
 use gfmd_body::{Interior, InteriorError, State};
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Base, Body, Complex64, Height, Material};
 use gfmd_response::FullResponse;
-use ndarray::Array3;
 use proptest::prelude::*;
 
 const I: Complex64 = Complex64::I;
-
-fn reference(name: &str) -> String {
-    format!("{}/../../data/reference/{name}", env!("CARGO_MANIFEST_DIR"))
-}
 
 fn noise(n: usize, seed: usize) -> Vec<f64> {
     (0..n).map(|i| ((i as f64 + 1.0) * (0.618_033 + 1e-3 * seed as f64)).fract() - 0.5).collect()
@@ -58,83 +51,6 @@ fn inside(interior: &Interior, depth: f64) -> Plane {
 
 fn component(states: &[State], pick: impl Fn(&State) -> f64) -> Vec<f64> {
     states.iter().map(pick).collect()
-}
-
-/// Every row of the high-precision table, as a real wave on a grid that holds just that.
-#[test]
-fn single_waves_have_the_reference_fields() {
-    let file: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(reference("body_fields.json")).unwrap()).unwrap();
-    let columns: Vec<&str> = file["columns"].as_array().unwrap().iter().map(|c| c.as_str().unwrap()).collect();
-    let rows = file["rows"].as_array().unwrap();
-    assert!(rows.len() > 10);
-    for row in rows {
-        let get = |name: &str| row[columns.iter().position(|c| *c == name).unwrap()].as_f64().unwrap();
-        let complex = |name: &str| Complex64::new(get(&format!("Re_{name}")), get(&format!("Im_{name}")));
-        let (q, height) = ([get("qx"), get("qy")], get("zm"));
-        let body = Body::slab(Material::from_young(get("E"), get("nu")).unwrap(), height).unwrap();
-        let lengths = q.map(|q| if q == 0.0 { 1.0 } else { TAU / q.abs() });
-        let grid = Grid::new([5, 6], lengths).unwrap();
-        let wave: Vec<Complex64> = (0..grid.len())
-            .map(|i| {
-                let [x, y] = [(i / 6) as f64 * grid.spacing()[0], (i % 6) as f64 * grid.spacing()[1]];
-                (I * (q[0] * x + q[1] * y)).exp()
-            })
-            .collect();
-        let real = |amplitude: Complex64| wave.iter().map(move |wave| (amplitude * wave).re);
-        let surface: Vec<f64> = ["us_x", "us_y", "us_z"].into_iter().flat_map(|name| real(complex(name))).collect();
-        let interior = Interior::new(&body, grid, &surface).unwrap();
-        let (displacement, states) = inside(&interior, height - get("z"));
-        let names = ["xx", "yy", "zz", "yz", "xz", "xy"];
-        let check = |names: &[String], found: &[Vec<f64>]| {
-            let scale = names.iter().map(|name| complex(name).norm()).fold(1e-300, f64::max);
-            for (name, found) in names.iter().zip(found) {
-                for (found, expected) in found.iter().zip(real(complex(name))) {
-                    assert!((found - expected).abs() <= 1e-11 * scale, "{name}: {found} {expected} in {row}");
-                }
-            }
-        };
-        check(&["ux", "uy", "uz"].map(String::from), &displacement);
-        let strains = names.map(|name| format!("{}{name}", if name.starts_with(&name[1..]) { 'e' } else { 'g' }));
-        check(&strains, &[0, 1, 2, 3, 4, 5].map(|k| component(&states, |state| state.strain[k])));
-        let stresses = names.map(|name| format!("s{name}"));
-        check(&stresses, &[0, 1, 2, 3, 4, 5].map(|k| component(&states, |state| state.stress[k])));
-    }
-}
-
-/// Below the punch of the source's chapter 4: fields of an independent program that knows no closed form. It solves the
-/// equations of each mode numerically along z, to about 1e-7 of the largest stress.
-#[test]
-fn below_a_sticking_punch_the_fields_are_those_of_the_independent_solution() {
-    let punch = |name: &str| -> Array3<f64> {
-        ndarray_npy::read_npy(reference(&format!("punch3d_sticking_zm1_nu033/{name}.npy"))).unwrap()
-    };
-    let surface = punch("discrete_strict_u_n128").permuted_axes([2, 0, 1]);
-    let body = Body::slab(Material::from_young(70.0, 0.33).unwrap(), 1.27).unwrap();
-    let grid = Grid::square(128, 1.27).unwrap();
-    let interior = Interior::new(&body, grid, &surface.iter().copied().collect::<Vec<_>>()).unwrap();
-    let (displacements, stresses) =
-        (punch("discrete_strict_slice_u_coarse"), punch("discrete_strict_slice_stress_coarse"));
-    let mut ws = interior.workspace();
-    // Every eighth of 65 heights, every second point of the row y = Ly/2. At the surface itself the stress reference
-    // keeps derivatives along Nyquist directions, which fields on a grid do not have.
-    for level in 0..9 {
-        let depth = 1.27 * (1.0 - level as f64 / 8.0);
-        let u = interior.displacement(depth, &mut ws).unwrap();
-        for i in 0..64 {
-            for axis in 0..3 {
-                let found = u[axis * grid.len() + 2 * i * 128 + 64];
-                assert!((found - displacements[[i, level, axis]]).abs() < 1e-8 * 0.005, "{level} {i} {axis}");
-            }
-        }
-        let deformation = interior.deformation(depth, &mut ws).unwrap();
-        let largest = stresses.iter().fold(0.0, |largest: f64, s| largest.max(s.abs()));
-        for i in 0..if level < 8 { 64 } else { 0 } {
-            for (k, stress) in deformation.at(2 * i * 128 + 64).stress.into_iter().enumerate() {
-                assert!((stress - stresses[[i, level, k]]).abs() < 2e-7 * largest, "{level} {i} {k}");
-            }
-        }
-    }
 }
 
 #[derive(Clone, Debug)]

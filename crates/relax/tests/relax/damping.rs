@@ -1,64 +1,8 @@
-//! Eigenvalues, regimes and best choices against tables computed elsewhere.
+//! Eigenvalues, regimes and best choices.
 
 use approx::assert_relative_eq;
 use gfmd_relax::{Damping, Motion, RelaxError, Verlet};
 
-fn rows(text: &str) -> Vec<Vec<f64>> {
-    let table: serde_json::Value = serde_json::from_str(text).unwrap();
-    let rows: Vec<Vec<f64>> = serde_json::from_value(table["rows"].clone()).unwrap();
-    assert!(rows.len() > 3);
-    rows
-}
-
-#[test]
-fn critical_damping_agrees_with_the_table() {
-    for row in rows(include_str!("../../../../data/reference/critical_damping.json")) {
-        let &[k, dt, eta, gamma, beta, eigenvalue, eta_half, rho_half, eta_more, rho_more, central, k_max] = &row[..]
-        else {
-            panic!("a row has twelve columns")
-        };
-        let critical = Damping::critical(k, dt);
-        assert_relative_eq!(critical.eta(), eta, max_relative = 1e-12);
-        assert_relative_eq!(critical.eta() * dt, gamma, max_relative = 1e-12);
-        assert_relative_eq!(critical.beta, beta, max_relative = 1e-12, epsilon = 1e-15);
-        assert_relative_eq!(critical.stiffness_limit(), k_max, max_relative = 1e-12);
-        match critical.motion(k) {
-            Motion::Critical { eigenvalue: found } => {
-                assert_relative_eq!(found, eigenvalue, max_relative = 1e-12, epsilon = 1e-15)
-            }
-            other => panic!("critical damping gives {other:?}"),
-        }
-        for (eta, rho) in [(eta_half, rho_half), (eta_more, rho_more)] {
-            let damping = Damping { beta: 1.0 - eta * dt * dt, tau: dt * dt };
-            assert_relative_eq!(damping.eta(), eta, max_relative = 1e-12);
-            assert_relative_eq!(damping.spectral_radius(k), rho, max_relative = 1e-12);
-        }
-        assert_relative_eq!(Damping::central_critical(k, dt), central, max_relative = 1e-12);
-    }
-}
-
-#[test]
-fn optimal_damping_agrees_with_the_table() {
-    for row in rows(include_str!("../../../../data/reference/optimal_damping.json")) {
-        let &[k_min, k_max, tau, dt, beta, eta, rho, steps, tau_plain, rho_plain] = &row[..] else {
-            panic!("a row has ten columns")
-        };
-        let optimal = Damping::optimal(k_min, k_max);
-        assert_relative_eq!(optimal.tau, tau, max_relative = 1e-12);
-        assert_relative_eq!(optimal.tau.sqrt(), dt, max_relative = 1e-12);
-        assert_relative_eq!(optimal.beta, beta, max_relative = 1e-12);
-        assert_relative_eq!(optimal.eta(), eta, max_relative = 1e-12);
-        assert_relative_eq!(optimal.spectral_radius(k_min), rho, max_relative = 1e-12);
-        assert_relative_eq!(optimal.spectral_radius(k_max), rho, max_relative = 1e-12);
-        assert_relative_eq!(optimal.steps_per_decade(k_min, k_max), steps, max_relative = 1e-12);
-        let plain = Damping::plain_descent(k_min, k_max);
-        assert_relative_eq!(plain.tau, tau_plain, max_relative = 1e-12);
-        assert_relative_eq!(plain.spectral_radius(k_min), rho_plain, max_relative = 1e-12);
-        assert_relative_eq!(plain.spectral_radius(k_max), rho_plain, max_relative = 1e-12);
-    }
-}
-
-/// λ² − (1 + β − τ k) λ + β = 0 has the sum and the product of the eigenvalues as coefficients.
 #[test]
 fn eigenvalues_solve_the_characteristic_equation() {
     for i in 0..2000 {

@@ -1,0 +1,153 @@
+use gfmd_body::InteriorError;
+use gfmd_contact::ContactError;
+use gfmd_field::{GridError, ShapeError};
+use gfmd_green::GreenError;
+use gfmd_surface::SurfaceError;
+
+use crate::Reference;
+
+/// A number, and the bound it must meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// What is compared.
+    pub name: String,
+    /// With what: where the wanted numbers come from.
+    pub source: &'static str,
+    /// An error, relative unless the name says otherwise, or an order of convergence.
+    pub value: f64,
+    /// What it must be.
+    pub bound: Bound,
+}
+
+/// From which side a number is bounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// An error.
+    AtMost(f64),
+    /// An order of convergence.
+    AtLeast(f64),
+}
+
+/// Checks that belong together.
+#[derive(Clone, Copy, Debug)]
+pub struct Topic {
+    /// In words.
+    pub title: &'static str,
+    /// Computes them.
+    pub checks: fn(&Reference) -> Result<Vec<Check>, ValidationError>,
+}
+
+/// Why a check could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ValidationError {
+    /// A reference file that is missing or is not what it should be.
+    #[error("{file}: {reason}")]
+    Reference {
+        /// Which.
+        file: String,
+        /// What was found.
+        reason: String,
+    },
+    /// A contact that could not be solved.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// An impossible body.
+    #[error(transparent)]
+    Green(#[from] GreenError),
+    /// An impossible grid.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// Fields inside that could not be computed.
+    #[error(transparent)]
+    Interior(#[from] InteriorError),
+    /// Slices that do not fit.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// An impossible surface.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}
+
+impl Check {
+    /// An error that must not exceed `bound`.
+    pub fn error(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
+        Self { name: name.into(), source, value, bound: Bound::AtMost(bound) }
+    }
+
+    /// An order of convergence that must reach `bound`.
+    pub fn order(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
+        Self { name: name.into(), source, value, bound: Bound::AtLeast(bound) }
+    }
+
+    /// Whether the bound is met; what is not a number meets none.
+    pub fn passes(&self) -> bool {
+        match self.bound {
+            Bound::AtMost(bound) => self.value <= bound,
+            Bound::AtLeast(bound) => self.value >= bound,
+        }
+    }
+}
+
+/// The largest deviation met so far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Worst(f64);
+
+impl Worst {
+    /// None so far: not a number until something is compared.
+    pub(crate) fn new() -> Self {
+        Self(f64::NEG_INFINITY)
+    }
+
+    /// Compares relative to the wanted number itself.
+    pub(crate) fn compare(&mut self, found: f64, wanted: f64) {
+        self.compare_to(found, wanted, wanted.abs());
+    }
+
+    /// Compares relative to `scale`.
+    pub(crate) fn compare_to(&mut self, found: f64, wanted: f64, scale: f64) {
+        let error = if found == wanted { 0.0 } else { (found - wanted).abs() / scale };
+        if error.is_nan() || error > self.0 {
+            self.0 = error;
+        }
+    }
+
+    /// As a check; nothing compared fails.
+    pub(crate) fn check(self, name: impl Into<String>, source: &'static str, bound: f64) -> Check {
+        let value = if self.0 == f64::NEG_INFINITY { f64::NAN } else { self.0 };
+        Check::error(name, source, value, bound)
+    }
+}
+
+/// Order at which errors fall with the number of points, by least squares in logarithms.
+pub(crate) fn order<const K: usize>(errors: &[(usize, [f64; K])]) -> [f64; K] {
+    let points: Vec<(f64, [f64; K])> = errors.iter().map(|(n, e)| ((*n as f64).ln(), e.map(|e| -e.ln()))).collect();
+    let x = points.iter().map(|p| p.0).sum::<f64>() / points.len() as f64;
+    let squares: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    std::array::from_fn(|k| points.iter().map(|p| (p.0 - x) * p.1[k]).sum::<f64>() / squares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_number_or_was_never_compared_fails() {
+        assert!(!Worst::new().check("nothing", "", 1.0).passes());
+        let mut worst = Worst::new();
+        worst.compare(2.0, f64::NAN);
+        worst.compare(1.0, 1.0);
+        assert!(!worst.check("lost", "", 1.0).passes());
+        let mut worst = Worst::new();
+        worst.compare(1.0, 1.0);
+        worst.compare(1.1, 1.0);
+        assert!(worst.check("far", "", 0.11).passes() && !worst.check("far", "", 0.09).passes());
+        assert!(!Check::order("slow", "", 0.5, 1.0).passes());
+    }
+
+    #[test]
+    fn the_order_of_a_power_is_its_exponent() {
+        let errors: Vec<_> = [8, 16, 40].map(|n| (n, [3.0 * (n as f64).powf(-1.5)])).into();
+        assert!((order(&errors)[0] - 1.5).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,90 @@
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use gfmd_green::{Complex64, GreenError, Material};
+use ndarray::{Array, Dimension};
+use ndarray_npy::ReadNpyExt;
+use serde_json::Value;
+
+use crate::ValidationError;
+
+/// The folder with the check values.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    folder: PathBuf,
+}
+
+impl Default for Reference {
+    /// `data/reference` of this source tree.
+    fn default() -> Self {
+        Self { folder: Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference") }
+    }
+}
+
+impl Reference {
+    /// Another folder with files of the same names.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The path of the file `name`.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// A file as JSON.
+    ///
+    /// # Errors
+    /// A file that is missing or is not JSON.
+    pub fn json(&self, name: &str) -> Result<Value, ValidationError> {
+        let text = std::fs::read_to_string(self.path(name)).map_err(|error| self.refuse(name, error))?;
+        serde_json::from_str(&text).map_err(|error| self.refuse(name, error))
+    }
+
+    /// A NumPy array of doubles.
+    ///
+    /// # Errors
+    /// A file that is missing or holds something else.
+    pub fn array<D: Dimension>(&self, name: &str) -> Result<Array<f64, D>, ValidationError> {
+        let file = File::open(self.path(name)).map_err(|error| self.refuse(name, error))?;
+        Array::read_npy(file).map_err(|error| self.refuse(name, error))
+    }
+
+    /// The rows of a JSON file with `columns` and `rows`.
+    pub(crate) fn table(&self, name: &str) -> Result<Vec<Row>, ValidationError> {
+        let json = self.json(name)?;
+        let rows = |columns: &Value, rows: &Value| -> Option<Vec<Row>> {
+            let name_of = |column: &Value| column.as_str().or(column["name"].as_str()).map(str::to_owned);
+            let columns: Vec<String> = columns.as_array()?.iter().map(name_of).collect::<Option<_>>()?;
+            let row = |row: &Value| -> Option<Row> {
+                let values = row.as_array()?.iter().map(|value| value.as_f64().unwrap_or(f64::NAN));
+                let row = Row(columns.iter().cloned().zip(values).collect());
+                (row.0.len() == columns.len()).then_some(row)
+            };
+            rows.as_array()?.iter().map(row).collect()
+        };
+        rows(&json["columns"], &json["rows"]).ok_or_else(|| self.refuse(name, "no columns and rows"))
+    }
+
+    fn refuse(&self, name: &str, reason: impl ToString) -> ValidationError {
+        ValidationError::Reference { file: self.path(name).display().to_string(), reason: reason.to_string() }
+    }
+}
+
+/// Named numbers; what the file leaves open is not a number.
+pub(crate) struct Row(Vec<(String, f64)>);
+
+impl Row {
+    pub(crate) fn get(&self, column: &str) -> f64 {
+        self.0.iter().find(|(name, _)| name == column).map_or(f64::NAN, |(_, value)| *value)
+    }
+
+    pub(crate) fn complex(&self, column: &str) -> Complex64 {
+        Complex64::new(self.get(&format!("Re_{column}")), self.get(&format!("Im_{column}")))
+    }
+
+    /// Of the columns E and nu.
+    pub(crate) fn material(&self) -> Result<Material, GreenError> {
+        Material::from_young(self.get("E"), self.get("nu"))
+    }
+}
