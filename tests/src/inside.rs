@@ -8,7 +8,7 @@ use gfmd_green::{Body, Complex64, Material};
 use gfmd_response::FullResponse;
 use ndarray::Ix3;
 
-use crate::check::Worst;
+use crate::check::{Worst, order};
 use crate::{Check, Reference, ValidationError};
 
 const DIGITS: &str = "boundary-value problems in 60-digit arithmetic";
@@ -123,6 +123,47 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
         displacement.check("sticking punch: displacement on a slice, over the depth", PUNCH, 1e-8),
         stress.check("sticking punch: stress on a slice, over the largest", PUNCH, 2e-7),
     ])
+}
+
+/// Against finite elements of the continuum, below a punch with sharp edges, up to three quarters of the height: u of the
+/// surface from them too, at the points of a grid, so that what differs is what lies between the points near the edges.
+pub(crate) fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
+    const ELEMENTS: &str = "finite elements of high order, sharp edges";
+    let coarse = below_sharp_punch(reference, 64)?;
+    let fine = below_sharp_punch(reference, 128)?;
+    let [u_order, s_order] = order(&[(64, coarse), (128, fine)]);
+    let [u, s] = fine;
+    Ok(vec![
+        Check::error("sharp punch, 128 x 128: displacement below, over the depth", ELEMENTS, u, 1e-3),
+        Check::error("sharp punch, 128 x 128: stress below, over the largest there", ELEMENTS, s, 3e-3),
+        Check::order("sharp punch, 64 to 128 points: order of the displacement", ELEMENTS, u_order, 1.0),
+        Check::order("sharp punch, 64 to 128 points: order of the stress", ELEMENTS, s_order, 1.0),
+    ])
+}
+
+/// Largest errors of displacement and stress on the plane y = Ly/2 of a grid with n x n points.
+fn below_sharp_punch(reference: &Reference, n: usize) -> Result<[f64; 2], ValidationError> {
+    let read = |name: &str| reference.array::<Ix3>(&format!("punch3d_sticking_zm1_nu033/{name}.npy"));
+    let (length, depth) = (1.27, 0.005);
+    let body = Body::slab(Material::from_young(70.0, 0.33)?, length)?;
+    let surface: Vec<f64> = read(&format!("continuum_u_n{n}"))?.permuted_axes([2, 0, 1]).iter().copied().collect();
+    let interior = Interior::new(&body, Grid::square(n, length)?, &surface)?;
+    let (displacements, stresses) = (read("continuum_slice_u")?, read("continuum_slice_stress")?);
+    let [mut u_error, mut s_error, mut largest] = [0.0_f64; 3];
+    for level in (0..=48).step_by(8) {
+        let (u, states) = plane(&interior, length * (1.0 - f64::from(level) / 64.0))?;
+        for i in 0..n {
+            let (here, there) = (i * n + n / 2, [128 / n * i, level as usize]);
+            for (axis, u) in u.iter().enumerate() {
+                u_error = u_error.max((u[here] - displacements[[there[0], there[1], axis]]).abs());
+            }
+            for (k, stress) in states[here].stress.iter().enumerate() {
+                let wanted = stresses[[there[0], there[1], k]];
+                (s_error, largest) = (s_error.max((stress - wanted).abs()), largest.max(wanted.abs()));
+            }
+        }
+    }
+    Ok([u_error / depth, s_error / largest])
 }
 
 /// A rough displacement without mean.

@@ -23,6 +23,8 @@ use crate::session::Session;
 pub use quantity::Quantity;
 pub use rows::Slice;
 
+pub(crate) use pictures::draw_middle;
+
 use input::{Kind, Surface};
 use pictures::Pictures;
 use quantity::{Family, Fields};
@@ -197,7 +199,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     progress.finish();
     let out = volume.map(Volume::finish).transpose()?;
     let plots = match (&pictures, &args.plots) {
-        (Some(pictures), Some(prefix)) => pictures.draw(prefix, &surface, depths[depths.len() - 1])?,
+        (Some(pictures), Some(prefix)) => {
+            pictures.draw(prefix, &surface.grid, depths[depths.len() - 1], &surface.unit)?
+        }
         _ => Vec::new(),
     };
     let (n, length) = (surface.grid.points(), surface.grid.lengths());
@@ -225,9 +229,13 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     if inside("--deepest", deepest)? == 0.0 {
         return Err(Failure::input("--deepest", "a depth above 0 is allowed, found 0"));
     }
-    // The last one exactly: nothing lies below the base.
+    Ok(evenly_spaced(levels, deepest).collect())
+}
+
+/// From the surface to the deepest, which comes exactly: nothing lies below the base.
+fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
     let last = levels - 1;
-    Ok((0..levels).map(|k| if k == last { deepest } else { deepest * k as f64 / last as f64 }).collect())
+    (0..levels).map(move |k| if k == last { deepest } else { deepest * k as f64 / last as f64 })
 }
 
 impl Level {

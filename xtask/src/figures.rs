@@ -155,14 +155,14 @@ pub fn section<'a>(
     Ok(files)
 }
 
-/// The range of all but the half percent at either end, where it is much narrower than the whole: a field with singular
+/// The range of all but two per mille at either end, where it is much narrower than the whole: a field with singular
 /// edges has a few values far from the rest.
 fn central(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let at = |per_mille: usize| sorted[(sorted.len() - 1) * per_mille / 1000];
-    let (whole, most) = (at(1000) - at(0), at(995) - at(5));
-    (most > 0.0 && whole > 1.5 * most).then(|| [at(5), at(995)])
+    let (whole, most) = (at(1000) - at(0), at(998) - at(2));
+    (most > 0.0 && whole > 1.5 * most).then(|| [at(2), at(998)])
 }
 
 fn named(stem: &Path, what: &str) -> PathBuf {

@@ -21,4 +21,5 @@ pub mod session;
 pub mod source;
 pub mod surface;
 pub mod topography;
+pub mod verify;
 pub mod vti;

@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use gfmd_xtask::failure::Failure;
 use gfmd_xtask::session::{Common, Session};
-use gfmd_xtask::{bench_peers, body, contact, green, json, kappa_sweep, punch, surface};
+use gfmd_xtask::{bench_peers, body, contact, green, json, kappa_sweep, punch, surface, verify};
 use serde::Serialize;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
@@ -27,14 +27,16 @@ enum Command {
     Contact(Box<contact::Args>),
     /// The main job: kappa in the thermodynamic, fractal and continuum limit, with its uncertainty
     KappaSweep(Box<kappa_sweep::Args>),
+    /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
+    Punch(Box<punch::Args>),
     /// Displacement, strain and stress below a surface, from its displacement
     Body(Box<body::Args>),
     /// Make a rough surface, or measure one
     Surface(Box<surface::Args>),
     /// Time other programs on the same contacts, to the same certified residual
     BenchPeers(Box<bench_peers::Args>),
-    /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
-    Punch(Box<punch::Args>),
+    /// Compare what the program computes with references, closed forms and identities
+    Verify(Box<verify::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
 }
@@ -75,6 +77,11 @@ fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
         }
         Command::Body(args) => print(&body::run(args, session)?, as_json),
         Command::Surface(args) => print(&surface::run(args, session)?, as_json),
+        Command::Verify(args) => {
+            let verify::Outcome { report, failure } = verify::run(args, session)?;
+            print(&report, as_json)?;
+            failure.map_or(Ok(()), Err)
+        }
         Command::Green(args) => print(&green::run(args)?, as_json),
     }
 }

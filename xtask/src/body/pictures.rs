@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::input::Surface;
+use gfmd_body::Interior;
+use gfmd_field::Grid;
+
+use super::evenly_spaced;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use crate::failure::Failure;
@@ -68,11 +71,30 @@ impl Pictures {
         }
     }
 
-    pub(super) fn draw(&self, prefix: &Path, surface: &Surface, deepest: f64) -> Result<Vec<PathBuf>, Failure> {
+    pub(super) fn draw(&self, prefix: &Path, grid: &Grid, deepest: f64, unit: &str) -> Result<Vec<PathBuf>, Failure> {
         let axis = self.rows.axes[0];
         let maps =
             self.maps.iter().map(|(picture, values)| SectionMap { name: picture.name, label: picture.label, values });
-        let size = [surface.grid.lengths()[axis], deepest];
-        figures::section(prefix, maps, [self.rows.points.len(), self.levels], size, ["x", "y"][axis], &surface.unit)
+        let size = [grid.lengths()[axis], deepest];
+        figures::section(prefix, maps, [self.rows.points.len(), self.levels], size, ["x", "y"][axis], unit)
     }
+}
+
+/// Draws some quantities on the section through the middle of a body: `PREFIX-name.svg`, `.png`.
+pub(crate) fn draw_middle(
+    interior: &Interior,
+    quantities: &[Quantity],
+    (levels, deepest): (usize, f64),
+    prefix: &Path,
+    unit: &str,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut pictures = Pictures::new(quantities, Rows::middle(interior.grid()), levels);
+    let mut ws = interior.workspace();
+    for (number, depth) in evenly_spaced(levels, deepest).enumerate() {
+        for family in [Family::Displacement, Family::Deformation] {
+            let fields = Fields::at(interior, family, depth, &mut ws);
+            pictures.take(family, number, &fields.map_err(|error| Failure::Computation(error.to_string()))?);
+        }
+    }
+    pictures.draw(prefix, interior.grid(), deepest, unit)
 }

@@ -1,0 +1,153 @@
+//! `verify`: every check of `gfmd-tests`, with its number and the bound it must meet; docs/validation.md from it.
+
+mod document;
+mod figures;
+
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_tests::{BELOW_THE_PUNCH, Bound, Reference, TOPICS, Topic, ValidationError};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::session::Session;
+
+/// Flags of `verify`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask verify
+  cargo xtask verify --json
+  cargo xtask verify --write-docs")]
+pub struct Args {
+    /// Also compare with finite elements below the punch: a folder with the larger reference files, such as
+    /// punch3d_sticking_zm1_nu033/continuum_slice_u.npy
+    #[arg(long, value_name = "FOLDER")]
+    reference: Option<PathBuf>,
+    /// Write FOLDER/validation.md and its figures
+    #[arg(long, value_name = "FOLDER", num_args = 0..=1, default_missing_value = "docs")]
+    write_docs: Option<PathBuf>,
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub topics: Vec<TopicReport>,
+    pub checks: usize,
+    pub failed: usize,
+    pub written: Vec<PathBuf>,
+}
+
+/// Checks that belong together.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct TopicReport {
+    pub title: &'static str,
+    pub checks: Vec<CheckReport>,
+}
+
+/// One check. The bound is `at_most` for an error, `at_least` for an order of convergence.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct CheckReport {
+    pub name: String,
+    pub source: &'static str,
+    pub value: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
+    pub passed: bool,
+}
+
+/// All checks, and whether one failed.
+pub struct Outcome {
+    /// What was found.
+    pub report: Report,
+    /// The checks that failed.
+    pub failure: Option<Failure>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A reference file that cannot be read; an interruption; files that could not be written.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    let own = Reference::default();
+    let given = args.reference.as_ref().map(Reference::new);
+    if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
+        return Err(Failure::input("--write-docs", format!("there is no folder {}", folder.display())));
+    }
+    let mut runs: Vec<(&Topic, &Reference)> = TOPICS.iter().map(|topic| (topic, &own)).collect();
+    runs.extend(given.as_ref().map(|given| (&BELOW_THE_PUNCH, given)));
+    let progress = Progress::new(&session.common, "topics", runs.len() as f64);
+    let mut topics = Vec::new();
+    for (topic, reference) in runs {
+        if session.is_interrupted() {
+            return Err(Failure::Interrupted("interrupted, nothing kept".into()));
+        }
+        topics.push(TopicReport::of(topic, reference)?);
+        progress.advance(1.0, topic.title);
+    }
+    progress.finish();
+    let all = || topics.iter().flat_map(|topic| &topic.checks);
+    let failed: Vec<String> = all().filter(|check| !check.passed).map(|check| check.name.clone()).collect();
+    let mut report = Report { checks: all().count(), failed: failed.len(), topics, written: Vec::new() };
+    if let Some(folder) = &args.write_docs {
+        report.written = document::write(folder, &report, &own)?;
+    }
+    let failure = (!failed.is_empty()).then(|| {
+        Failure::Computation(format!("{} of {} checks failed: {}", failed.len(), report.checks, failed.join("; ")))
+    });
+    Ok(Outcome { report, failure })
+}
+
+impl TopicReport {
+    fn of(topic: &Topic, reference: &Reference) -> Result<Self, Failure> {
+        let checks = (topic.checks)(reference).map_err(|error| match error {
+            ValidationError::Reference { .. } => Failure::Input(error.to_string()),
+            error => Failure::Computation(format!("{}: {error}", topic.title)),
+        })?;
+        let checks = checks.into_iter().map(|check| {
+            let (at_most, at_least) = match check.bound {
+                Bound::AtMost(bound) => (Some(bound), None),
+                Bound::AtLeast(bound) => (None, Some(bound)),
+            };
+            let passed = check.passes();
+            CheckReport { name: check.name, source: check.source, value: check.value, at_most, at_least, passed }
+        });
+        Ok(Self { title: topic.title, checks: checks.collect() })
+    }
+}
+
+impl CheckReport {
+    /// The number and its bound, to be read.
+    fn words(&self) -> [String; 2] {
+        match (self.at_most, self.at_least) {
+            (Some(bound), _) => [format!("{:.1e}", self.value), format!("≤ {bound:.0e}")],
+            (None, Some(bound)) => [format!("{:.2}", self.value), format!("≥ {bound}")],
+            (None, None) => [format!("{:.1e}", self.value), String::new()],
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for topic in &self.topics {
+            writeln!(f, "{}", topic.title)?;
+            for check in &topic.checks {
+                let [value, bound] = check.words();
+                let mark = if check.passed { "ok" } else { "FAILED" };
+                writeln!(f, "  {:<68} {value:>8} {bound:>8}  {mark:<6}  {}", check.name, check.source)?;
+            }
+            writeln!(f)?;
+        }
+        writeln!(f, "{} checks, {} failed", self.checks, self.failed)?;
+        for file in &self.written {
+            writeln!(f, "written: {}", file.display())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,46 @@
+//! docs/validation.md: the checks as tables, with figures.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use gfmd_tests::Reference;
+
+use super::{Report, figures};
+use crate::failure::Failure;
+
+/// Writes `validation.md` and `images/validation-*` into `folder`.
+pub(super) fn write(folder: &Path, report: &Report, reference: &Reference) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |path: &Path, error| Failure::Computation(format!("cannot write {}: {error}", path.display()));
+    let images = folder.join("images");
+    std::fs::create_dir_all(&images).map_err(|error| failed(&images, error))?;
+    let path = folder.join("validation.md");
+    std::fs::write(&path, text(report)).map_err(|error| failed(&path, error))?;
+    let mut written = vec![path];
+    written.extend(figures::draw(&images.join("validation"), reference)?);
+    Ok(written)
+}
+
+fn text(report: &Report) -> String {
+    let mut text = format!(
+        "# Validation\n\n\
+         What the program computes, against references made by other means, closed forms and identities: {} checks, {} \
+         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts the same. An error is \
+         the largest of all\nnumbers compared, relative unless said otherwise; where the reference files come from:\n\
+         [data/reference](../data/reference/README.md).\n",
+        report.checks, report.failed
+    );
+    for topic in &report.topics {
+        let _ =
+            write!(text, "\n## {}\n\n| check | against | found | must be | |\n|---|---|---|---|---|\n", topic.title);
+        for check in &topic.checks {
+            let [value, bound] = check.words();
+            let mark = if check.passed { "✓" } else { "**failed**" };
+            let _ = writeln!(text, "| {} | {} | {value} | {bound} | {mark} |", check.name, check.source);
+        }
+    }
+    text.push_str("\n## Figures\n");
+    for (name, caption) in figures::CAPTIONS {
+        let _ = write!(text, "\n![{caption}](images/validation-{name}.svg)\n\n{caption}\n");
+    }
+    text
+}
