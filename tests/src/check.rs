@@ -2,6 +2,7 @@ use gfmd_body::InteriorError;
 use gfmd_contact::ContactError;
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
+use gfmd_mixed::MixedError;
 use gfmd_surface::SurfaceError;
 
 use crate::Reference;
@@ -61,6 +62,9 @@ pub enum ValidationError {
     /// Fields inside that could not be computed.
     #[error(transparent)]
     Interior(#[from] InteriorError),
+    /// A punch that could not be pressed.
+    #[error(transparent)]
+    Mixed(#[from] MixedError),
     /// Slices that do not fit.
     #[error(transparent)]
     Shape(#[from] ShapeError),

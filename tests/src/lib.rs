@@ -4,7 +4,7 @@
 //! test` asserts them, and `cargo xtask verify` prints them and writes docs/validation.md. To add a topic: a file with a
 //! function of a [`Reference`], and its line in [`TOPICS`].
 //!
-//! Beside them, for tests: reference data, and short ways to pose a contact problem.
+//! Beside them: short ways to pose a contact problem.
 
 mod analytic;
 mod check;
@@ -13,26 +13,26 @@ mod exact;
 mod inside;
 mod kernels;
 mod limits;
+mod punch;
 mod reference;
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
 use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use ndarray::{Array2, ArrayView2};
-use serde_json::Value;
+use ndarray::ArrayView2;
 
 pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 6] = [
+pub const TOPICS: [Topic; 7] = [
     Topic { title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { title: "Fields inside the body", checks: inside::checks },
+    Topic { title: "Flat punches that stick: chapter 4 of the source", checks: punch::checks },
     Topic { title: "Damping of the dynamics", checks: damping::checks },
     Topic { title: "Contacts with a closed form", checks: analytic::checks },
     Topic { title: "Contacts that other programs solved", checks: exact::checks },
@@ -51,35 +51,6 @@ pub const SOLVERS: [Solver; 6] = [
     Solver::VerletCritical,
     Solver::Fire,
 ];
-
-/// The file `name` of `data/reference`.
-pub fn reference_path(name: &str) -> PathBuf {
-    Reference::default().path(name)
-}
-
-/// A reference file as JSON.
-///
-/// # Panics
-/// If it is missing or not JSON.
-pub fn reference(name: &str) -> Value {
-    Reference::default().json(name).expect(name)
-}
-
-/// A reference array.
-///
-/// # Panics
-/// If it is missing or not a two-dimensional array of doubles.
-pub fn reference_array(name: &str) -> Array2<f64> {
-    Reference::default().array(name).expect(name)
-}
-
-/// The number under `key`.
-///
-/// # Panics
-/// If there is none.
-pub fn number(value: &Value, key: &str) -> f64 {
-    value[key].as_f64().unwrap_or_else(|| panic!("no number {key} in {value}"))
-}
 
 /// A half-space of contact modulus 1.
 ///

@@ -126,9 +126,9 @@ impl CheckReport {
     /// The number and its bound, to be read.
     fn words(&self) -> [String; 2] {
         match (self.at_most, self.at_least) {
-            (Some(bound), _) => [format!("{:.1e}", self.value), format!("≤ {bound:.0e}")],
+            (Some(bound), _) => [format!("{:.2e}", self.value), format!("≤ {bound:e}")],
             (None, Some(bound)) => [format!("{:.2}", self.value), format!("≥ {bound}")],
-            (None, None) => [format!("{:.1e}", self.value), String::new()],
+            (None, None) => [format!("{:.2e}", self.value), String::new()],
         }
     }
 }
@@ -140,7 +140,7 @@ impl fmt::Display for Report {
             for check in &topic.checks {
                 let [value, bound] = check.words();
                 let mark = if check.passed { "ok" } else { "FAILED" };
-                writeln!(f, "  {:<68} {value:>8} {bound:>8}  {mark:<6}  {}", check.name, check.source)?;
+                writeln!(f, "  {:<74} {value:>8} {bound:>9}  {mark:<6}  {}", check.name, check.source)?;
             }
             writeln!(f)?;
         }
