@@ -38,10 +38,6 @@ pub const TOPICS: [Topic; 7] = [
     Topic { title: "Contacts that other programs solved", checks: exact::checks },
 ];
 
-/// What needs larger files than the source tree has: slices of the finite elements below the punch.
-pub const BELOW_THE_PUNCH: Topic =
-    Topic { title: "Fields below the punch against finite elements", checks: inside::finite_elements };
-
 /// Every method that can be asked for by name.
 pub const SOLVERS: [Solver; 6] = [
     Solver::PolonskyKeer,

@@ -15,6 +15,7 @@ use gfmd_green::{Body, Height};
 use serde::Serialize;
 
 use crate::archive::Output;
+use crate::contact::check_available;
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -125,6 +126,10 @@ pub struct Level {
     pub mean_energy_density: f64,
 }
 
+/// Fields of doubles that are held at a time, with some room: spectra of the surface and of a plane, its fields, and what
+/// is written of them.
+const FIELDS_IN_MEMORY: u64 = 36;
+
 /// Runs the command.
 ///
 /// # Errors
@@ -135,6 +140,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let body = elastic.body()?;
     let depths = depths(args, &body)?;
     let rows = Rows::new(args.slice, &surface.grid)?;
+    check_available(surface.grid.points(), 8 * FIELDS_IN_MEMORY * surface.grid.len() as u64)?;
     let interior = match surface.kind {
         Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement),
         Kind::Full => Interior::new(&body, surface.grid, &surface.displacement),

@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_tests::{BELOW_THE_PUNCH, Bound, Reference, TOPICS, Topic, ValidationError};
+use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -21,8 +21,7 @@ use crate::session::Session;
   cargo xtask verify --json
   cargo xtask verify --write-docs")]
 pub struct Args {
-    /// Also compare with finite elements below the punch: a folder with the larger reference files, such as
-    /// punch3d_sticking_zm1_nu033/continuum_slice_u.npy
+    /// Take the check values from this folder instead of data/reference
     #[arg(long, value_name = "FOLDER")]
     reference: Option<PathBuf>,
     /// Write FOLDER/validation.md and its figures
@@ -75,20 +74,17 @@ pub struct Outcome {
 /// # Errors
 /// A reference file that cannot be read; an interruption; files that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
-    let own = Reference::default();
-    let given = args.reference.as_ref().map(Reference::new);
+    let reference = args.reference.as_ref().map_or_else(Reference::default, Reference::new);
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
         return Err(Failure::input("--write-docs", format!("there is no folder {}", folder.display())));
     }
-    let mut runs: Vec<(&Topic, &Reference)> = TOPICS.iter().map(|topic| (topic, &own)).collect();
-    runs.extend(given.as_ref().map(|given| (&BELOW_THE_PUNCH, given)));
-    let progress = Progress::new(&session.common, "topics", runs.len() as f64);
+    let progress = Progress::new(&session.common, "topics", TOPICS.len() as f64);
     let mut topics = Vec::new();
-    for (topic, reference) in runs {
+    for topic in &TOPICS {
         if session.is_interrupted() {
             return Err(Failure::Interrupted("interrupted, nothing kept".into()));
         }
-        topics.push(TopicReport::of(topic, reference)?);
+        topics.push(TopicReport::of(topic, &reference)?);
         progress.advance(1.0, topic.title);
     }
     progress.finish();
@@ -96,7 +92,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let failed: Vec<String> = all().filter(|check| !check.passed).map(|check| check.name.clone()).collect();
     let mut report = Report { checks: all().count(), failed: failed.len(), topics, written: Vec::new() };
     if let Some(folder) = &args.write_docs {
-        report.written = document::write(folder, &report, &own)?;
+        report.written = document::write(folder, &report, &reference)?;
     }
     let failure = (!failed.is_empty()).then(|| {
         Failure::Computation(format!("{} of {} checks failed: {}", failed.len(), report.checks, failed.join("; ")))

@@ -73,6 +73,27 @@ fn a_contact_says_its_body_and_its_pressure_is_met_again() {
 }
 
 #[test]
+fn below_a_punch_the_fields_are_those_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    json(folder.path(), &words("punch --n 32 --height 0.8 --poisson 0.4 --out p.h5 --json"));
+    json(folder.path(), &words("body --surface p.h5 --depths 0,0.8 --out b.h5 --json"));
+    let (punch, body) = (Reader::open(folder.path().join("p.h5")), Reader::open(folder.path().join("b.h5")));
+    let (punch, body) = (punch.unwrap(), body.unwrap());
+    let displacement: Vec<f64> = punch.values("/fields/displacement").unwrap();
+    let traction: Vec<f64> = punch.values("/fields/traction").unwrap();
+    let [top, bottom] = [0, 1].map(|level| body.slab::<f64>("/fields/displacement", level).unwrap());
+    assert!(top.iter().zip(&displacement).all(|(found, u)| (found - u).abs() < 1e-14 * 0.005));
+    assert!(bottom.iter().all(|u| *u == 0.0));
+    let stress: Vec<f64> = body.slab("/fields/stress", 0).unwrap();
+    let largest = traction.iter().fold(0.0, |largest: f64, t| largest.max(t.abs()));
+    for (stress, traction) in stress.chunks_exact(6).zip(traction.chunks_exact(3)) {
+        for (stress, traction) in [stress[4], stress[3], stress[2]].into_iter().zip(traction) {
+            assert!((stress - traction).abs() < 1e-6 * largest, "{stress} {traction}");
+        }
+    }
+}
+
+#[test]
 fn a_line_and_a_half_space_have_their_own_shapes_and_threads_do_not_matter() {
     let folder = tempfile::tempdir().unwrap();
     let profile = Array2::from_shape_fn((64, 2), |(i, c)| 0.01 * ((i + 7 * c) as f64 * 0.3).sin());

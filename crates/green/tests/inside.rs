@@ -203,7 +203,9 @@ proptest! {
         let section = body.at_depth(depth).unwrap();
         for mode in Grid::new([nx, ny], [1.0, 1.3]).unwrap().modes() {
             let (u, stress) = (section.displacement_transfer_of(&mode), section.stress_transfer_of(&mode));
+            let continuous = section.continuous_transfer_of(&mode);
             let (mut mean_u, mut mean_stress) = ([[Complex64::ZERO; 3]; 3], [[Complex64::ZERO; 3]; 6]);
+            let mut mean_continuous = mean_stress;
             if mode.is_uniform() {
                 continue;
             }
@@ -216,9 +218,11 @@ proptest! {
                 };
                 add(&mut mean_u, &section.displacement_transfer(alias));
                 add(&mut mean_stress, &section.stress_transfer(alias));
+                add(&mut mean_continuous, &section.continuous_transfer(alias));
             }
             prop_assert!(matrices_apart(&mean_u, &u) < 1e-13);
             prop_assert!(matrices_apart(&mean_stress, &stress) < 1e-13);
+            prop_assert!(matrices_apart(&mean_continuous, &continuous) < 1e-13);
         }
     }
 

@@ -108,7 +108,8 @@ impl<'w> Fields<'w> {
         })
     }
 
-    /// Some components of a quantity of this family at some points, point by point; a scalar is a component.
+    /// Some components of a quantity at some points, point by point; a scalar is its own component 0. Nothing of a quantity of
+    /// the other family.
     pub(super) fn values(&self, quantity: Quantity, components: &[usize], points: &[usize], out: &mut Vec<f64>) {
         out.clear();
         match self {
@@ -119,8 +120,9 @@ impl<'w> Fields<'w> {
             }
             Self::Deformation(deformation) => {
                 let tensor: fn(&State) -> [f64; 6] = match quantity {
-                    Quantity::Displacement | Quantity::Stress => |state| state.stress,
+                    Quantity::Displacement => return,
                     Quantity::Strain => |state| state.strain,
+                    Quantity::Stress => |state| state.stress,
                     Quantity::VonMises => |state| [state.von_mises(); 6],
                     Quantity::EnergyDensity => |state| [state.energy_density(); 6],
                 };
