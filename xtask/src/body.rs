@@ -139,6 +139,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let elastic = args.body.over(&surface.record)?;
     let body = elastic.body()?;
     let depths = depths(args, &body)?;
+    let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
+    let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
     check_available(surface.grid.points(), 8 * FIELDS_IN_MEMORY * surface.grid.len() as u64)?;
     let interior = match surface.kind {
@@ -147,32 +149,28 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     };
     let interior = interior.map_err(|error| Failure::input(&args.surface, error))?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-    let mut volume = match &output {
-        Some(output) => {
-            let config = Config {
-                surface: &args.surface,
-                load: surface.load,
-                length: surface.grid.lengths(),
-                body: &elastic,
-                depths: &depths,
-                slice: rows.slice.map(|slice| slice.to_string()),
-                quantities: &args.quantities,
-            };
-            let config = toml::to_string(&config).map_err(|error| Failure::Computation(error.to_string()))?;
-            let planes = Planes {
-                grid: &surface.grid,
-                rows: &rows,
-                depths: &depths,
-                even: args.place.levels.is_some(),
-                height: height(&body),
-                unit: &surface.unit,
-            };
-            Some(Volume::create(output, &planes, &args.quantities, &session.provenance(config))?)
-        }
-        None => None,
+    let config = toml::to_string(&Config {
+        surface: &args.surface,
+        load: surface.load,
+        length: surface.grid.lengths(),
+        body: &elastic,
+        depths: &depths,
+        slice: rows.slice.map(|slice| slice.to_string()),
+        quantities: &quantities,
+    });
+    let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
+    let planes = Planes {
+        grid: &surface.grid,
+        rows: &rows,
+        depths: &depths,
+        even: args.place.levels.is_some(),
+        height: height(&body),
+        unit: &surface.unit,
     };
+    let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance));
+    let mut volume = volume.transpose()?;
     let drawn = if rows.axes.len() == 1 { rows.clone() } else { Rows::middle(&surface.grid) };
-    let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&args.quantities, drawn, depths.len()));
+    let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&quantities, drawn, depths.len()));
 
     let progress = Progress::new(&session.common, "depths", depths.len() as f64);
     let mut ws = interior.workspace();
@@ -183,7 +181,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         }
         let mut level = Level::at(depth);
         for family in [Family::Displacement, Family::Deformation] {
-            let wanted = args.quantities.iter().enumerate().filter(|(_, quantity)| quantity.family() == family);
+            let wanted = quantities.iter().enumerate().filter(|(_, quantity)| quantity.family() == family);
             if wanted.clone().next().is_none() {
                 continue;
             }

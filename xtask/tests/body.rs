@@ -66,7 +66,10 @@ fn a_contact_says_its_body_and_its_pressure_is_met_again() {
     let mean: f64 = stress.chunks_exact(6).map(|stress| stress[2]).sum::<f64>() / 1024.0;
     assert!((mean + pressure.iter().sum::<f64>() / 1024.0).abs() < 1e-12 * largest);
     // The last load is the default, and pressed harder.
-    let last = json(folder.path(), &words("body --surface c.h5 --depths 0 --quantities displacement --json"));
+    let last = json(
+        folder.path(),
+        &words("body --surface c.h5 --depths 0 --quantities displacement,displacement --out u.h5 --json"),
+    );
     let depth = |report: &serde_json::Value| report["levels"][0]["max_displacement"].as_f64().unwrap();
     assert!(depth(&last) > depth(&report));
     assert!(last["levels"][0]["max_von_mises"].is_null());
