@@ -39,13 +39,15 @@ pub const TOPICS: [Topic; 7] = [
 ];
 
 /// Every method that can be asked for by name.
-pub const SOLVERS: [Solver; 6] = [
+pub const SOLVERS: [Solver; 8] = [
     Solver::PolonskyKeer,
     Solver::ProjectedCg,
     Solver::PreconditionedCg,
     Solver::Verlet,
     Solver::VerletCritical,
     Solver::Fire,
+    Solver::Fire2,
+    Solver::AugmentedLagrangian,
 ];
 
 /// A half-space of contact modulus 1.

@@ -103,6 +103,10 @@ pub enum SolverName {
     VerletCritical,
     /// Fast inertial relaxation engine
     Fire,
+    /// The same, version 2.0
+    Fire2,
+    /// Dynamics with inertia that follows the stiffness
+    AugmentedLagrangian,
 }
 
 impl From<SolverName> for Solver {
@@ -115,6 +119,8 @@ impl From<SolverName> for Solver {
             SolverName::Verlet => Self::Verlet,
             SolverName::VerletCritical => Self::VerletCritical,
             SolverName::Fire => Self::Fire,
+            SolverName::Fire2 => Self::Fire2,
+            SolverName::AugmentedLagrangian => Self::AugmentedLagrangian,
         }
     }
 }

@@ -5,11 +5,17 @@
 //! uniform mode costs no energy and feels the force p̄, so that at rest the wall carries exactly p̄. Under a prescribed
 //! approach the wall is in its place and the uniform mode has the stiffness of the slab; where the body has none to
 //! give (half-space, incompressible slab) the load that gives the asked approach is searched for.
+//!
+//! With the augmented Lagrangian the wall acts by a force instead of clipping, so that the inertia may follow the
+//! stiffness (theory.md, section 6.3).
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use gfmd_relax::{Bounds, Fire, Landscape, Method, Outcome, RelaxError, State, Stop, Verlet, relax};
+use gfmd_relax::{
+    AugmentedLagrangian, Bounds, Fire, Landscape, Method, Nesterov, Outcome, Proximal, RelaxError, State, Stop, Verlet,
+    relax,
+};
 use gfmd_response::NormalResponse;
 use gfmd_vector::{add, pass};
 
@@ -22,6 +28,12 @@ const SOURCE_TIME_STEP: f64 = 0.25;
 /// A rough contact is about as stiff as its mean pressure over this many rms heights (Akarapu, Sharp and Robbins 2011;
 /// Campañá, Persson and Müser 2011 find 0.4 to 0.5). Only sets the damping of the rigid motion, so only the speed.
 const STIFFNESS_LENGTH: f64 = 0.45;
+
+/// Length of a step of the augmented Lagrangian; 2 is the limit.
+const RELAXATION: f64 = 1.2;
+
+/// The lengths are those of the grid, by construction: a transform cannot refuse them.
+const FITS: &str = "every field of a contact problem has the size of its grid";
 
 /// Steps that the set of touching points must have kept still (theory.md, section 6.6).
 const SETTLED: u64 = 20;
@@ -68,8 +80,7 @@ impl Landscape for Layer<'_> {
 
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
         self.transforms.singles += 2;
-        let fits = "every field of a contact problem has the size of its grid";
-        self.response.transform().convolve(&self.stiffness, u, force, &mut self.transforms.workspace).expect(fits);
+        self.response.transform().convolve(&self.stiffness, u, force, &mut self.transforms.workspace).expect(FITS);
         pass(
             [force],
             &|start, [force]| {
@@ -122,12 +133,11 @@ impl<'a> Layer<'a> {
     fn displacement(&mut self, contact: &Contact, pressure: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; pressure.len()];
         self.transforms.singles += 2;
-        let fits = "every field of a contact problem has the size of its grid";
         let response = self.response;
         response
             .transform()
             .convolve(response.compliance(), pressure, &mut u, &mut self.transforms.workspace)
-            .expect(fits);
+            .expect(FITS);
         let sums = gfmd_vector::reduce(
             u.len(),
             &|range| {
@@ -145,17 +155,111 @@ impl<'a> Layer<'a> {
         u
     }
 
-    /// The force on the wall, free of what is left on the free points.
-    fn pressure<Memory>(&self, state: &State<Memory>) -> Vec<f64> {
-        let touching = |i: usize| state.u[i] >= self.wall[i];
-        let mut pressure: Vec<f64> =
-            state.force.iter().enumerate().map(|(i, f)| if touching(i) { f.max(0.0) } else { 0.0 }).collect();
+    /// Scaled so that the wall carries the prescribed load.
+    fn carry(&self, mut pressure: Vec<f64>) -> Vec<f64> {
         let sum = gfmd_vector::sum(pressure.len(), &|range| pressure[range].iter().sum());
         if self.push > 0.0 && sum > 0.0 {
             let factor = self.push * pressure.len() as f64 / sum;
             pressure.iter_mut().for_each(|p| *p *= factor);
         }
         pressure
+    }
+}
+
+/// What a run needs to know of the layer, however the wall holds it.
+trait Pressed<'a>: Landscape {
+    fn layer(&mut self) -> &mut Layer<'a>;
+
+    /// Where to start from, with a surface at `u` that exerts `pressure`.
+    fn begin(&self, u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64>;
+
+    /// On the wall, free of what is left on the free points.
+    fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64>;
+}
+
+impl<'a> Pressed<'a> for Layer<'a> {
+    fn layer(&mut self) -> &mut Layer<'a> {
+        self
+    }
+
+    fn begin(&self, u: Vec<f64>, _: Option<&[f64]>) -> Vec<f64> {
+        u
+    }
+
+    fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64> {
+        let touching = |i: usize| u[i] >= self.wall[i];
+        self.carry((force.iter().enumerate()).map(|(i, f)| if touching(i) { f.max(0.0) } else { 0.0 }).collect())
+    }
+}
+
+/// The layer together with springs of one stiffness ϱ at every point. The geometric mean of the softest and the stiffest
+/// mode treats both alike: (k + ϱ)/k of the one is (k + ϱ)/ϱ of the other.
+struct Sprung<'a> {
+    layer: Layer<'a>,
+    penalty: f64,
+    /// 1/(k + ϱ).
+    mobility: Vec<f64>,
+    /// b + ϱ anchor.
+    pull: Vec<f64>,
+}
+
+impl<'a> Sprung<'a> {
+    fn new(layer: Layer<'a>) -> Self {
+        let [softest, stiffest] = layer.response.stiffness_range();
+        let penalty = (softest * stiffest).sqrt();
+        let mobility = layer.stiffness.iter().map(|k| 1.0 / (k + penalty)).collect();
+        let pull = vec![0.0; layer.len()];
+        Self { layer, penalty, mobility, pull }
+    }
+}
+
+impl Proximal for Sprung<'_> {
+    fn len(&self) -> usize {
+        self.layer.len()
+    }
+
+    fn bounds(&self) -> Bounds<'_> {
+        self.layer.bounds()
+    }
+
+    fn penalty(&self) -> f64 {
+        self.penalty
+    }
+
+    fn settle(&mut self, anchor: &[f64], u: &mut [f64]) {
+        let Self { layer, penalty, mobility, pull } = self;
+        let leaf = |start: usize, [pull]: [&mut [f64]; 1]| {
+            pull.iter_mut().zip(&anchor[start..]).for_each(|(pull, anchor)| *pull = layer.push + *penalty * anchor);
+        };
+        pass([pull], &leaf, &|(), ()| ());
+        layer.transforms.singles += 2;
+        layer.response.transform().convolve(mobility, pull, u, &mut layer.transforms.workspace).expect(FITS);
+    }
+
+    fn residual(&self, mismatch: &[f64]) -> f64 {
+        let largest = |range: std::ops::Range<usize>| mismatch[range].iter().fold(0, |m, x| x.abs().to_bits().max(m));
+        // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+        f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale
+    }
+}
+
+impl<'a> Pressed<'a> for AugmentedLagrangian<Sprung<'a>> {
+    fn layer(&mut self) -> &mut Layer<'a> {
+        &mut self.problem_mut().layer
+    }
+
+    /// The reaction λ makes the coordinate λ/ϱ larger than the displacement.
+    fn begin(&self, mut u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64> {
+        let Sprung { layer, penalty, .. } = self.problem();
+        match pressure {
+            Some(pressure) => u.iter_mut().zip(pressure).for_each(|(u, p)| *u += p / penalty),
+            None => u.iter_mut().for_each(|u| *u += layer.push / penalty),
+        }
+        u
+    }
+
+    fn pressure(&self, v: &[f64], _: &[f64]) -> Vec<f64> {
+        self.problem().layer.carry(self.reaction(v))
     }
 }
 
@@ -172,8 +276,17 @@ fn equilibrate(
     let unusable = |error: RelaxError| ContactError::Start { reason: error.to_string() };
     match settings.solver {
         Solver::Fire => {
-            let method = Fire::bitzek(1.9 / stiffest.sqrt());
+            let method = Fire::bitzek(Fire::largest_dt(stiffest));
             run(contact, control, settings, layer, &method, start, spent, watch)
+        }
+        Solver::Fire2 => {
+            let method = Fire::v2(Fire::largest_dt(stiffest));
+            run(contact, control, settings, layer, &method, start, spent, watch)
+        }
+        Solver::AugmentedLagrangian => {
+            let problem = AugmentedLagrangian::new(Sprung::new(layer));
+            let method = Nesterov { tau: RELAXATION };
+            run(contact, control, settings, problem, &method, start, spent, watch)
         }
         Solver::VerletCritical => {
             let dt = SOURCE_TIME_STEP * 2.0 / stiffest.sqrt();
@@ -189,22 +302,23 @@ fn equilibrate(
 
 /// Runs until the residuals of the pressure on the wall are at the tolerance, not only those of the layer.
 #[expect(clippy::too_many_arguments, reason = "one caller, which has them all at hand")]
-fn run<M: Method>(
+fn run<'a, M: Method>(
     contact: &Contact,
     control: Control,
     settings: &Settings,
-    mut layer: Layer,
+    mut surface: impl Pressed<'a>,
     method: &M,
     start: Option<Vec<f64>>,
     spent: &mut Spent,
     watch: Watch,
 ) -> Result<(Vec<f64>, End), ContactError> {
-    let u = match start {
-        Some(pressure) => layer.displacement(contact, &pressure),
+    let u = match &start {
+        Some(pressure) => surface.layer().displacement(contact, pressure),
         None => vec![0.0; contact.clearance.len()],
     };
     let unusable = |error: RelaxError| ContactError::Start { reason: error.to_string() };
-    let mut state = method.start(&mut layer, u).map_err(unusable)?;
+    let u = surface.begin(u, start.as_deref());
+    let mut state = method.start(&mut surface, u).map_err(unusable)?;
     let before = spent.iterations;
     let mut observe = |now: &gfmd_relax::Progress, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
         Ok(watch(&Progress { iteration: before + now.step, residual: now.residual }))
@@ -215,10 +329,10 @@ fn run<M: Method>(
         max_steps: settings.max_iterations.saturating_sub(before),
     };
     let end = loop {
-        match relax(&mut layer, method, &mut state, &stop, &mut observe) {
+        match relax(&mut surface, method, &mut state, &stop, &mut observe) {
             Ok(Outcome::Converged(now)) => {
-                let certified = contact.certify(layer.pressure(&state), control)?;
-                layer.transforms.singles += 2;
+                let certified = contact.certify(surface.pressure(&state.u, &state.force), control)?;
+                surface.layer().transforms.singles += 2;
                 let worst = certified.residual.worst();
                 if worst <= settings.tolerance {
                     break End::Converged;
@@ -229,9 +343,9 @@ fn run<M: Method>(
             Err(error) => break End::GaveUp(error.to_string()),
         }
     };
-    let pressure = layer.pressure(&state);
+    let pressure = surface.pressure(&state.u, &state.force);
     spent.iterations += state.step;
-    spent.singles += layer.transforms.singles;
+    spent.singles += surface.layer().transforms.singles;
     Ok((pressure, end))
 }
 

@@ -6,6 +6,7 @@
 //! | [`Solver::PreconditionedCg`] (the rule) | pressure          | 2 transform pairs  |
 //! | [`Solver::ProjectedCg`]                 | pressure          | 1½                 |
 //! | [`Solver::PolonskyKeer`]                | pressure          | 1½                 |
+//! | [`Solver::AugmentedLagrangian`]         | both              | 1                  |
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
 //!
 //! ```

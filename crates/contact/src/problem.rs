@@ -108,7 +108,7 @@ impl<'a> Contact<'a> {
             Solver::Auto | Solver::PreconditionedCg | Solver::ProjectedCg | Solver::PolonskyKeer => {
                 dual::solve(self, control, settings, start, watch)?
             }
-            Solver::Verlet | Solver::VerletCritical | Solver::Fire => {
+            Solver::Verlet | Solver::VerletCritical | Solver::Fire | Solver::Fire2 | Solver::AugmentedLagrangian => {
                 dynamics::solve(self, control, settings, start, watch)?
             }
         };

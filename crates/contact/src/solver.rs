@@ -20,4 +20,8 @@ pub enum Solver {
     VerletCritical,
     /// The fast inertial relaxation engine (Bitzek et al. 2006).
     Fire,
+    /// The same, version 2.0 (Guénolé et al. 2020).
+    Fire2,
+    /// Dynamics with inertia K + ϱ, nearly that of the stiffness, under the reaction of the wall in place of clipping.
+    AugmentedLagrangian,
 }

@@ -134,6 +134,54 @@ impl Damping {
         let radius = self.spectral_radius(k_min).max(self.spectral_radius(k_max));
         if radius < 1.0 { -LN_10 / radius.ln() } else { f64::INFINITY }
     }
+
+    /// Error of a mode of stiffness `k` after `step` steps, released at rest at 1.
+    pub fn amplitude(&self, k: f64, step: u32) -> f64 {
+        let n = f64::from(step);
+        let power = |base: f64| if step == 0 { 1.0 } else { base.signum().powf(n) * base.abs().powf(n) };
+        match self.motion(k) {
+            Motion::UnderDamped { modulus, angle } => {
+                power(modulus) * ((n * angle).cos() + self.swing(k, modulus, angle) * (n * angle).sin())
+            }
+            // λ² = β: u₁ = 1 − τ k = 2 λ − β.
+            Motion::Critical { eigenvalue } => power(eigenvalue) * (1.0 + n * (1.0 - eigenvalue)),
+            Motion::OverDamped { slow, fast } => {
+                let part = (1.0 - self.tau * k - fast) / (slow - fast);
+                part * power(slow) + (1.0 - part) * power(fast)
+            }
+        }
+    }
+
+    /// Steps after which the error of a mode of stiffness `k`, released at rest at 1, stays within `tolerance`; `None`
+    /// if it never does.
+    pub fn steps_to(&self, k: f64, tolerance: f64) -> Option<u32> {
+        let envelope = |step: u32| match self.motion(k) {
+            Motion::UnderDamped { modulus, angle } => {
+                // The swing is large near critical damping, but for n steps it counts no more than n sin θ.
+                let swing = self.swing(k, modulus, angle).abs();
+                let n = f64::from(step);
+                modulus.powf(n) * 1.0f64.hypot(swing).min(1.0 + swing * n * angle.sin())
+            }
+            _ => self.amplitude(k, step).abs(),
+        };
+        let stable = self.spectral_radius(k) < 1.0 && tolerance > 0.0;
+        // The last step outside lies below the first power of two from which on all are inside.
+        let mut high = 1u32;
+        while stable && (envelope(high) > tolerance || envelope(2 * high) > tolerance) {
+            high = high.checked_mul(2).filter(|high| *high < u32::MAX / 2)?;
+        }
+        let mut low = 0;
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if envelope(middle) > tolerance { low = middle + 1 } else { high = middle }
+        }
+        stable.then_some(high)
+    }
+
+    /// Part of sin nθ, next to cos nθ, in the oscillation of a mode released at rest.
+    fn swing(&self, k: f64, modulus: f64, angle: f64) -> f64 {
+        ((1.0 - self.tau * k) / modulus - angle.cos()) / angle.sin()
+    }
 }
 
 /// root² − κ, zero within the rounding error of both.

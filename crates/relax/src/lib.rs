@@ -2,11 +2,12 @@
 //!
 //! | method                            | asks of the problem              | good at                                 |
 //! |-----------------------------------|----------------------------------|-----------------------------------------|
-//! | [`Verlet`]                        | force, softest and stiffest mode | convex problems; [`Damping`] has rates  |
+//! | [`Verlet`], [`ModeDamped`]        | force, softest and stiffest mode | convex problems; [`Damping`] has rates  |
+//! | [`Nesterov`]                      | force, stiffest mode             | convex problems                         |
 //! | [`Fire`]                          | force, stiffest mode             | landscapes of which little is known     |
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
 //!
-//! For the first two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A
+//! For all but the last a problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A
 //! [`Method`] holds parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and
 //! an [`Observer`] may watch. Every sweep over the vectors has the same bits for any number of threads.
 //!
@@ -62,14 +63,20 @@
 //! # }
 //! ```
 //!
-//! Not here: what u means, and inertia that follows the stiffness. That needs no bounds to be right (theory.md, section
-//! 6.3), so the mass is one number, 1.
+//! The mass is one number, 1. Inertia that follows the stiffness makes convergence independent of the size, but together
+//! with projection it stops at a wrong point (theory.md, section 6.3), so a [`Landscape`] with bounds cannot have it:
+//! [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`] turns them into a force.
+//!
+//! Not here: what u means.
 
 mod bounds;
 mod damping;
 mod error;
 mod fire;
+mod inertia;
 mod landscape;
+mod mode_damped;
+mod nesterov;
 mod observer;
 mod polonsky_keer;
 mod preconditioned_cg;
@@ -82,7 +89,10 @@ pub use bounds::Bounds;
 pub use damping::{Damping, Motion};
 pub use error::{Divergence, RelaxError};
 pub use fire::{Fire, FireState, Flight, Uphill};
+pub use inertia::{AugmentedLagrangian, Inertial, Proximal, Smooth};
 pub use landscape::Landscape;
+pub use mode_damped::ModeDamped;
+pub use nesterov::{Momentum, Nesterov};
 pub use observer::{Every, Observer};
 pub use polonsky_keer::PolonskyKeer;
 pub use preconditioned_cg::PreconditionedCg;

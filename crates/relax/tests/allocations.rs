@@ -5,7 +5,7 @@ use std::{
     cell::Cell,
 };
 
-use gfmd_relax::{Bounds, Fire, Landscape, Method, Verlet};
+use gfmd_relax::{Bounds, Fire, Landscape, Method, ModeDamped, Nesterov, Verlet};
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -92,4 +92,7 @@ fn steps_do_not_allocate() {
     assert_eq!(allocations_per_thousand_steps(&Verlet::critical(0.1, 1.0, 1.2).unwrap().guarded(1.0).unwrap()), 0);
     assert_eq!(allocations_per_thousand_steps(&Fire::bitzek(1.9)), 0);
     assert_eq!(allocations_per_thousand_steps(&Fire::v2(1.9)), 0);
+    assert_eq!(allocations_per_thousand_steps(&Nesterov::new(1.0).unwrap()), 0);
+    let retain = |motion: &mut [f64]| motion.iter_mut().for_each(|d| *d *= 0.8);
+    assert_eq!(allocations_per_thousand_steps(&ModeDamped { tau: 1.0, stiffness_limit: 3.6, retain }), 0);
 }

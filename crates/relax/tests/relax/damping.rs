@@ -25,6 +25,42 @@ fn eigenvalues_solve_the_characteristic_equation() {
     }
 }
 
+/// The closed form of the history, and the number of steps that follows from it, against the iteration itself.
+#[test]
+fn predicted_history_and_steps_agree_with_the_iteration() {
+    let critical = Damping::critical(0.04, 0.7);
+    let faster = Damping::critical(0.04, 0.999_9 * 0.7);
+    for (damping, k) in [
+        (critical, 0.04),
+        (critical, 0.01),
+        (critical, 1.3),
+        (faster, 0.040_01),
+        (Damping { beta: 0.3, tau: 1.0 }, 2.4),
+        (Damping { beta: -0.4, tau: 1.0 }, 0.5),
+        (Damping { beta: 0.0, tau: 1.0 }, 1.0),
+        (Damping { beta: 0.0, tau: 1.0 }, 0.8),
+    ] {
+        let (mut u, mut previous) = (1.0, 1.0);
+        let mut history = Vec::new();
+        for step in 0..2000 {
+            history.push(u);
+            assert_relative_eq!(damping.amplitude(k, step), u, epsilon = 1e-12, max_relative = 1e-6);
+            (u, previous) = (u + damping.beta * (u - previous) - damping.tau * k * u, u);
+        }
+        for tolerance in [0.5, 1e-3, 1e-9] {
+            let outside = history.iter().rposition(|u: &f64| u.abs() > tolerance).map_or(0, |last| last + 1);
+            let predicted = damping.steps_to(k, tolerance).unwrap() as usize;
+            // An oscillation may be inside a little before its envelope is.
+            assert!(
+                (outside..=outside + 1 + outside / 5).contains(&predicted),
+                "{damping:?} {k}: {predicted} {outside}"
+            );
+        }
+    }
+    assert_eq!(Damping { beta: 0.9, tau: 1.0 }.steps_to(3.9, 1e-3), None);
+    assert_eq!(critical.steps_to(0.04, 0.0), None);
+}
+
 #[test]
 fn regimes_change_at_the_critical_stiffness() {
     for (k, dt) in [(0.7, 0.25), (1e-4, 0.9), (3e-9, 0.5), (2.0, 0.6)] {

@@ -3,6 +3,8 @@
 mod damping;
 mod driver;
 mod fire;
+mod inertia;
+mod mode_damped;
 mod obstacle;
 mod properties;
 mod rates;

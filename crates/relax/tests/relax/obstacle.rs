@@ -1,6 +1,6 @@
 //! Chains pressed against bounds: all methods find the exact solution.
 
-use gfmd_relax::{Fire, Landscape, Method, Outcome, Stop, Verlet, relax};
+use gfmd_relax::{Fire, Landscape, Method, Nesterov, Outcome, Stop, Verlet, relax};
 
 use crate::support::{Chain, distance, scattered};
 
@@ -24,6 +24,7 @@ fn by_all_methods(problem: &Chain) -> Vec<(&'static str, Vec<f64>)> {
     let critical = Verlet::critical(k_min, k_max, 0.7 * dt).unwrap();
     let optimal = Verlet::optimal(k_min, k_max).unwrap();
     let guarded = Verlet::critical(k_min, k_max, 0.6 * dt).unwrap().guarded(k_max).unwrap();
+    let accelerated = Nesterov::new(k_max).unwrap();
     [vec![0.0; problem.len()], scattered(problem.len())]
         .into_iter()
         .flat_map(|start| {
@@ -31,6 +32,7 @@ fn by_all_methods(problem: &Chain) -> Vec<(&'static str, Vec<f64>)> {
                 ("critical", settle(&critical, &mut problem.clone(), start.clone())),
                 ("optimal", settle(&optimal, &mut problem.clone(), start.clone())),
                 ("critical, guarded", settle(&guarded, &mut problem.clone(), start.clone())),
+                ("accelerated", settle(&accelerated, &mut problem.clone(), start.clone())),
                 ("FIRE 2006", settle(&Fire::bitzek(dt), &mut problem.clone(), start.clone())),
                 ("FIRE 2.0", settle(&Fire::v2(dt), &mut problem.clone(), start)),
             ]

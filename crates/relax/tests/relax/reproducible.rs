@@ -1,6 +1,8 @@
 //! Restart and threads: the same bits.
 
-use gfmd_relax::{Fire, Landscape, Method, Outcome, Progress, RelaxError, State, Stop, Verlet, relax};
+use gfmd_relax::{
+    Fire, Landscape, Method, ModeDamped, Momentum, Nesterov, Outcome, Progress, RelaxError, State, Stop, Verlet, relax,
+};
 
 use crate::support::{Chain, bits, scattered};
 
@@ -24,6 +26,13 @@ macro_rules! with_all_methods {
             $body
         }
         for $method in [Fire::bitzek(dt), Fire::v2(dt)] {
+            $body
+        }
+        for $method in [Nesterov::new(k_max).unwrap()] {
+            $body
+        }
+        let slow_down = |motion: &mut [f64]| motion.iter_mut().for_each(|d| *d *= 0.9);
+        for $method in [ModeDamped { tau: 0.2, stiffness_limit: 19.0, retain: slow_down }] {
             $body
         }
     }};
@@ -56,6 +65,15 @@ impl Reload for gfmd_relax::Flight {
     fn all_bits(&self) -> Vec<u64> {
         let numbers = [self.dt.to_bits(), self.alpha.to_bits(), self.downhill.into(), self.uphill.into()];
         [bits(&self.velocity), numbers.to_vec()].concat()
+    }
+}
+
+impl Reload for Momentum {
+    fn reload(&self) -> Self {
+        Self { previous: through_bytes(&self.previous), age: self.age, length: self.length }
+    }
+    fn all_bits(&self) -> Vec<u64> {
+        [bits(&self.previous), vec![self.age.to_bits(), self.length.to_bits()]].concat()
     }
 }
 

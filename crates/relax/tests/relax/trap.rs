@@ -1,9 +1,9 @@
 //! theory.md, section 6.3: inertia that follows the stiffness finds a wrong point as soon as clipping is involved.
-//! This crate cannot express it; here it is written out.
+//! This crate cannot express it; here it is written out, beside the augmented Lagrangian that replaces it.
 
 use std::f64::consts::TAU;
 
-use gfmd_relax::{Bounds, Landscape, Method, Stop, Verlet, relax};
+use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Method, Nesterov, Proximal, Stop, Verlet, relax};
 
 use crate::support::{active_set, distance};
 
@@ -105,4 +105,82 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     // Even started from the solution it walks away from it.
     let (walked, _) = run(Some(&problem.punch), exact.clone());
     assert!(distance(&walked, &wrong) < 1e-12);
+}
+
+/// The line with springs of stiffness ϱ at every node.
+struct Sprung {
+    line: Line,
+    mobility: Vec<Vec<f64>>,
+}
+
+const PENALTY: f64 = 4.0;
+
+impl Proximal for Sprung {
+    fn len(&self) -> usize {
+        N
+    }
+
+    fn bounds(&self) -> Bounds<'_> {
+        self.line.bounds()
+    }
+
+    fn penalty(&self) -> f64 {
+        PENALTY
+    }
+
+    fn settle(&mut self, anchor: &[f64], u: &mut [f64]) {
+        u.copy_from_slice(&times(&self.mobility, anchor));
+        u.iter_mut().for_each(|u| *u *= PENALTY);
+    }
+
+    fn residual(&self, mismatch: &[f64]) -> f64 {
+        mismatch.iter().fold(0.0, |largest, x| f64::max(largest, x.abs())) / DEPTH
+    }
+}
+
+#[test]
+fn the_augmented_lagrangian_finds_the_solution_with_mass_like_stiffness() {
+    let line = line();
+    let exact = active_set(&line.stiffness, &[0.0; N], Some(&line.punch));
+    let pressure: Vec<f64> = times(&line.stiffness, &exact).iter().map(|t| -t).collect();
+    let peak = pressure.iter().copied().fold(0.0, f64::max);
+    let mobility = function_of_stiffness(|k| 1.0 / (k + PENALTY));
+    let mut problem = AugmentedLagrangian::new(Sprung { line, mobility });
+    let stop = Stop { residual: 1e-13, settled: 0, max_steps: 2000 };
+    for tau in [1.0, 1.2] {
+        let method = Nesterov { tau };
+        let mut state = method.start(&mut problem, vec![0.0; N]).unwrap();
+        relax(&mut problem, &method, &mut state, &stop, &mut ()).unwrap();
+        assert!(state.step < 200, "{} steps", state.step);
+        let reaction = problem.reaction(&state.u);
+        assert!(distance(&reaction, &pressure) < 1e-11 * peak, "{:e}", distance(&reaction, &pressure) / peak);
+        let mut u = state.u.clone();
+        problem.problem().bounds().project(&mut u);
+        assert!(distance(&u, &exact) < 1e-12 * DEPTH, "{:e}", distance(&u, &exact) / DEPTH);
+    }
+}
+
+/// Without momentum the mismatch never grows, whatever the penalty, and 0 < τ < 2 converges.
+#[test]
+fn plain_steps_of_the_augmented_lagrangian_only_get_shorter() {
+    for penalty in [0.3, PENALTY, 50.0] {
+        // A penalty other than PENALTY is a change of units of the wall.
+        let scale = PENALTY / penalty;
+        let mut line = line();
+        line.stiffness = function_of_stiffness(|k| k * scale);
+        let mobility = function_of_stiffness(|k| 1.0 / (k * scale + PENALTY));
+        let mut problem = AugmentedLagrangian::new(Sprung { line, mobility });
+        for tau in [0.5, 1.0, 1.9] {
+            let mut v = vec![0.0; N];
+            let mut force = vec![0.0; N];
+            let mut before = f64::INFINITY;
+            for _ in 0..300 {
+                let merit = problem.force(&v, &mut force);
+                assert!(merit <= before * (1.0 + 1e-12) + 1e-28, "{merit:e} after {before:e}");
+                before = merit;
+                v.iter_mut().zip(&force).for_each(|(v, f)| *v += tau * f);
+            }
+            assert!(before < 1e-3, "{before:e}");
+        }
+    }
 }

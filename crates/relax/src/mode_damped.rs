@@ -1,0 +1,80 @@
+//! Damping that differs between entries or modes.
+
+use gfmd_vector::pass;
+
+use crate::{
+    Landscape, Method, RelaxError, State, Trail,
+    bounds::{Wall, within},
+};
+
+/// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), as modes with coefficients
+/// η(q) of their own need it: B = 1 − τ η.
+///
+/// The damping force vanishes at rest, so every B leaves the solution where it is, whatever the bounds. Critical
+/// damping of every mode, β(q) = (1 − √(τ k(q)))², takes all oscillation away, but the softest mode decays no faster than
+/// with [`Verlet::critical`](crate::Verlet::critical) (theory.md, section 6.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeDamped<B> {
+    /// τ = Δt²/m, in displacement per force.
+    pub tau: f64,
+    /// Largest stiffness for which this is stable, 4/τ if every mode is critically damped.
+    pub stiffness_limit: f64,
+    /// In place, d ← B d.
+    pub retain: B,
+}
+
+impl<B: Fn(&mut [f64])> ModeDamped<B> {
+    /// Critical damping of every mode: `retain` multiplies each by (1 − √(τ k))², see
+    /// [`Damping::critical`](crate::Damping::critical).
+    pub fn critical(tau: f64, retain: B) -> Self {
+        Self { tau, stiffness_limit: 4.0 / tau, retain }
+    }
+
+    /// u₊ in place of B (u − u₋), and how many entries reached or left their bound.
+    fn advance(&self, wall: impl Wall, u: &[f64], force: &[f64], motion: &mut [f64]) -> u64 {
+        let tau = self.tau;
+        let leaf = |start: usize, [next]: [&mut [f64]; 1]| {
+            let range = start..start + next.len();
+            let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
+            let mut changes = 0;
+            for (k, ((next, &u), &f)) in next.iter_mut().zip(u).zip(force).enumerate() {
+                *next = wall.clip(k, u + *next + tau * f);
+                changes += u64::from(wall.touches(k, *next) != wall.touches(k, u));
+            }
+            changes
+        };
+        pass([motion], &leaf, &|a, b| a + b)
+    }
+}
+
+impl<B: Fn(&mut [f64])> Method for ModeDamped<B> {
+    type Memory = Trail;
+
+    fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<State<Trail>, RelaxError> {
+        let ok = self.tau > 0.0 && self.tau.is_finite();
+        RelaxError::check_parameter("tau", self.tau, ok, "positive and finite")?;
+        let mut state = State::at_rest(problem, u, self.tau, Trail { previous: Vec::new(), at_rest: true })?;
+        state.memory.previous.clone_from(&state.u);
+        Ok(state)
+    }
+
+    fn step(&self, problem: &mut dyn Landscape, state: &mut State<Trail>) -> Result<(), RelaxError> {
+        state.check(problem)?;
+        let State { u, force, memory, .. } = state;
+        let motion = &mut memory.previous;
+        RelaxError::check_length("previous displacements", motion.len(), u.len())?;
+        pass([motion], &|start, [d]| d.iter_mut().zip(&u[start..]).for_each(|(d, u)| *d = u - *d), &|(), ()| ());
+        (self.retain)(motion);
+        let changes = within!(problem.bounds(), wall => self.advance(wall, u, force, motion));
+        std::mem::swap(u, motion);
+        memory.at_rest = false;
+        state.step += 1;
+        state.settled = if changes == 0 { state.settled + 1 } else { 0 };
+        state.evaluate(problem);
+        Ok(())
+    }
+
+    fn stiffness_limit(&self) -> f64 {
+        self.stiffness_limit
+    }
+}

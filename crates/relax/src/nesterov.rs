@@ -1,0 +1,104 @@
+//! Nesterov's accelerated steps, restarted when they no longer pay.
+
+use gfmd_vector::{pass, reduce};
+
+use crate::{
+    Landscape, Method, RelaxError, State,
+    bounds::{Wall, within},
+};
+
+/// Accelerated steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊,
+/// t₊ = (1 + √(1 + 4 t²))/2 (Nesterov 1983), and starting over whenever a step x₊ − y is longer than the one before
+/// (adaptive restart, O'Donoghue and Candès 2015). Needs no softest mode: the restarts find the damping.
+///
+/// It also suits the iterations of [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy: without
+/// momentum their steps only ever get shorter, so a longer one tells that the momentum does harm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nesterov {
+    /// τ = Δt²/m, in displacement per force.
+    pub tau: f64,
+}
+
+/// What [`Nesterov`] remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Momentum {
+    /// x of the last step; [`State::u`] is y.
+    pub previous: Vec<f64>,
+    /// t: 1 when the momentum starts over.
+    pub age: f64,
+    /// Length of the last step x₊ − y.
+    pub length: f64,
+}
+
+impl Nesterov {
+    /// The step that suits stiffnesses up to `k_max`: τ = 1/k_max.
+    ///
+    /// # Errors
+    /// A stiffness that is not positive and finite.
+    pub fn new(k_max: f64) -> Result<Self, RelaxError> {
+        let ok = k_max > 0.0 && k_max.is_finite();
+        RelaxError::check_parameter("the largest stiffness", k_max, ok, "positive and finite")?;
+        Ok(Self { tau: 1.0 / k_max })
+    }
+
+    /// |x₊ − y|.
+    fn length(&self, wall: impl Wall, y: &[f64], force: &[f64]) -> f64 {
+        let leaf = |range: std::ops::Range<usize>| {
+            let (wall, y, force) = (wall.stretch(range.clone()), &y[range.clone()], &force[range]);
+            let entries = y.iter().zip(force).enumerate();
+            entries.map(|(k, (&y, &f))| (wall.clip(k, y + self.tau * f) - y).powi(2)).sum::<f64>()
+        };
+        reduce(y.len(), &leaf, &|a, b| a + b).sqrt()
+    }
+
+    /// x₊ in place of x and y₊ in place of y; returns how many entries reached or left their bound.
+    fn advance(&self, wall: impl Wall, beta: f64, force: &[f64], y: &mut [f64], x: &mut [f64]) -> u64 {
+        let leaf = |start: usize, [y, x]: [&mut [f64]; 2]| {
+            let range = start..start + y.len();
+            let (wall, force) = (wall.stretch(range.clone()), &force[range]);
+            let mut changes = 0;
+            for (k, ((y, x), &f)) in y.iter_mut().zip(x).zip(force).enumerate() {
+                let next = wall.clip(k, *y + self.tau * f);
+                let ahead = wall.clip(k, next + beta * (next - *x));
+                changes += u64::from(wall.touches(k, ahead) != wall.touches(k, *y));
+                (*x, *y) = (next, ahead);
+            }
+            changes
+        };
+        pass([y, x], &leaf, &|a, b| a + b)
+    }
+}
+
+impl Method for Nesterov {
+    type Memory = Momentum;
+
+    fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<State<Momentum>, RelaxError> {
+        let ok = self.tau > 0.0 && self.tau.is_finite();
+        RelaxError::check_parameter("tau", self.tau, ok, "positive and finite")?;
+        let memory = Momentum { previous: Vec::new(), age: 1.0, length: f64::INFINITY };
+        let mut state = State::at_rest(problem, u, self.tau, memory)?;
+        state.memory.previous.clone_from(&state.u);
+        Ok(state)
+    }
+
+    fn step(&self, problem: &mut dyn Landscape, state: &mut State<Momentum>) -> Result<(), RelaxError> {
+        state.check(problem)?;
+        RelaxError::check_length("previous displacements", state.memory.previous.len(), problem.len())?;
+        let State { u, force, memory, .. } = state;
+        let length = within!(problem.bounds(), wall => self.length(wall, u, force));
+        let age = if length > memory.length { 1.0 } else { memory.age };
+        memory.length = length;
+        memory.age = 0.5 * (1.0 + (1.0 + 4.0 * age * age).sqrt());
+        let beta = (age - 1.0) / memory.age;
+        let changes = within!(problem.bounds(), wall => self.advance(wall, beta, force, u, &mut memory.previous));
+        state.step += 1;
+        state.settled = if changes == 0 { state.settled + 1 } else { 0 };
+        state.evaluate(problem);
+        Ok(())
+    }
+
+    /// Without momentum steps are stable up to τ k = 2, with any momentum up to 4/3.
+    fn stiffness_limit(&self) -> f64 {
+        4.0 / (3.0 * self.tau)
+    }
+}

@@ -1,0 +1,59 @@
+//! All methods find the same contact, on random problems of every kind.
+
+use gfmd_contact::{Control, Settings, Solution, Solver};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_response::NormalResponse;
+use gfmd_surface::Discretisation;
+use gfmd_tests::{SOLVERS, press};
+
+const TOLERANCE: f64 = 1e-10;
+
+/// Numbers in [0, 1) that follow from the problem alone.
+fn spread(seed: u64, salt: u32) -> f64 {
+    (seed as f64 * 0.618_034 + f64::from(salt) * 0.414_214).fract()
+}
+
+#[test]
+fn all_methods_agree_on_random_problems() {
+    let grids = [("line", Grid::line(128, 1.0).unwrap()), ("surface", Grid::square(32, 1.0).unwrap())];
+    for (dimension, grid) in grids {
+        for slab in [false, true] {
+            for pressed in [true, false] {
+                for seed in 1..=10 {
+                    let case = format!("{dimension}, slab {slab}, load {pressed}, seed {seed}");
+                    let material = Material::from_contact_modulus(1.0, 0.49 * spread(seed, 1)).unwrap();
+                    let height = 0.1 + spread(seed, 2);
+                    let body = if slab { Body::slab(material, height).unwrap() } else { Body::half_space(material) };
+                    let eps_f_inv = grid.points()[0] as f64 / 8.0;
+                    let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv, eps_c_inv: 4.0 };
+                    let heights = numbers.self_affine(1.0, spread(seed, 3), 0.1).heights(&grid, seed).unwrap();
+                    let response = NormalResponse::new(grid, &body);
+                    let mean = 0.1 * 10f64.powf(-2.0 * spread(seed, 4));
+                    let mut control = Control::MeanPressure(mean * 0.1);
+                    let solve = |control, solver| {
+                        let settings = Settings { solver, tolerance: TOLERANCE, max_iterations: 100_000 };
+                        press(&response, heights.view(), control, &settings)
+                            .unwrap_or_else(|error| panic!("{case}, {solver:?}: {error}"))
+                    };
+                    let reference = solve(control, Solver::Auto);
+                    if !pressed {
+                        control = Control::Approach(reference.approach);
+                    }
+                    for solver in SOLVERS {
+                        let found = solve(control, solver);
+                        let worst = worst_difference(&found, &reference);
+                        assert!(worst < 1e3 * TOLERANCE, "{case}, {solver:?}: {worst:e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Of the pressures in units of the largest, and of the approach.
+fn worst_difference(a: &Solution, b: &Solution) -> f64 {
+    let peak = b.pressure.iter().copied().fold(0.0, f64::max);
+    let pressure = a.pressure.iter().zip(&b.pressure).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak;
+    pressure.max((a.approach - b.approach).abs() / b.approach)
+}
