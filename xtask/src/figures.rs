@@ -9,6 +9,7 @@ use gfmd_mixed::MixedSolution;
 use ndarray::{Array2, Array3, ArrayView3};
 
 use crate::contact;
+use crate::damping;
 use crate::failure::Failure;
 use crate::fit::Axis as Limit;
 use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
@@ -163,6 +164,36 @@ fn central(values: &[f64]) -> Option<[f64; 2]> {
     let at = |per_mille: usize| sorted[(sorted.len() - 1) * per_mille / 1000];
     let (whole, most) = (at(1000) - at(0), at(998) - at(2));
     (most > 0.0 && whole > 1.5 * most).then(|| [at(2), at(998)])
+}
+
+/// The figure of damped relaxations, `PREFIX-damping`: slowest mode and pushed point against time step.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn damping(prefix: &Path, report: &damping::Report) -> Result<Vec<PathBuf>, Failure> {
+    let shown = report.runs.iter().filter_map(|run| run.steps_to_1e8).min().unwrap_or(report.steps).min(report.steps);
+    // Amplitudes below this are left out.
+    let least = 1e-8;
+    let thinned = |history: &[f64]| {
+        let stride = (shown as usize / 500).max(1);
+        let steps = history.iter().take(shown as usize + 1).enumerate().step_by(stride);
+        let visible = steps.map(|(step, a)| (step as f64, a.abs())).filter(|(_, a)| *a > least);
+        visible.collect::<Vec<_>>()
+    };
+    let panel = |title: &str, history: fn(&damping::Run) -> &[f64]| {
+        let lines = report.runs.iter().enumerate();
+        let series = lines
+            .map(|(hue, run)| Series::line(&format!("*η* = {} *η*_{{cr}}", run.factor), hue, thinned(history(run))));
+        Panel {
+            title: title.into(),
+            x: Axis::linear("time step").over([0.0, f64::from(shown)]),
+            y: Axis::log("amplitude").over([least, 2.0]),
+            series: series.collect(),
+            ..Panel::default()
+        }
+    };
+    let panels = vec![panel("slowest mode", |run| &run.mode), panel("pushed point", |run| &run.point)];
+    Ok(Chart::new(panels).save(&named(prefix, "damping")).map_err(failed)?.to_vec())
 }
 
 fn named(stem: &Path, what: &str) -> PathBuf {

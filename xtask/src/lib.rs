@@ -5,6 +5,7 @@ pub mod archive;
 pub mod bench_peers;
 pub mod body;
 pub mod contact;
+pub mod damping;
 pub mod elastic;
 pub mod failure;
 pub mod figures;

@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use gfmd_xtask::failure::Failure;
 use gfmd_xtask::session::{Common, Session};
-use gfmd_xtask::{bench_peers, body, contact, green, json, kappa_sweep, punch, surface, verify};
+use gfmd_xtask::{bench_peers, body, contact, damping, green, json, kappa_sweep, punch, surface, verify};
 use serde::Serialize;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
@@ -37,6 +37,8 @@ enum Command {
     BenchPeers(Box<bench_peers::Args>),
     /// Compare what the program computes with references, closed forms and identities
     Verify(Box<verify::Args>),
+    /// What damping does to the relaxation of a surface, predicted and measured
+    Damping(Box<damping::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
 }
@@ -82,6 +84,7 @@ fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
             print(&report, as_json)?;
             failure.map_or(Ok(()), Err)
         }
+        Command::Damping(args) => print(&damping::run(args, session)?, as_json),
         Command::Green(args) => print(&green::run(args)?, as_json),
     }
 }

@@ -14,13 +14,15 @@ use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 
-const SOLVERS: [(Solver, bool); 6] = [
+const SOLVERS: [(Solver, bool); 8] = [
     (Solver::PreconditionedCg, true),
     (Solver::ProjectedCg, true),
     (Solver::PolonskyKeer, true),
+    (Solver::AugmentedLagrangian, true),
     (Solver::Verlet, false),
     (Solver::VerletCritical, false),
     (Solver::Fire, false),
+    (Solver::Fire2, false),
 ];
 
 fn equilibration(criterion: &mut Criterion) {

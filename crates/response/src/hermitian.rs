@@ -42,6 +42,37 @@ impl Hermitian {
         Self { xx: f(xx), yy: f(yy), zz: f(zz), xy: f(xy), xz: f(xz), yz: f(yz) }
     }
 
+    /// Eigenvalues, ascending, each with its normalised eigenvector (a, b, c): the motion u = (a, b, i c).
+    ///
+    /// Of a stiffness: the modes of one wave vector, which move independently. The update matrix 1 − K Δt² of the
+    /// dynamics has the same eigenvectors (theory.md, sections 6.1 and 6.2). By Jacobi's rotations.
+    pub fn modes(self) -> [(f64, [f64; 3]); 3] {
+        let Self { xx, yy, zz, xy, xz, yz } = self;
+        let mut a = [[xx, xy, -xz], [xy, yy, -yz], [-xz, -yz, zz]];
+        let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        // Rotations converge quadratically; ten sweeps are more than enough for three rows.
+        for [p, q] in [[0, 1], [0, 2], [1, 2]].into_iter().cycle().take(30) {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta: f64 = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+            let tangent = 1.0f64.copysign(theta) / (theta.abs() + theta.hypot(1.0));
+            let cosine = 1.0 / tangent.hypot(1.0);
+            let sine = tangent * cosine;
+            for row in &mut a {
+                (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+            }
+            for k in 0..3 {
+                (a[p][k], a[q][k]) = (cosine * a[p][k] - sine * a[q][k], sine * a[p][k] + cosine * a[q][k]);
+                let [u, v] = [vectors[p][k], vectors[q][k]];
+                (vectors[p][k], vectors[q][k]) = (cosine * u - sine * v, sine * u + cosine * v);
+            }
+        }
+        let mut modes = [0, 1, 2].map(|k| (a[k][k], vectors[k]));
+        modes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        modes
+    }
+
     /// The inverse of a positive definite matrix, by its Cholesky factors.
     ///
     /// With u_z = i w the matrix is real and symmetric, which is where it is inverted.

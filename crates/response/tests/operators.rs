@@ -156,3 +156,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_modes_of_a_matrix_are_its_eigenvectors() {
+    let spread = |i: u32| (0.618_034 * f64::from(i)).fract() - 0.5;
+    for i in 0..200 {
+        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|k| spread(6 * i + k));
+        let matrix = Hermitian { xx, yy, zz, xy, xz, yz };
+        let modes = matrix.modes();
+        assert!(modes.is_sorted_by(|a, b| a.0 <= b.0));
+        for (k, [a, b, c]) in modes {
+            // K (a, b, i c), with the factor i of the last row taken out.
+            let image = [xx * a + xy * b - xz * c, xy * a + yy * b - yz * c, zz * c - xz * a - yz * b];
+            assert!(image.iter().zip([a, b, c]).all(|(x, u)| (x - k * u).abs() < 1e-14), "{matrix:?} {k}");
+            assert!((a * a + b * b + c * c - 1.0).abs() < 1e-14);
+        }
+        assert!((modes.iter().map(|m| m.0).sum::<f64>() - (xx + yy + zz)).abs() < 1e-14);
+    }
+}
