@@ -400,13 +400,16 @@ fn rate(history: &[f64]) -> f64 {
     (largest(2 * steps) / largest(steps)).powf(1.0 / steps as f64)
 }
 
+type History = fn(&Run) -> &[f64];
+type Scalar = fn(&Run) -> f64;
+
 fn write(output: &Output, report: &Report, args: &Args, session: &Session) -> Result<PathBuf, Failure> {
     let config = toml::to_string(args).map_err(|error| Failure::Computation(error.to_string()))?;
     let mut archive = Archive::create(output, &session.provenance(config))?;
     let factors = report.runs.iter().map(|run| run.factor).collect();
     let factor = Dimension::values("factor", factors, "1", "damping over the critical damping of the slowest mode");
     let step = Dimension::index("step", report.steps as usize + 1, "time step");
-    let histories: [(&str, &str, fn(&Run) -> &[f64]); 3] = [
+    let histories: [(&str, &str, History); 3] = [
         ("mode", "amplitude of the slowest mode over its start", |run| &run.mode),
         ("predicted", "predicted amplitude of the slowest mode over its start", |run| &run.predicted),
         ("point", "displacement of the pushed point over its start", |run| &run.point),
@@ -416,7 +419,7 @@ fn write(output: &Output, report: &Report, args: &Args, session: &Session) -> Re
         let values: Vec<f64> = report.runs.iter().flat_map(|run| history(run).iter().copied()).collect();
         archive.write(&format!("/history/{name}"), &variable, &values)?;
     }
-    let scalars: [(&str, &str, &str, fn(&Run) -> f64); 4] = [
+    let scalars: [(&str, &str, &str, Scalar); 4] = [
         ("eta", "1/time^2", "damping coefficient of a displacement increment", |run| run.eta),
         ("predicted_rate", "1", "predicted factor per step of the slowest mode", |run| run.predicted_rate),
         ("mode_rate", "1", "measured factor per step of the slowest mode", |run| run.mode_rate),

@@ -39,14 +39,14 @@ impl<'a> Dual<'a> {
         let response = contact.response;
         let (compliance, stiffness, linear) = match control {
             Control::MeanPressure(_) => {
-                (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(&contact.clearance))
+                (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(&contact.wall.clearance))
             }
             Control::Approach(approach) => {
                 let (mut compliance, mut stiffness) = (response.compliance().to_vec(), response.stiffness().to_vec());
                 let uniform = response.uniform_compliance();
                 compliance[0] = uniform;
                 stiffness[0] = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
-                let linear: Vec<f64> = contact.clearance.iter().map(|c| c - approach).collect();
+                let linear: Vec<f64> = contact.wall.clearance.iter().map(|c| c - approach).collect();
                 (Cow::from(compliance), Cow::from(stiffness), Cow::from(linear))
             }
         };
@@ -97,7 +97,7 @@ pub(crate) fn solve(
     watch: Watch,
 ) -> Result<Ended, ContactError> {
     let mut dual = Dual::new(contact, control);
-    let n = contact.clearance.len();
+    let n = contact.wall.clearance.len();
     let mean = match control {
         Control::MeanPressure(mean) => Some(mean),
         Control::Approach(_) => None,
@@ -105,7 +105,7 @@ pub(crate) fn solve(
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); n]);
     let target = Target {
         mean,
-        gradient_scale: contact.rms_height,
+        gradient_scale: contact.wall.rms_height,
         tolerance: settings.tolerance,
         max_iterations: usize::try_from(settings.max_iterations).unwrap_or(usize::MAX),
     };

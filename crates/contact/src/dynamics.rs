@@ -27,16 +27,16 @@ const SOURCE_TIME_STEP: f64 = 0.25;
 
 /// A rough contact is about as stiff as its mean pressure over this many rms heights (Akarapu, Sharp and Robbins 2011;
 /// Campañá, Persson and Müser 2011 find 0.4 to 0.5). Only sets the damping of the rigid motion, so only the speed.
-const STIFFNESS_LENGTH: f64 = 0.45;
+pub(crate) const STIFFNESS_LENGTH: f64 = 0.45;
 
 /// Length of a step of the augmented Lagrangian; 2 is the limit.
 const RELAXATION: f64 = 1.2;
 
 /// The lengths are those of the grid, by construction: a transform cannot refuse them.
-const FITS: &str = "every field of a contact problem has the size of its grid";
+pub(crate) const FITS: &str = "every field of a contact problem has the size of its grid";
 
 /// Steps that the set of touching points must have kept still (theory.md, section 6.6).
-const SETTLED: u64 = 20;
+pub(crate) const SETTLED: u64 = 20;
 
 pub(crate) fn solve(
     contact: &Contact,
@@ -109,16 +109,18 @@ impl<'a> Layer<'a> {
         let response = contact.response;
         let [softest, _] = response.stiffness_range();
         let (stiffness, wall, push, force_scale) = match control {
-            Control::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(&contact.clearance), mean, mean),
+            Control::MeanPressure(mean) => {
+                (Cow::from(response.stiffness()), Cow::from(&contact.wall.clearance), mean, mean)
+            }
             Control::Approach(approach) => {
                 let mut stiffness = response.stiffness().to_vec();
                 stiffness[0] = 1.0 / response.uniform_compliance();
-                let wall: Vec<f64> = contact.clearance.iter().map(|c| c - approach).collect();
-                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * contact.rms_height)
+                let wall: Vec<f64> = contact.wall.clearance.iter().map(|c| c - approach).collect();
+                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * contact.wall.rms_height)
             }
         };
         let transforms = Transforms::new(response);
-        Self { response, stiffness, wall, push, force_scale, length_scale: contact.rms_height, transforms }
+        Self { response, stiffness, wall, push, force_scale, length_scale: contact.wall.rms_height, transforms }
     }
 
     /// Stiffness of the softest motion and of the stiffest.
@@ -143,7 +145,7 @@ impl<'a> Layer<'a> {
             &|range| {
                 range.fold([0.0; 3], |sums, i| {
                     let touching = f64::from(pressure[i] > 0.0);
-                    add(sums, [pressure[i], touching, touching * (contact.clearance[i] + u[i])])
+                    add(sums, [pressure[i], touching, touching * (contact.wall.clearance[i] + u[i])])
                 })
             },
             &add,
@@ -314,7 +316,7 @@ fn run<'a, M: Method>(
 ) -> Result<(Vec<f64>, End), ContactError> {
     let u = match &start {
         Some(pressure) => surface.layer().displacement(contact, pressure),
-        None => vec![0.0; contact.clearance.len()],
+        None => vec![0.0; contact.wall.clearance.len()],
     };
     let unusable = |error: RelaxError| ContactError::Start { reason: error.to_string() };
     let u = surface.begin(u, start.as_deref());
@@ -374,7 +376,7 @@ fn search_load(
         }
         let excess = contact.certify(found.clone(), control)?.approach - approach;
         spent.singles += 2;
-        if excess.abs() <= 0.1 * settings.tolerance * contact.rms_height {
+        if excess.abs() <= 0.1 * settings.tolerance * contact.wall.rms_height {
             return Ok((found, end));
         }
         let side = usize::from(excess > 0.0);

@@ -33,18 +33,21 @@
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]. Not here: where heights come from (`gfmd-surface`), what is measured on the result
+//! Start at [`Contact`]. [`FullContact`] lets the surface move sideways too. Not here: where heights come from (`gfmd-surface`), what is measured on the result
 //! (`gfmd-measure`), files (`xtask`).
 
 mod dual;
 mod dynamics;
 mod error;
 mod extension;
+mod full;
 mod problem;
 mod solution;
 mod solver;
+mod wall;
 
 pub use error::ContactError;
+pub use full::{FullContact, FullSolution};
 pub use problem::{Contact, Control, Progress, Settings, Watch};
 pub use solution::{Residual, Solution};
 pub use solver::Solver;

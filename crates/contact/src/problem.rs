@@ -2,10 +2,11 @@ use std::ops::ControlFlow;
 
 use gfmd_field::Workspace;
 use gfmd_response::NormalResponse;
-use gfmd_vector::{add, pass, reduce};
-use ndarray::{Array2, ArrayView2};
+use gfmd_vector::pass;
+use ndarray::ArrayView2;
 
-use crate::{ContactError, Residual, Solution, Solver, dual, dynamics};
+use crate::wall::Wall;
+use crate::{ContactError, Solution, Solver, dual, dynamics};
 
 /// What presses the bodies together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +51,7 @@ pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> ControlFlow<()>;
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall).
 pub struct Contact<'a> {
     pub(crate) response: &'a NormalResponse,
-    /// Distance from the highest point of the rigid surface down to it: max h − h ≥ 0.
-    pub(crate) clearance: Vec<f64>,
-    pub(crate) mean_clearance: f64,
-    pub(crate) rms_height: f64,
+    pub(crate) wall: Wall,
 }
 
 impl<'a> Contact<'a> {
@@ -62,31 +60,12 @@ impl<'a> Contact<'a> {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
     pub fn new(response: &'a NormalResponse, heights: ArrayView2<f64>) -> Result<Self, ContactError> {
-        let expected = response.grid().points();
-        let found = heights.dim().into();
-        if found != expected {
-            return Err(ContactError::Shape { found, expected });
-        }
-        if let Some(((i, j), &value)) = heights.indexed_iter().find(|(_, h)| !h.is_finite()) {
-            return Err(ContactError::Height { index: [i, j], value });
-        }
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
-        let n = clearance.len() as f64;
-        let mean_clearance = gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().sum()) / n;
-        let squares = gfmd_vector::sum(clearance.len(), &|range| {
-            clearance[range].iter().map(|c| (c - mean_clearance).powi(2)).sum()
-        });
-        let rms_height = (squares / n).sqrt();
-        if rms_height == 0.0 {
-            return Err(ContactError::Flat { value: highest });
-        }
-        Ok(Self { response, clearance, mean_clearance, rms_height })
+        Ok(Self { response, wall: Wall::new(response.grid().points(), heights)? })
     }
 
     /// Root mean square of the heights about their mean.
     pub fn rms_height(&self) -> f64 {
-        self.rms_height
+        self.wall.rms_height
     }
 
     /// Equilibrates the contact. `start` is a pressure to start from, such as that of a smaller load (it is scaled to
@@ -137,71 +116,11 @@ impl<'a> Contact<'a> {
         let mut workspace = response.transform().workspace();
         let mut displacement = vec![0.0; n];
         response.transform().convolve(response.compliance(), &pressure, &mut displacement, &mut workspace)?;
-        let [sum, touching] = reduce(
-            n,
-            &|range| pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from(*p > 0.0)])),
-            &add,
-        );
-        let mean_pressure = sum / n as f64;
-        let uniform = response.uniform_compliance() * mean_pressure;
-        // u_z = −G p; then the mean of clearance − u_z over the contact is where the rigid surface must be.
-        let contact_sum = pass(
-            [&mut displacement],
-            &|start, [u]| {
-                let mut sum = 0.0;
-                for ((u, c), p) in u.iter_mut().zip(&self.clearance[start..]).zip(&pressure[start..]) {
-                    *u = -(*u + uniform);
-                    if *p > 0.0 {
-                        sum += c - *u;
-                    }
-                }
-                sum
-            },
-            &|a, b| a + b,
-        );
-        let approach = match control {
-            Control::MeanPressure(_) => contact_sum / touching,
-            Control::Approach(approach) => approach,
-        };
-        let mut gap = vec![0.0; n];
-        let sums = pass(
-            [&mut gap],
-            &|start, [gap]| {
-                let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
-                let others = self.clearance[start..].iter().zip(&displacement[start..]).zip(&pressure[start..]);
-                for (gap, ((c, u), p)) in gap.iter_mut().zip(others) {
-                    *gap = c - u - approach;
-                    sums = (sums.0 + p * *gap, lower(sums.1, *gap), lower(sums.2, *p));
-                }
-                sums
-            },
-            &|a, b| (a.0 + b.0, lower(a.1, b.1), lower(a.2, b.2)),
-        );
-        let residual = Residual {
-            complementarity: if sum == 0.0 { 0.0 } else { (sums.0 / (sum * self.rms_height)).abs() },
-            penetration: positive(-sums.1) / self.rms_height,
-            negative_pressure: if sum == 0.0 { 0.0 } else { positive(-sums.2) / mean_pressure },
-            load: match control {
-                Control::MeanPressure(asked) => (mean_pressure - asked).abs() / asked,
-                Control::Approach(_) => 0.0,
-            },
-        };
-        let shape = response.grid().points();
-        let field = |what, values: Vec<f64>| {
-            let found = values.len();
-            let shape_error = move |_| gfmd_field::ShapeError { what, found, expected: shape[0] * shape[1] };
-            Array2::from_shape_vec(shape, values).map_err(shape_error)
-        };
-        Ok(Solution {
-            pressure: field("pressure", pressure)?,
-            displacement: field("displacement", displacement)?,
-            gap: field("gap", gap)?,
-            mean_pressure,
-            approach,
-            residual,
-            iterations: 0,
-            transform_pairs: 1.0,
-        })
+        let uniform =
+            response.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
+        // u_z = −G p.
+        pass([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -(*u + uniform)), &|(), ()| ());
+        self.wall.certify(pressure, displacement, control)
     }
 
     fn check(&self, control: Control, settings: &Settings) -> Result<(), ContactError> {
@@ -213,7 +132,7 @@ impl<'a> Contact<'a> {
                 Err(ContactError::MeanPressure { found })
             }
             Control::Approach(found) => {
-                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.mean_clearance);
+                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.wall.mean_clearance);
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(ContactError::Approach { found, limit }) }
             }
@@ -266,14 +185,4 @@ impl Transforms {
     pub(crate) fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
-}
-
-/// The smaller of two, NaN if either is.
-fn lower(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a < b { a } else { b }
-}
-
-/// The positive part, NaN of NaN.
-fn positive(a: f64) -> f64 {
-    if a <= 0.0 { 0.0 } else { a }
 }

@@ -1,0 +1,93 @@
+//! All components by dynamics against the normal component alone.
+
+use std::ops::ControlFlow;
+
+use gfmd_contact::{Contact, ContactError, Control, FullContact, Settings};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_response::{FullResponse, NormalResponse};
+use ndarray::Array2;
+
+/// A few waves, none along a lattice direction only.
+fn heights(grid: &Grid) -> Array2<f64> {
+    let [nx, ny] = grid.points();
+    Array2::from_shape_fn((nx, ny), |(i, j)| {
+        let [x, y] = [i as f64 / nx as f64, j as f64 / ny as f64].map(|s| std::f64::consts::TAU * s);
+        0.01 * ((x + 0.3).cos() + 0.4 * (2.0 * x - y + 1.0).cos() + 0.2 * (5.0 * x + 3.0 * y).cos())
+    })
+}
+
+/// On odd grids, without Nyquist modes, both are the same problem: in the plane and in space, on slabs and half-spaces.
+#[test]
+fn frictionless_sideways_motion_does_not_change_the_normal_component() {
+    let grids = [Grid::line(81, 1.0).unwrap(), Grid::new([21, 15], [1.0, 0.8]).unwrap()];
+    for grid in grids {
+        for (poisson, height) in
+            [(0.33, None), (0.33, Some(0.3)), (0.45, Some(0.1)), (0.5, Some(0.3)), (-0.5, Some(1.0))]
+        {
+            let case = format!("{:?}, nu {poisson}, height {height:?}", grid.points());
+            let material = Material::from_young(1.0, poisson).unwrap();
+            let body = height.map_or_else(|| Body::half_space(material), |h| Body::slab(material, h).unwrap());
+            let heights = heights(&grid);
+            let (full, normal) = (FullResponse::new(grid, &body), NormalResponse::new(grid, &body));
+            let mean = 0.01;
+            let found = FullContact::new(&full, heights.view())
+                .unwrap()
+                .press(mean, 1e-11, 200_000, &mut |_| ControlFlow::Continue(()))
+                .unwrap_or_else(|error| panic!("{case}: {error}"));
+            let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+            let expected = Contact::new(&normal, heights.view())
+                .unwrap()
+                .solve(Control::MeanPressure(mean), &settings, None, &mut |_| ControlFlow::Continue(()))
+                .unwrap();
+            let peak = expected.pressure.iter().copied().fold(0.0, f64::max);
+            let touching = expected.pressure.iter().filter(|p| **p > 0.0).count();
+            assert!((5..grid.len() - 5).contains(&touching), "{case}: {touching}");
+            let worst =
+                |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst(&found.normal.pressure, &expected.pressure) < 1e-9 * peak, "{case}");
+            assert!(worst(&found.normal.displacement, &expected.displacement) < 1e-9 * 0.01, "{case}");
+            assert!((found.normal.approach - expected.approach).abs() < 1e-9 * expected.approach, "{case}");
+
+            // Back through the stiffness: the pressure alone acts, but for means that the body does not answer to.
+            let mut displacement: Vec<f64> = found.lateral.iter().flatten().copied().collect();
+            displacement.extend(&found.normal.displacement);
+            let mut traction = vec![0.0; displacement.len()];
+            full.stiffness().apply(&displacement, &mut traction, &mut full.workspace()).unwrap();
+            let lateral = traction.len() - grid.len();
+            let drift = if full.uniform_compliance()[2] == 0.0 { mean } else { 0.0 };
+            for (i, t) in traction.iter().enumerate() {
+                let expected =
+                    if i < lateral { 0.0 } else { drift - found.normal.pressure.as_slice().unwrap()[i - lateral] };
+                assert!((t - expected).abs() < 1e-10 * peak, "{case}, {i}: {t} {expected}");
+            }
+            let sideways = found.lateral.iter().flatten().fold(0.0, |m, u| f64::max(m, u.abs()));
+            let down = found.normal.displacement.iter().fold(0.0, |m, u| f64::max(m, u.abs()));
+            assert!(sideways > 0.01 * down, "{case}: the surface moves sideways");
+        }
+    }
+}
+
+#[test]
+fn unusable_input_and_too_few_steps_are_errors() {
+    let grid = Grid::square(9, 1.0).unwrap();
+    let response = FullResponse::new(grid, &Body::half_space(Material::from_young(1.0, 0.3).unwrap()));
+    let wrong = Array2::zeros((9, 8));
+    assert!(matches!(FullContact::new(&response, wrong.view()), Err(ContactError::Shape { .. })));
+    let heights = heights(&grid);
+    let contact = FullContact::new(&response, heights.view()).unwrap();
+    let press = |mean, tolerance, steps| contact.press(mean, tolerance, steps, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(press(-0.1, 1e-8, 10), Err(ContactError::MeanPressure { found: -0.1 })));
+    assert!(matches!(press(0.1, 0.0, 10), Err(ContactError::Tolerance { found: 0.0 })));
+    match press(0.001, 1e-8, 10) {
+        Err(ContactError::NotConverged { solution, asked, .. }) => {
+            assert_eq!((solution.iterations, asked), (10, 1e-8));
+            assert!(solution.residual.worst() > 1e-8);
+        }
+        other => panic!("{other:?}"),
+    }
+    let stopped = contact.press(0.001, 1e-8, 1000, &mut |now| {
+        if now.iteration < 7 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    assert!(matches!(stopped, Err(ContactError::Interrupted { solution }) if solution.iterations == 7));
+}
