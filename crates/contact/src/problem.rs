@@ -23,7 +23,7 @@ pub enum Control {
 pub struct Settings {
     /// The method.
     pub solver: Solver,
-    /// Every part of [`Residual`] must fall to this.
+    /// Every part of [`Residual`](crate::Residual) must fall to this.
     pub tolerance: f64,
     /// Iterations, or time steps, after which the search is given up.
     pub max_iterations: u64,

@@ -128,11 +128,33 @@ fn other_methods_find_the_same_contact_at_a_higher_cost() {
 }
 
 #[test]
+fn dynamics_with_inertia_like_the_stiffness_hardly_feels_the_grid() {
+    let cost = |points, hurst, reduced_pressure, solver| {
+        let grid = Grid::square(points, 1.0).unwrap();
+        press(grid, &half_space(), hurst, load(reduced_pressure), solver).transform_pairs
+    };
+    for hurst in [0.0, 0.8] {
+        for points in [64, 256] {
+            for (reduced_pressure, bound) in [(0.01, 170.0), (0.05, 165.0), (0.2, 110.0)] {
+                let pairs = cost(points, hurst, reduced_pressure, Solver::AugmentedLagrangian);
+                assert!(pairs <= bound, "{points}, H {hurst}, p* {reduced_pressure}: {pairs} > {bound}");
+            }
+        }
+        let gradients = cost(256, hurst, 0.2, Solver::PolonskyKeer);
+        let dynamics = cost(256, hurst, 0.2, Solver::AugmentedLagrangian);
+        assert!(dynamics < 0.6 * gradients, "H {hurst}: {dynamics}, conjugate gradients {gradients}");
+    }
+}
+
+#[test]
 fn the_number_of_threads_changes_no_bit() {
     let grid = Grid::square(150, 1.0).unwrap();
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| press(grid, &half_space(), 0.8, load(0.05), Solver::Auto).pressure)
+        pool.install(|| {
+            [Solver::Auto, Solver::AugmentedLagrangian, Solver::Fire2]
+                .map(|solver| press(grid, &half_space(), 0.8, load(0.05), solver).pressure)
+        })
     };
     let one = on(1);
     assert!([2, 3, 8].into_iter().all(|threads| on(threads) == one));

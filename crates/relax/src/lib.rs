@@ -69,6 +69,7 @@
 //!
 //! Not here: what u means.
 
+mod augmented_lagrangian;
 mod bounds;
 mod damping;
 mod error;
@@ -85,11 +86,12 @@ mod quadratic;
 mod run;
 mod verlet;
 
+pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
 pub use bounds::Bounds;
 pub use damping::{Damping, Motion};
 pub use error::{Divergence, RelaxError};
 pub use fire::{Fire, FireState, Flight, Uphill};
-pub use inertia::{AugmentedLagrangian, Inertial, Proximal, Smooth};
+pub use inertia::{Inertial, Smooth};
 pub use landscape::Landscape;
 pub use mode_damped::ModeDamped;
 pub use nesterov::{Momentum, Nesterov};

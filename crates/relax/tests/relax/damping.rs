@@ -1,7 +1,9 @@
 //! Eigenvalues, regimes and best choices.
 
 use approx::assert_relative_eq;
-use gfmd_relax::{Damping, Motion, RelaxError, Verlet};
+use gfmd_relax::{Damping, Method, ModeDamped, Motion, Nesterov, RelaxError, Verlet};
+
+use crate::support::Chain;
 
 #[test]
 fn eigenvalues_solve_the_characteristic_equation() {
@@ -164,4 +166,15 @@ fn unstable_steps_are_refused_with_the_limit() {
         assert!(matches!(Verlet::critical(k_min, k_max, 0.1), Err(RelaxError::Parameter { .. })));
     }
     assert!(matches!(Verlet::critical(1.0, 2.0, -0.1), Err(RelaxError::Parameter { name: "the time step", .. })));
+    let mut problem = Chain::modes(&[1.0]);
+    for tau in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(Nesterov::new(tau), Err(RelaxError::Parameter { name: "the largest stiffness", .. })));
+        let refused = [
+            Nesterov { tau }.start(&mut problem, vec![0.0]).err(),
+            ModeDamped::critical(tau, |_: &mut [f64]| ()).start(&mut problem, vec![0.0]).err(),
+        ];
+        for error in refused {
+            assert!(matches!(error, Some(RelaxError::Parameter { name: "tau", .. })), "{error:?}");
+        }
+    }
 }

@@ -1,0 +1,114 @@
+//! Bounds that act by a force, so that the inertia may be a matrix.
+
+use gfmd_vector::pass;
+
+use crate::{
+    Bounds, Landscape,
+    bounds::{Wall, within},
+};
+
+/// A convex energy U(u) = ½⟨u, K u⟩ − ⟨b, u⟩ with bounds on u, that can be minimised together with springs of one
+/// stiffness ϱ tied to every entry.
+pub trait Proximal {
+    /// Number of entries of u.
+    fn len(&self) -> usize;
+
+    /// Whether there is nothing to minimise.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The allowed values of u.
+    fn bounds(&self) -> Bounds<'_>;
+
+    /// The stiffness ϱ of the springs; between the softest and the stiffest mode is best.
+    fn penalty(&self) -> f64;
+
+    /// `u` ← (K + ϱ)⁻¹ (b + ϱ `anchor`): the minimum of U + ϱ/2 |u − anchor|², bounds apart.
+    fn settle(&mut self, anchor: &[f64], u: &mut [f64]);
+
+    /// Dimensionless distance from the solution, judged from how far the two positions w and u of
+    /// [`AugmentedLagrangian`] are apart.
+    fn residual(&self, mismatch: &[f64]) -> f64;
+}
+
+/// A [`Proximal`] problem as a [`Landscape`] without bounds, whose inertia is K + ϱ and whose bounds act by a force: the
+/// augmented Lagrangian with the multiplier λ = ϱ (v − w) updated at every step (theory.md, section 6.3).
+///
+/// Its entries v are those of the surface w = Π v, and how far they go beyond their bounds is the reaction λ there.
+/// The force is M⁻¹ (b − K w − λ) with M = K + ϱ, which needs M⁻¹ only once: it is u − w, with u = M⁻¹ (b + ϱ (w − λ/ϱ)).
+/// Where it vanishes, b − K w = λ: no force on free entries, and one that presses on those at a bound. Steps
+/// v + τ M⁻¹ f with 0 < τ < 2 converge from anywhere, for every ϱ (Douglas and Rachford 1956, Lions and Mercier 1979);
+/// [`Nesterov`](crate::Nesterov) makes them fast. There is no energy: in its place stands ½ ϱ |u − w|², which goes
+/// down in every plain step.
+#[derive(Clone, Debug)]
+pub struct AugmentedLagrangian<P> {
+    problem: P,
+    anchor: Vec<f64>,
+}
+
+impl<P: Proximal> AugmentedLagrangian<P> {
+    /// The augmented Lagrangian of `problem`.
+    pub fn new(problem: P) -> Self {
+        let anchor = vec![0.0; problem.len()];
+        Self { problem, anchor }
+    }
+
+    /// The problem.
+    pub fn problem(&self) -> &P {
+        &self.problem
+    }
+
+    /// The problem, to change what leaves its solution where it is.
+    pub fn problem_mut(&mut self) -> &mut P {
+        &mut self.problem
+    }
+
+    /// λ = ϱ (v − Π v), what the bounds exert against being exceeded: positive at an upper bound.
+    pub fn reaction(&self, v: &[f64]) -> Vec<f64> {
+        let mut reaction = v.to_vec();
+        self.problem.bounds().project(&mut reaction);
+        let penalty = self.problem.penalty();
+        reaction.iter_mut().zip(v).for_each(|(w, v)| *w = penalty * (v - *w));
+        reaction
+    }
+}
+
+impl<P: Proximal> Landscape for AugmentedLagrangian<P> {
+    fn len(&self) -> usize {
+        self.problem.len()
+    }
+
+    fn force(&mut self, v: &[f64], force: &mut [f64]) -> f64 {
+        fn reflect(wall: impl Wall, v: &[f64], anchor: &mut [f64]) {
+            let leaf = |start: usize, [anchor]: [&mut [f64]; 1]| {
+                let wall = wall.stretch(start..start + anchor.len());
+                for (k, (anchor, &v)) in anchor.iter_mut().zip(&v[start..]).enumerate() {
+                    *anchor = 2.0 * wall.clip(k, v) - v;
+                }
+            };
+            pass([anchor], &leaf, &|(), ()| ());
+        }
+        fn mismatch(wall: impl Wall, v: &[f64], u: &mut [f64]) -> f64 {
+            let leaf = |start: usize, [u]: [&mut [f64]; 1]| {
+                let wall = wall.stretch(start..start + u.len());
+                let mut sum = 0.0;
+                for (k, (u, &v)) in u.iter_mut().zip(&v[start..]).enumerate() {
+                    *u -= wall.clip(k, v);
+                    sum += *u * *u;
+                }
+                sum
+            };
+            pass([u], &leaf, &|a, b| a + b)
+        }
+        let Self { problem, anchor } = self;
+        within!(problem.bounds(), wall => reflect(wall, v, anchor));
+        problem.settle(anchor, force);
+        let squares = within!(problem.bounds(), wall => mismatch(wall, v, force));
+        0.5 * problem.penalty() * squares
+    }
+
+    fn residual(&self, _: &[f64], force: &[f64]) -> f64 {
+        self.problem.residual(force)
+    }
+}
