@@ -175,7 +175,7 @@ impl fmt::Display for Regime {
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let experiment = Experiment::new(args)?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-    let mut report = experiment.run(args, session)?;
+    let mut report = experiment.run(session)?;
     if let Some(output) = &output {
         report.out = Some(write(output, &report, args, session)?);
     }
@@ -212,6 +212,7 @@ impl Landscape for Free<'_> {
 struct Experiment {
     response: FullResponse,
     dt: f64,
+    steps: u32,
     verlets: Vec<(f64, Verlet)>,
     slowest: (f64, Mode),
     /// The shape of the slowest mode on the surface.
@@ -253,24 +254,30 @@ impl Experiment {
             let damping = Damping { beta: 1.0 - factor * critical * dt * dt, tau: dt * dt };
             Verlet::new(damping, range.stiffest).map(|verlet| (factor, verlet))
         };
-        let verlets = args.factors.iter().map(verlet).collect::<Result<_, _>>().map_err(failed)?;
+        let verlets = args.factors.iter().map(verlet).collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        let slowest = verlets.iter().map(|(_, v)| v.damping.spectral_radius(range.softest)).fold(0.0, f64::max);
+        let enough = (DECAY / -slowest.ln()).ceil().max(f64::from(FEWEST_STEPS));
+        let steps = match args.steps {
+            Some(steps) => steps,
+            None if enough <= MOST_STEPS => enough as u32,
+            None => {
+                let reason = format!("found none; {enough:.0} would show the rates, {MOST_STEPS:.0} are done unasked");
+                return Err(Failure::input("--steps", reason));
+            }
+        };
         let (pattern, component) = pattern(&body, &grid, &range.softest_mode);
         let response = FullResponse::new(grid, &body);
         let watched = component * grid.len();
-        Ok(Self { response, dt, verlets, slowest: (range.softest, range.softest_mode), pattern, watched })
+        Ok(Self { response, dt, steps, verlets, slowest: (range.softest, range.softest_mode), pattern, watched })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Report, Failure> {
+    fn run(&self, session: &Session) -> Result<Report, Failure> {
         let [_, stiffest] = self.response.stiffness_range();
         let (softest, mode) = self.slowest;
-        let steps = args.steps.unwrap_or_else(|| {
-            let slowest = self.verlets.iter().map(|(_, v)| v.damping.spectral_radius(softest)).fold(0.0, f64::max);
-            ((DECAY / -slowest.ln()).ceil() as u32).max(FEWEST_STEPS)
-        });
-        let progress = Progress::new(&session.common, "damping", f64::from(steps) * self.verlets.len() as f64);
+        let progress = Progress::new(&session.common, "damping", f64::from(self.steps) * self.verlets.len() as f64);
         let mut runs = Vec::new();
         for (factor, verlet) in &self.verlets {
-            runs.push(self.relax(*factor, verlet, steps, &progress, session)?);
+            runs.push(self.relax(*factor, verlet, &progress, session)?);
         }
         progress.finish();
         let optimal = Damping::optimal(softest, stiffest);
@@ -283,21 +290,14 @@ impl Experiment {
             dt: self.dt,
             critical_eta: Damping::critical(softest, self.dt).eta(),
             optimal: Optimal { dt: optimal.tau.sqrt(), eta: optimal.eta(), rate },
-            steps,
+            steps: self.steps,
             runs,
             out: None,
             plots: Vec::new(),
         })
     }
 
-    fn relax(
-        &self,
-        factor: f64,
-        verlet: &Verlet,
-        steps: u32,
-        progress: &Progress,
-        session: &Session,
-    ) -> Result<Run, Failure> {
+    fn relax(&self, factor: f64, verlet: &Verlet, progress: &Progress, session: &Session) -> Result<Run, Failure> {
         let points = self.response.grid().len();
         let mut free = Free { response: &self.response, workspace: self.response.workspace() };
         let mut push = vec![0.0; free.len()];
@@ -311,7 +311,7 @@ impl Experiment {
         let mut state = verlet.start(&mut free, push).map_err(failed)?;
         let start = gfmd_vector::dot(&self.pattern, &state.u);
         let (mut mode, mut point) = (Vec::new(), Vec::new());
-        for step in 0..=steps {
+        for step in 0..=self.steps {
             mode.push(gfmd_vector::dot(&self.pattern, &state.u) / start);
             point.push(state.u[self.watched]);
             if session.is_interrupted() {
@@ -330,7 +330,7 @@ impl Experiment {
             mode_rate: rate(&mode),
             point_rate: rate(&point),
             steps_to_1e8: damping.steps_to(softest, 1e-8),
-            predicted: (0..=steps).map(|step| damping.amplitude(softest, step)).collect(),
+            predicted: (0..=self.steps).map(|step| damping.amplitude(softest, step)).collect(),
             mode,
             point,
         })
@@ -358,6 +358,9 @@ impl Experiment {
 
 /// Powers of e by which the slowest run shrinks: rates then have settled to a few per cent.
 const DECAY: f64 = 70.0;
+
+/// Histories are kept in memory.
+const MOST_STEPS: f64 = 1e6;
 
 /// A rate needs two windows of some steps each.
 const FEWEST_STEPS: u32 = 40;
@@ -533,6 +536,7 @@ mod tests {
         for (flags, message) in [
             ("--factors 1,-1", "--factors: found -1, allowed at this time step: above 0 and below "),
             ("--factors 100", "--factors: found 100, allowed at this time step: above 0 and below "),
+            ("--factors 1e-6", "--steps: found none; 2321332963 would show"),
             ("--dt 1", "--dt: found 1, allowed: between 0 and 1"),
             ("--height 0", "--height: "),
             ("--poisson 0.6", "--poisson: "),
