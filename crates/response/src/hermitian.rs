@@ -73,6 +73,16 @@ impl Hermitian {
         modes
     }
 
+    /// The matrix with the same eigenvectors and `f` of the eigenvalues: of a stiffness, what a scheme does to each mode,
+    /// such as the critical damping of all of them.
+    pub fn function(self, f: impl Fn(f64) -> f64) -> Self {
+        self.modes().into_iter().fold(Self::default(), |sum, (k, [a, b, c])| {
+            let part = Self { xx: a * a, yy: b * b, zz: c * c, xy: a * b, xz: -a * c, yz: -b * c };
+            let value = f(k);
+            sum + part.map(|entry| value * entry)
+        })
+    }
+
     /// The inverse of a positive definite matrix, by its Cholesky factors.
     ///
     /// With u_z = i w the matrix is real and symmetric, which is where it is inverted.

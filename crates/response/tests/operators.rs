@@ -172,5 +172,9 @@ fn the_modes_of_a_matrix_are_its_eigenvectors() {
             assert!((a * a + b * b + c * c - 1.0).abs() < 1e-14);
         }
         assert!((modes.iter().map(|m| m.0).sum::<f64>() - (xx + yy + zz)).abs() < 1e-14);
+        let same = matrix.function(|k| k);
+        let difference = same + matrix.map(|entry| -entry);
+        let Hermitian { xx, yy, zz, xy, xz, yz } = difference;
+        assert!([xx, yy, zz, xy, xz, yz].iter().all(|entry| entry.abs() < 1e-14), "{difference:?}");
     }
 }
