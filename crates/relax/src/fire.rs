@@ -73,7 +73,7 @@ pub struct Flight {
 }
 
 impl Fire {
-    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch), with unit mass.
+    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch, Phys. Rev. Lett. 97, 170201), with unit mass.
     pub fn bitzek(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,
@@ -90,7 +90,8 @@ impl Fire {
         }
     }
 
-    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek), with unit mass.
+    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek, Comput. Mater. Sci. 175, 109584), with unit
+    /// mass.
     pub fn v2(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,

@@ -99,7 +99,7 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     // … and with them the iteration settles just as well, but elsewhere.
     let (wrong, last_move) = run(Some(&problem.punch), vec![0.0; N]);
     assert!(last_move < 1e-15, "settled: {last_move}");
-    assert!(distance(&wrong, &exact) > 0.05 * DEPTH, "{}", distance(&wrong, &exact) / DEPTH);
+    assert!(distance(&wrong, &exact) > 0.3 * DEPTH, "{}", distance(&wrong, &exact) / DEPTH);
     let force: Vec<f64> = times(&problem.stiffness, &wrong).iter().map(|t| -t).collect();
     assert!(problem.residual(&wrong, &force) > 0.1, "free entries carry a force: {}", problem.residual(&wrong, &force));
     // Even started from the solution it walks away from it.
