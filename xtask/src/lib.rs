@@ -14,6 +14,7 @@ pub mod generator;
 pub mod green;
 pub mod json;
 pub mod kappa_sweep;
+pub mod law;
 pub mod load;
 pub mod plot;
 pub mod progress;

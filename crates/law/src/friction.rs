@@ -1,0 +1,127 @@
+use crate::LawError;
+use crate::separation::positive;
+
+/// What the shear traction of a sliding contact cannot exceed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// μ p, with the coefficient of friction μ ≥ 0.
+    Coulomb(f64),
+    /// A shear strength τ_c ≥ 0 (stress) wherever there is contact.
+    Tresca(f64),
+}
+
+impl Limit {
+    /// Largest shear traction at contact pressure `pressure` ≥ 0, stress.
+    pub fn at(self, pressure: f64) -> f64 {
+        match self {
+            Self::Coulomb(coefficient) => coefficient * pressure,
+            Self::Tresca(strength) => strength,
+        }
+    }
+
+    /// Derivative of [`at`](Self::at).
+    fn slope(self) -> f64 {
+        match self {
+            Self::Coulomb(coefficient) => coefficient,
+            Self::Tresca(_) => 0.0,
+        }
+    }
+}
+
+/// Friction with an elastic stick: the return map of a tangential spring whose foot slides (theory.md, section 8).
+///
+/// Here slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction on
+/// the elastic surface is −τ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    limit: Limit,
+    stiffness: f64,
+}
+
+/// What one increment of slip does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sliding {
+    /// τ, stress.
+    pub traction: [f64; 2],
+    /// Where the foot of the spring is afterwards, s_p.
+    pub foot: [f64; 2],
+    /// Whether the foot stayed.
+    pub sticks: bool,
+    /// ∂τ/∂s, stress/length.
+    pub by_slip: [[f64; 2]; 2],
+    /// ∂τ/∂p.
+    pub by_pressure: [f64; 2],
+}
+
+impl Friction {
+    /// `stiffness` of the spring in stress/length; as stiff as the grid's stiffest mode, it is invisible.
+    ///
+    /// # Errors
+    /// A negative limit, or a stiffness that is not positive.
+    pub fn new(limit: Limit, stiffness: f64) -> Result<Self, LawError> {
+        let (name, found) = match limit {
+            Limit::Coulomb(coefficient) => ("mu", coefficient),
+            Limit::Tresca(strength) => ("tau_c", strength),
+        };
+        if !(found >= 0.0 && found.is_finite()) {
+            return Err(LawError::Range { name, found, allowed: "0 or a positive, finite number" });
+        }
+        Ok(Self { limit, stiffness: positive("stiffness", stiffness)? })
+    }
+
+    /// From the foot s_p of the last increment to the slip s under `pressure`.
+    pub fn slide(&self, slip: [f64; 2], foot: [f64; 2], pressure: f64) -> Sliding {
+        let Self { limit, stiffness } = *self;
+        let stretch = [slip[0] - foot[0], slip[1] - foot[1]];
+        let length = stretch[0].hypot(stretch[1]);
+        let largest = limit.at(pressure);
+        if stiffness * length <= largest {
+            return Sliding {
+                traction: stretch.map(|s| stiffness * s),
+                foot,
+                sticks: true,
+                by_slip: [[stiffness, 0.0], [0.0, stiffness]],
+                by_pressure: [0.0; 2],
+            };
+        }
+        let [x, y] = stretch.map(|s| s / length);
+        let across = largest / length;
+        Sliding {
+            traction: [largest * x, largest * y],
+            foot: [slip[0] - largest / stiffness * x, slip[1] - largest / stiffness * y],
+            sticks: false,
+            by_slip: [[across * y * y, -across * x * y], [-across * x * y, across * x * x]],
+            by_pressure: [limit.slope() * x, limit.slope() * y],
+        }
+    }
+}
+
+/// Friction that depends smoothly on the sliding velocity v, with v_ε the velocity below which it is felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rate {
+    /// τ = limit · v/√(v² + v_ε²).
+    Root {
+        /// v_ε.
+        velocity: f64,
+    },
+    /// τ = limit · (2/π) atan(|v|/v_ε), along v.
+    Arctangent {
+        /// v_ε.
+        velocity: f64,
+    },
+}
+
+impl Rate {
+    /// τ at sliding velocity `v`, where sliding costs at most `limit`.
+    pub fn traction(self, limit: f64, v: [f64; 2]) -> [f64; 2] {
+        let speed = v[0].hypot(v[1]);
+        if speed == 0.0 {
+            return [0.0; 2];
+        }
+        let share = match self {
+            Self::Root { velocity } => speed / speed.hypot(velocity),
+            Self::Arctangent { velocity } => std::f64::consts::FRAC_2_PI * (speed / velocity).atan(),
+        };
+        v.map(|v| limit * share * v / speed)
+    }
+}

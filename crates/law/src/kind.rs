@@ -1,0 +1,182 @@
+use std::fmt;
+
+use crate::{
+    BoschSchreursGeers, CoupledExponential, Dugdale, Exponential, HardWall, HarmonicCosine, Law, LawError, Morse, Npb,
+    Npc, Separation, XuNeedleman,
+};
+
+/// The laws by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// [`HardWall`].
+    HardWall,
+    /// [`XuNeedleman`].
+    XuNeedleman,
+    /// [`BoschSchreursGeers`].
+    BoschSchreursGeers,
+    /// [`CoupledExponential`].
+    CoupledExponential,
+    /// [`Npb`].
+    Npb,
+    /// [`Npc`].
+    Npc,
+    /// [`Morse`].
+    Morse,
+    /// [`Exponential`].
+    Exponential,
+    /// [`HarmonicCosine`].
+    HarmonicCosine,
+    /// [`Dugdale`].
+    Dugdale,
+}
+
+/// What a law asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name, as in theory.md.
+    pub name: &'static str,
+    /// Kind of quantity.
+    pub units: &'static str,
+    /// Its values.
+    pub allowed: Allowed,
+    /// Its value where none is given.
+    pub default: Option<f64>,
+}
+
+/// Values that a parameter may have. All are finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Allowed {
+    /// Above zero.
+    Positive,
+    /// Any but this.
+    Not(f64),
+}
+
+const fn positive(name: &'static str, units: &'static str) -> Parameter {
+    Parameter { name, units, allowed: Allowed::Positive, default: None }
+}
+
+const SEPARATION: [Parameter; 4] = [
+    positive("phi_n", "stress*length"),
+    positive("phi_t", "stress*length"),
+    positive("delta_n", "length"),
+    positive("delta_t", "length"),
+];
+const R: Parameter = Parameter { name: "r", units: "1", allowed: Allowed::Not(1.0), default: Some(0.0) };
+const XU_NEEDLEMAN: [Parameter; 5] = [SEPARATION[0], SEPARATION[1], SEPARATION[2], SEPARATION[3], R];
+const RANGE: [Parameter; 2] = [positive("gamma", "stress*length"), positive("range", "length")];
+const CURVATURE: [Parameter; 2] = [positive("gamma", "stress*length"), positive("curvature", "stress/length")];
+
+impl Kind {
+    /// All laws.
+    pub const ALL: [Self; 10] = [
+        Self::HardWall,
+        Self::XuNeedleman,
+        Self::BoschSchreursGeers,
+        Self::CoupledExponential,
+        Self::Npb,
+        Self::Npc,
+        Self::Morse,
+        Self::Exponential,
+        Self::HarmonicCosine,
+        Self::Dugdale,
+    ];
+
+    /// Its name on a command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HardWall => "hard-wall",
+            Self::XuNeedleman => "xu-needleman",
+            Self::BoschSchreursGeers => "bsg",
+            Self::CoupledExponential => "c3d",
+            Self::Npb => "npb",
+            Self::Npc => "npc",
+            Self::Morse => "morse",
+            Self::Exponential => "exponential",
+            Self::HarmonicCosine => "harmonic-cosine",
+            Self::Dugdale => "dugdale",
+        }
+    }
+
+    /// What it asks for.
+    pub fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::HardWall => &[],
+            Self::XuNeedleman => &XU_NEEDLEMAN,
+            Self::BoschSchreursGeers | Self::CoupledExponential | Self::Npb | Self::Npc => &SEPARATION,
+            Self::Morse | Self::Exponential | Self::Dugdale => &RANGE,
+            Self::HarmonicCosine => &CURVATURE,
+        }
+    }
+
+    /// The law with the parameters `given` by name.
+    ///
+    /// # Errors
+    /// A name that the law does not know, a parameter given twice, missing, or out of its range.
+    pub fn with(self, given: &[(impl AsRef<str>, f64)]) -> Result<Box<dyn Law>, LawError> {
+        if let Some((found, _)) =
+            given.iter().find(|(name, _)| self.parameters().iter().all(|p| p.name != name.as_ref()))
+        {
+            return Err(LawError::Unknown { kind: self, found: found.as_ref().into() });
+        }
+        let mut values = [0.0; XU_NEEDLEMAN.len()];
+        for (value, &parameter) in values.iter_mut().zip(self.parameters()) {
+            let mut named = given.iter().filter(|(name, _)| name.as_ref() == parameter.name).map(|(_, value)| *value);
+            let found = named.next().or(parameter.default).ok_or(LawError::Missing { kind: self, parameter })?;
+            if named.next().is_some() {
+                return Err(LawError::Twice { name: parameter.name });
+            }
+            *value = found;
+        }
+        let [a, b, c, d, r] = values;
+        let separation = Separation { normal_work: a, tangential_work: b, normal_length: c, tangential_length: d };
+        Ok(match self {
+            Self::HardWall => Box::new(HardWall),
+            Self::XuNeedleman => Box::new(XuNeedleman::new(separation, r)?),
+            Self::BoschSchreursGeers => Box::new(BoschSchreursGeers::new(separation)?),
+            Self::CoupledExponential => Box::new(CoupledExponential::new(separation)?),
+            Self::Npb => Box::new(Npb::new(separation)?),
+            Self::Npc => Box::new(Npc::new(separation)?),
+            Self::Morse => Box::new(Morse::new(a, b)?),
+            Self::Exponential => Box::new(Exponential::new(a, b)?),
+            Self::HarmonicCosine => Box::new(HarmonicCosine::new(a, b)?),
+            Self::Dugdale => Box::new(Dugdale::new(a, b)?),
+        })
+    }
+
+    pub(crate) fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
+    }
+}
+
+impl std::str::FromStr for Kind {
+    type Err = LawError;
+
+    fn from_str(name: &str) -> Result<Self, LawError> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| LawError::Name { found: name.into() })
+    }
+}
+
+impl Parameter {
+    pub(crate) fn list(parameters: &[Self]) -> String {
+        let texts: Vec<String> = parameters.iter().map(ToString::to_string).collect();
+        if texts.is_empty() { "none".into() } else { texts.join(", ") }
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({}, {}", self.name, self.units, self.allowed)?;
+        self.default.map_or(Ok(()), |value| write!(f, ", {value} if not given"))?;
+        f.write_str(")")
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Positive => f.write_str("positive"),
+            Self::Not(value) => write!(f, "not {value}"),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+use std::fmt;
+
+/// A traction that follows from the separation alone, without memory, the same in all directions of sliding.
+pub trait Law: fmt::Debug + Send + Sync {
+    /// Traction and its derivatives at `normal` separation Δ_n and `sliding` Δ_t along one direction (length, either
+    /// sign).
+    fn response(&self, normal: f64, sliding: f64) -> Response;
+
+    /// Φ, energy per area of surface; `None` if the traction is not the gradient of one.
+    fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
+
+    /// Whether Δ_n < 0 is forbidden; the law then speaks for Δ_n ≥ 0 only.
+    fn has_wall(&self) -> bool {
+        false
+    }
+
+    /// A bound on the magnitude of all eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length). A time step
+    /// follows from it (theory.md, section 8). Jumps of the traction are left out.
+    fn stiffness_bound(&self, lowest: f64) -> f64;
+
+    /// How steeply the attraction falls off (stress/length): lattice trapping is avoided if this stays below about half
+    /// the stiffness of the body at the shortest wave that the grid carries (theory.md, section 8).
+    fn steepness(&self) -> f64 {
+        self.stiffness_bound(0.0)
+    }
+
+    /// What the law promises under mixed loading; `None` of a law that has no tangential traction.
+    fn mixed_mode(&self) -> Option<MixedMode> {
+        None
+    }
+
+    /// (T_x, T_y, T_n), stress.
+    fn traction(&self, normal: f64, [x, y]: [f64; 2]) -> [f64; 3] {
+        let Response { traction: [n, _], secant, .. } = self.response(normal, x.hypot(y));
+        [secant * x, secant * y, n]
+    }
+
+    /// ∂T/∂Δ, stress/length.
+    fn jacobian(&self, normal: f64, [x, y]: [f64; 2]) -> Jacobian {
+        let sliding = x.hypot(y);
+        let Response { jacobian: [[nn, nt], [tn, tt]], secant, .. } = self.response(normal, sliding);
+        let [x, y] = if sliding > 0.0 { [x / sliding, y / sliding] } else { [0.0; 2] };
+        let along = tt - secant;
+        Jacobian {
+            nn,
+            nt: [nt * x, nt * y],
+            tn: [tn * x, tn * y],
+            tt: [[secant + along * x * x, along * x * y], [along * x * y, secant + along * y * y]],
+        }
+    }
+}
+
+/// A law at one separation along one direction of sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// (T_n, T_t), stress.
+    pub traction: [f64; 2],
+    /// Rows ∂T_n, ∂T_t; columns ∂Δ_n, ∂Δ_t; stress/length.
+    pub jacobian: [[f64; 2]; 2],
+    /// T_t/Δ_t, finite at Δ_t = 0: the stiffness across the direction of sliding.
+    pub secant: f64,
+}
+
+impl Response {
+    /// Of a law without tangential traction.
+    pub(crate) fn normal(traction: f64, slope: f64) -> Self {
+        Self { traction: [traction, 0.0], jacobian: [[slope, 0.0], [0.0; 2]], secant: 0.0 }
+    }
+}
+
+/// ∂T/∂Δ with both tangential directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jacobian {
+    /// ∂T_n/∂Δ_n.
+    pub nn: f64,
+    /// ∂T_n/∂Δ_x, ∂T_n/∂Δ_y.
+    pub nt: [f64; 2],
+    /// ∂T_x/∂Δ_n, ∂T_y/∂Δ_n.
+    pub tn: [f64; 2],
+    /// Rows T_x, T_y; columns Δ_x, Δ_y.
+    pub tt: [[f64; 2]; 2],
+}
+
+/// What a cohesive law keeps to under mixed loading and when the surfaces are pressed into each other: the requirements
+/// R1 to R6 of theory.md, section 8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MixedMode {
+    /// R1: opening alone takes the work φ_n and sliding alone at Δ_n = 0 the work φ_t, whatever the other is.
+    pub independent_works: bool,
+    /// R2: T_t·Δ_t ≥ 0 at any Δ_n: no shear traction that drives the sliding.
+    pub resists_sliding: bool,
+    /// R3: for Δ_n < 0, −T_n grows with over-closure and is not weakened by sliding.
+    pub keeps_repulsion: bool,
+    /// R4: for Δ_n < 0, |T_t| does not fall with over-closure.
+    pub holds_under_pressure: bool,
+    /// R5: the traction vanishes far away, in any direction with Δ_n ≥ 0.
+    pub vanishes: bool,
+    /// R6: the traction is continuous and its derivatives are bounded where Δ_n is.
+    pub continuous: bool,
+}
+
+impl MixedMode {
+    /// All six.
+    pub fn all(self) -> bool {
+        let Self { independent_works, resists_sliding, keeps_repulsion, holds_under_pressure, vanishes, continuous } =
+            self;
+        independent_works && resists_sliding && keeps_repulsion && holds_under_pressure && vanishes && continuous
+    }
+}

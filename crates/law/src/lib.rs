@@ -1,0 +1,52 @@
+//! What acts between two surfaces, point by point: traction against separation (theory.md, section 8).
+//!
+//! | law                                        | modes              | energy          | hard wall |
+//! |--------------------------------------------|--------------------|-----------------|-----------|
+//! | [`HardWall`]                               | normal             | yes             | yes       |
+//! | [`Morse`], [`HarmonicCosine`]              | normal             | yes             | no        |
+//! | [`Exponential`], [`Dugdale`]               | normal             | yes             | yes       |
+//! | [`XuNeedleman`]                            | normal, tangential | yes             | no        |
+//! | [`BoschSchreursGeers`], [`Npc`]            | normal, tangential | if φ_n = φ_t    | no        |
+//! | [`CoupledExponential`] (C3D), [`Npb`]      | normal, tangential | no              | no        |
+//! | [`Friction`]: Coulomb, Tresca              | tangential         | needs a history |           |
+//!
+//! The separation is that of the rigid surface as seen from the elastic one: normal Δ_n = gap, open > 0; tangential Δ_t.
+//! The traction acts *on the elastic surface*: T_n > 0 attracts, T_t drags along Δ_t; T = ∂Φ/∂Δ where there is an
+//! energy Φ per area. All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
+//!
+//! ```
+//! use gfmd_law::{Kind, Law, Npb, Separation};
+//!
+//! let law = Npb::new(Separation { normal_work: 1.0, tangential_work: 0.8, normal_length: 0.2, tangential_length: 0.3 })?;
+//! // Slip does not weaken the repulsion of surfaces that are pressed into each other.
+//! assert_eq!(law.response(-0.1, 0.0).traction[0], law.response(-0.1, 0.9).traction[0]);
+//! assert!(law.mixed_mode().is_some_and(|properties| properties.all()));
+//!
+//! let law = Kind::Morse.with(&[("gamma", 1.0), ("range", 0.2)])?;
+//! assert!((law.traction(0.1, [0.0; 2])[2] - 2.386_512_185).abs() < 1e-9);
+//! assert_eq!(Kind::Morse.with(&[("gamma", 1.0)]).unwrap_err().to_string(),
+//!     "the law morse needs the parameter range (length, positive)");
+//! # Ok::<(), gfmd_law::LawError>(())
+//! ```
+//!
+//! Not here: surfaces, bodies and equilibrium (`gfmd-interface`).
+
+mod bosch_schreurs_geers;
+mod coupled_exponential;
+mod friction;
+mod kind;
+mod law;
+mod normal;
+mod npc;
+mod separation;
+mod xu_needleman;
+
+pub use bosch_schreurs_geers::BoschSchreursGeers;
+pub use coupled_exponential::{CoupledExponential, Npb};
+pub use friction::{Friction, Limit, Rate, Sliding};
+pub use kind::{Allowed, Kind, Parameter};
+pub use law::{Jacobian, Law, MixedMode, Response};
+pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};
+pub use npc::Npc;
+pub use separation::{LawError, Separation};
+pub use xu_needleman::XuNeedleman;

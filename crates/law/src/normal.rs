@@ -1,0 +1,196 @@
+//! Laws in which only the gap counts.
+
+use std::f64::consts::PI;
+
+use crate::separation::positive;
+use crate::{Law, LawError, Response};
+
+/// The surfaces do not interpenetrate; nothing else acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HardWall;
+
+impl Law for HardWall {
+    fn response(&self, _: f64, _: f64) -> Response {
+        Response::default()
+    }
+
+    fn energy(&self, _: f64, _: f64) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn has_wall(&self) -> bool {
+        true
+    }
+
+    fn stiffness_bound(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+/// Attraction that decays exponentially, with a hard wall: V = −γ e^{−g/ϱ}.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exponential {
+    energy: f64,
+    range: f64,
+}
+
+impl Exponential {
+    /// γ, the work per area of separation from touch, and its range ϱ.
+    ///
+    /// # Errors
+    /// Parameters that are not positive.
+    pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
+        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+    }
+}
+
+impl Law for Exponential {
+    fn response(&self, normal: f64, _: f64) -> Response {
+        let traction = self.energy / self.range * (-normal / self.range).exp();
+        Response::normal(traction, -traction / self.range)
+    }
+
+    fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        Some(-self.energy * (-normal / self.range).exp())
+    }
+
+    fn has_wall(&self) -> bool {
+        true
+    }
+
+    fn stiffness_bound(&self, lowest: f64) -> f64 {
+        self.energy / self.range.powi(2) * (-lowest.max(0.0) / self.range).exp()
+    }
+}
+
+/// Constant attraction γ/ϱ up to the gap ϱ, none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with which
+/// Maugis (1992) solved the adhesive sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dugdale {
+    energy: f64,
+    range: f64,
+}
+
+impl Dugdale {
+    /// γ, the work per area of separation from touch, and its range ϱ.
+    ///
+    /// # Errors
+    /// Parameters that are not positive.
+    pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
+        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+    }
+}
+
+impl Law for Dugdale {
+    fn response(&self, normal: f64, _: f64) -> Response {
+        Response::normal(if normal <= self.range { self.energy / self.range } else { 0.0 }, 0.0)
+    }
+
+    fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        Some(self.energy * (normal / self.range - 1.0).min(0.0))
+    }
+
+    fn has_wall(&self) -> bool {
+        true
+    }
+
+    fn stiffness_bound(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn steepness(&self) -> f64 {
+        self.energy / self.range.powi(2)
+    }
+}
+
+/// V = γ(e^{−2g/ϱ} − 2e^{−g/ϱ}): soft repulsion, minimum −γ at g = 0, largest tension γ/(2ϱ) at g = ϱ ln 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Morse {
+    energy: f64,
+    range: f64,
+}
+
+impl Morse {
+    /// γ, the depth of the minimum, and the range ϱ.
+    ///
+    /// # Errors
+    /// Parameters that are not positive.
+    pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
+        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+    }
+}
+
+impl Law for Morse {
+    fn response(&self, normal: f64, _: f64) -> Response {
+        let e = (-normal / self.range).exp();
+        let strength = 2.0 * self.energy / self.range;
+        Response::normal(strength * e * (1.0 - e), strength / self.range * e * (2.0 * e - 1.0))
+    }
+
+    fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        let e = (-normal / self.range).exp();
+        Some(self.energy * e * (e - 2.0))
+    }
+
+    fn stiffness_bound(&self, lowest: f64) -> f64 {
+        let e = (-lowest / self.range).exp();
+        // The steepest fall of the attraction is an eighth, at e = ¼.
+        2.0 * self.energy / self.range.powi(2) * (e * (2.0 * e - 1.0)).max(0.125)
+    }
+
+    fn steepness(&self) -> f64 {
+        0.25 * self.energy / self.range.powi(2)
+    }
+}
+
+/// A spring in repulsion, half a wave of cosine in attraction, nothing beyond (finite range): V = −γ + ½ k g² for g < 0,
+/// −γ (1 + cos wg)/2 up to g = π/w, w = √(2k/γ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarmonicCosine {
+    energy: f64,
+    curvature: f64,
+    wavenumber: f64,
+}
+
+impl HarmonicCosine {
+    /// γ, the depth of the minimum, and the curvature k of V there, stress/length.
+    ///
+    /// # Errors
+    /// Parameters that are not positive.
+    pub fn new(energy: f64, curvature: f64) -> Result<Self, LawError> {
+        let (energy, curvature) = (positive("gamma", energy)?, positive("curvature", curvature)?);
+        Ok(Self { energy, curvature, wavenumber: (2.0 * curvature / energy).sqrt() })
+    }
+
+    /// π/w, the gap beyond which nothing acts.
+    pub fn cutoff(&self) -> f64 {
+        PI / self.wavenumber
+    }
+}
+
+impl Law for HarmonicCosine {
+    fn response(&self, normal: f64, _: f64) -> Response {
+        if normal < 0.0 {
+            Response::normal(self.curvature * normal, self.curvature)
+        } else if normal < self.cutoff() {
+            let (sin, cos) = (self.wavenumber * normal).sin_cos();
+            Response::normal(0.5 * self.energy * self.wavenumber * sin, self.curvature * cos)
+        } else {
+            Response::default()
+        }
+    }
+
+    fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        Some(if normal < 0.0 {
+            0.5 * self.curvature * normal * normal - self.energy
+        } else if normal < self.cutoff() {
+            -0.5 * self.energy * (1.0 + (self.wavenumber * normal).cos())
+        } else {
+            0.0
+        })
+    }
+
+    fn stiffness_bound(&self, _: f64) -> f64 {
+        self.curvature
+    }
+}

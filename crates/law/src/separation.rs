@@ -1,0 +1,102 @@
+use crate::{Kind, Parameter};
+
+/// Works and lengths of separation of a cohesive law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// φ_n, work per area of opening at Δ_t = 0.
+    pub normal_work: f64,
+    /// φ_t, work per area of sliding at Δ_n = 0.
+    pub tangential_work: f64,
+    /// δ_n, the length of opening.
+    pub normal_length: f64,
+    /// δ_t, the length of sliding.
+    pub tangential_length: f64,
+}
+
+impl Separation {
+    pub(crate) fn check(self) -> Result<Self, LawError> {
+        let Self { normal_work, tangential_work, normal_length, tangential_length } = self;
+        positive("phi_n", normal_work)?;
+        positive("phi_t", tangential_work)?;
+        positive("delta_n", normal_length)?;
+        positive("delta_t", tangential_length)?;
+        Ok(self)
+    }
+
+    /// Δ_n/δ_n and Δ_t/δ_t.
+    pub(crate) fn reduce(&self, normal: f64, sliding: f64) -> [f64; 2] {
+        [normal / self.normal_length, sliding / self.tangential_length]
+    }
+
+    /// A response in units φ_n/δ_n, φ_t/δ_t and their derivatives, in ours.
+    pub(crate) fn scale(&self, [n, t]: [f64; 2], [[nn, nt], [tn, tt]]: [[f64; 2]; 2], secant: f64) -> crate::Response {
+        let Self { normal_work, tangential_work, normal_length, tangential_length } = *self;
+        let (strength, shear_strength) = (normal_work / normal_length, tangential_work / tangential_length);
+        crate::Response {
+            traction: [strength * n, shear_strength * t],
+            jacobian: [
+                [strength / normal_length * nn, strength / tangential_length * nt],
+                [shear_strength / normal_length * tn, shear_strength / tangential_length * tt],
+            ],
+            secant: shear_strength / tangential_length * secant,
+        }
+    }
+
+    /// The largest row sum that [`scale`](Self::scale) makes of bounds on the entries: no eigenvalue exceeds it.
+    pub(crate) fn bound(&self, jacobian: [[f64; 2]; 2]) -> f64 {
+        let [[nn, nt], [tn, tt]] = self.scale([0.0; 2], jacobian, 0.0).jacobian;
+        (nn + nt).max(tn + tt)
+    }
+}
+
+/// Parameters or names that make no law.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LawError {
+    /// A value out of its range.
+    #[error("{name} is {found}; {allowed} is allowed")]
+    Range {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Its value.
+        found: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// No law has this name.
+    #[error("there is no law {found:?}; the laws are {}", Kind::names())]
+    Name {
+        /// The name asked for.
+        found: String,
+    },
+    /// The law has no such parameter.
+    #[error("the law {} has no parameter {found:?}; it takes {}", kind.name(), Parameter::list(kind.parameters()))]
+    Unknown {
+        /// The law.
+        kind: Kind,
+        /// The name found.
+        found: String,
+    },
+    /// A parameter without a value.
+    #[error("the law {} needs the parameter {parameter}", kind.name())]
+    Missing {
+        /// The law.
+        kind: Kind,
+        /// What it needs.
+        parameter: Parameter,
+    },
+    /// A parameter with two values.
+    #[error("the parameter {name} is given more than once")]
+    Twice {
+        /// Name of the parameter.
+        name: &'static str,
+    },
+}
+
+pub(crate) fn positive(name: &'static str, found: f64) -> Result<f64, LawError> {
+    if found > 0.0 && found.is_finite() {
+        Ok(found)
+    } else {
+        Err(LawError::Range { name, found, allowed: "a positive, finite number" })
+    }
+}
