@@ -35,6 +35,10 @@ impl Law for BoschSchreursGeers {
         (normal_work == tangential_work).then(|| normal_work * (1.0 - (1.0 + x) * (-x - y * y).exp()))
     }
 
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.separation.opening_energy(normal)
+    }
+
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let x0 = (lowest / self.separation.normal_length).min(0.0);
         let e0 = (-x0).exp();

@@ -34,6 +34,10 @@ impl Law for CoupledExponential {
         None
     }
 
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.separation.opening_energy(normal)
+    }
+
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let x0 = (lowest / self.separation.normal_length).min(0.0);
         let e0 = (-x0).exp();
@@ -88,6 +92,10 @@ impl Law for Npb {
 
     fn energy(&self, _: f64, _: f64) -> Option<f64> {
         None
+    }
+
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.coupled.opening_energy(normal)
     }
 
     fn stiffness_bound(&self, lowest: f64) -> f64 {

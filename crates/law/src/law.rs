@@ -9,6 +9,9 @@ pub trait Law: fmt::Debug + Send + Sync {
     /// Φ, energy per area of surface; `None` if the traction is not the gradient of one.
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
 
+    /// Φ where nothing slides: an energy of T_n(Δ_n, 0), which every law has.
+    fn opening_energy(&self, normal: f64) -> f64;
+
     /// Whether Δ_n < 0 is forbidden; the law then speaks for Δ_n ≥ 0 only.
     fn has_wall(&self) -> bool {
         false

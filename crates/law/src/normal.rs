@@ -14,8 +14,12 @@ impl Law for HardWall {
         Response::default()
     }
 
-    fn energy(&self, _: f64, _: f64) -> Option<f64> {
-        Some(0.0)
+    fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        Some(self.opening_energy(normal))
+    }
+
+    fn opening_energy(&self, _: f64) -> f64 {
+        0.0
     }
 
     fn has_wall(&self) -> bool {
@@ -51,7 +55,11 @@ impl Law for Exponential {
     }
 
     fn energy(&self, normal: f64, _: f64) -> Option<f64> {
-        Some(-self.energy * (-normal / self.range).exp())
+        Some(self.opening_energy(normal))
+    }
+
+    fn opening_energy(&self, normal: f64) -> f64 {
+        -self.energy * (-normal / self.range).exp()
     }
 
     fn has_wall(&self) -> bool {
@@ -87,7 +95,11 @@ impl Law for Dugdale {
     }
 
     fn energy(&self, normal: f64, _: f64) -> Option<f64> {
-        Some(self.energy * (normal / self.range - 1.0).min(0.0))
+        Some(self.opening_energy(normal))
+    }
+
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.energy * (normal / self.range - 1.0).min(0.0)
     }
 
     fn has_wall(&self) -> bool {
@@ -128,8 +140,12 @@ impl Law for Morse {
     }
 
     fn energy(&self, normal: f64, _: f64) -> Option<f64> {
+        Some(self.opening_energy(normal))
+    }
+
+    fn opening_energy(&self, normal: f64) -> f64 {
         let e = (-normal / self.range).exp();
-        Some(self.energy * e * (e - 2.0))
+        self.energy * e * (e - 2.0)
     }
 
     fn stiffness_bound(&self, lowest: f64) -> f64 {
@@ -181,13 +197,17 @@ impl Law for HarmonicCosine {
     }
 
     fn energy(&self, normal: f64, _: f64) -> Option<f64> {
-        Some(if normal < 0.0 {
+        Some(self.opening_energy(normal))
+    }
+
+    fn opening_energy(&self, normal: f64) -> f64 {
+        if normal < 0.0 {
             0.5 * self.curvature * normal * normal - self.energy
         } else if normal < self.cutoff() {
             -0.5 * self.energy * (1.0 + (self.wavenumber * normal).cos())
         } else {
             0.0
-        })
+        }
     }
 
     fn stiffness_bound(&self, _: f64) -> f64 {

@@ -43,6 +43,10 @@ impl Law for Npc {
             .then(|| normal_work * if x < 0.0 { work(x) + work(y.abs()) } else { work(x.hypot(y)) })
     }
 
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.separation.opening_energy(normal)
+    }
+
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let x0 = (lowest / self.separation.normal_length).min(0.0);
         // |x y|/λ ≤ λ/2 and the largest λ e^{−λ} is 1/e.

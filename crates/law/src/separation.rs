@@ -28,6 +28,12 @@ impl Separation {
         [normal / self.normal_length, sliding / self.tangential_length]
     }
 
+    /// φ_n (1 − (1 + x) e^{−x}): all laws here open alike.
+    pub(crate) fn opening_energy(&self, normal: f64) -> f64 {
+        let [x, _] = self.reduce(normal, 0.0);
+        self.normal_work * (1.0 - (1.0 + x) * (-x).exp())
+    }
+
     /// A response in units φ_n/δ_n, φ_t/δ_t and their derivatives, in ours.
     pub(crate) fn scale(&self, [n, t]: [f64; 2], [[nn, nt], [tn, tt]]: [[f64; 2]; 2], secant: f64) -> crate::Response {
         let Self { normal_work, tangential_work, normal_length, tangential_length } = *self;

@@ -58,6 +58,10 @@ impl Law for XuNeedleman {
         Some(separation.normal_work * (1.0 + e * ((1.0 - r + x) * a - (self.q() + b * x) * gauss)))
     }
 
+    fn opening_energy(&self, normal: f64) -> f64 {
+        self.separation.opening_energy(normal)
+    }
+
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let Self { separation, r, a, b } = *self;
         let q = self.q();

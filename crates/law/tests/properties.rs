@@ -80,9 +80,12 @@ proptest! {
         let h = 1e-5;
         for law in all() {
             let energy = |x: f64, y: f64, n: f64| law.energy(n, x.hypot(y));
+            let opening = (law.opening_energy(normal + h) - law.opening_energy(normal - h)) / (2.0 * h);
+            prop_assert!((opening - law.traction(normal, [0.0; 2])[2]).abs() <= 1e-7 * 50.0, "{law:?}: {opening}");
             if energy(x, y, normal).is_none() {
                 continue;
             }
+            prop_assert!((law.opening_energy(normal) - energy(0.0, 0.0, normal).unwrap()).abs() < 1e-13);
             let slope = |d: [f64; 3]| {
                 let at = |h: f64| energy(x + h * d[0], y + h * d[1], normal + h * d[2]).unwrap();
                 (at(h) - at(-h)) / (2.0 * h)

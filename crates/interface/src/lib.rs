@@ -1,0 +1,47 @@
+//! An elastic body and a rigid rough surface joined by an interface law: adhesive and cohesive contact, friction.
+//!
+//! - [`Interface`]: a law that acts across the gap, with or without a hard wall, in u_z alone or in all components. At
+//!   rest the elastic traction balances that of law and wall; of several such states, the stable one that is met by going
+//!   downhill in energy from where the surfaces are.
+//!
+//! Two waves that stick, pressed together and pulled apart:
+//!
+//! ```
+//! use gfmd_field::Grid;
+//! use gfmd_green::{Body, Material};
+//! use gfmd_interface::{Drive, Interface, Settings};
+//! use gfmd_law::Exponential;
+//! use gfmd_response::NormalResponse;
+//! use ndarray::Array2;
+//! use std::ops::ControlFlow;
+//!
+//! let n = 512;
+//! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+//! let response = NormalResponse::new(Grid::line(n, 1.0)?, &body);
+//! let heights = Array2::from_shape_fn((n, 1), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / n as f64).cos());
+//! let law = Exponential::new(5e-5, 1.2e-3)?;
+//! let interface = Interface::normal(&response, heights.view(), &law)?;
+//! assert!(interface.trapping().is_none());
+//!
+//! let mut watch = |_: &_| ControlFlow::Continue(());
+//! let mut at = |approach, start| interface.solve(Drive::approach(approach), &Settings::default(), start, &mut watch);
+//! let pressed = at(0.004, None)?;
+//! let pulled = at(-0.001, Some(&pressed))?;
+//! assert!(pressed.mean_pressure > 0.0 && pulled.mean_pressure < 0.0);
+//! assert!(pulled.contact_fraction > 0.1 && pulled.contact_fraction < pressed.contact_fraction);
+//! assert!(pulled.residual.worst() <= 1e-8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Not here: the laws themselves (`gfmd-law`), hard-wall contact under load (`gfmd-contact`, faster for that).
+
+mod certify;
+mod elastic;
+mod error;
+mod newton;
+mod problem;
+mod state;
+
+pub use error::InterfaceError;
+pub use problem::{Drive, Interface, Normal, Progress, Settings, Trapping, Watch};
+pub use state::{Residual, State};
