@@ -1,4 +1,6 @@
-use crate::{Residual, State};
+use gfmd_law::LawError;
+
+use crate::{FrictionState, Residual, State};
 
 /// Why an interface cannot be posed or was not brought to rest.
 #[derive(Debug, thiserror::Error)]
@@ -71,6 +73,36 @@ pub enum InterfaceError {
         /// What ended the search.
         reason: &'static str,
     },
+    /// A frictional contact whose residuals did not fall to the tolerance. The state reached is kept.
+    #[error("not converged after {} iterations ({reason}): {}, asked {asked:e}", state.iterations, state.residual)]
+    FrictionNotConverged {
+        /// The state reached, with its residuals.
+        state: Box<FrictionState>,
+        /// The tolerance.
+        asked: f64,
+        /// What ended the search.
+        reason: &'static str,
+    },
+    /// The observer of a frictional contact asked to stop. The state reached is kept.
+    #[error("interrupted after {} iterations: {}", state.iterations, state.residual)]
+    FrictionInterrupted {
+        /// The state reached, with its residuals.
+        state: Box<FrictionState>,
+    },
+    /// Friction without contact.
+    #[error("the {what} is {found}; friction needs contact, it must be positive")]
+    NotPressed {
+        /// Mean pressure or approach.
+        what: &'static str,
+        /// What was asked.
+        found: f64,
+    },
+    /// Heights that do not vary.
+    #[error("the heights are all equal; a contact needs a surface that varies")]
+    Flat,
+    /// Parameters that make no law.
+    #[error(transparent)]
+    Law(LawError),
     /// The observer asked to stop. The state reached is kept.
     #[error("interrupted after {} iterations: {}", state.iterations, state.residual)]
     Interrupted {

@@ -3,6 +3,7 @@
 //! - [`Interface`]: a law that acts across the gap, with or without a hard wall, in u_z alone or in all components. At
 //!   rest the elastic traction balances that of law and wall; of several such states, the stable one that is met by going
 //!   downhill in energy from where the surfaces are.
+//! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, increment by increment.
 //!
 //! Two waves that stick, pressed together and pulled apart:
 //!
@@ -38,10 +39,12 @@
 mod certify;
 mod elastic;
 mod error;
+mod friction;
 mod newton;
 mod problem;
 mod state;
 
 pub use error::InterfaceError;
+pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
 pub use problem::{Drive, Interface, Normal, Progress, Settings, Trapping, Watch};
 pub use state::{Residual, State};

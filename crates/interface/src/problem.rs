@@ -1,5 +1,6 @@
 use std::ops::ControlFlow;
 
+use gfmd_field::Grid;
 use gfmd_law::Law;
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::ArrayView2;
@@ -39,6 +40,18 @@ impl Drive {
     pub fn approach(approach: f64) -> Self {
         Self { normal: Normal::Approach(approach), lateral: [0.0; 2] }
     }
+
+    pub(crate) fn check(&self) -> Result<(), InterfaceError> {
+        let normal = match self.normal {
+            Normal::MeanPressure(found) => ("mean pressure", found),
+            Normal::Approach(found) => ("approach", found),
+        };
+        let all = [normal, ("lateral displacement", self.lateral[0]), ("lateral displacement", self.lateral[1])];
+        match all.into_iter().find(|(_, found)| !found.is_finite()) {
+            Some((what, found)) => Err(InterfaceError::Drive { what, found }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// How well to solve.
@@ -54,6 +67,13 @@ impl Default for Settings {
     /// To 1e-8.
     fn default() -> Self {
         Self { tolerance: 1e-8, max_iterations: 2000 }
+    }
+}
+
+impl Settings {
+    pub(crate) fn check(&self) -> Result<(), InterfaceError> {
+        let found = self.tolerance;
+        if (1e-14..=0.1).contains(&found) { Ok(()) } else { Err(InterfaceError::Tolerance { found }) }
     }
 }
 
@@ -118,24 +138,11 @@ impl<'a> Interface<'a> {
     }
 
     fn new(elastic: Elastic<'a>, heights: ArrayView2<f64>, law: &'a dyn Law) -> Result<Self, InterfaceError> {
-        let expected = elastic.grid().points();
-        let found = heights.dim().into();
-        if found != expected {
-            return Err(InterfaceError::Shape { found, expected });
-        }
-        if let Some(((i, j), &value)) = heights.indexed_iter().find(|(_, h)| !h.is_finite()) {
-            return Err(InterfaceError::Height { index: [i, j], value });
-        }
+        let (clearance, rms_height) = heights_to_clearance(heights, elastic.grid())?;
         // Without sliding, a law that lacks a potential still has one along Δ_n.
         if elastic.components() > 1 && law.energy(0.0, 0.0).is_none() {
             return Err(InterfaceError::NoEnergy);
         }
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
-        let level = mean(&clearance);
-        let squares =
-            gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().map(|c| (c - level).powi(2)).sum());
-        let rms_height = (squares / clearance.len() as f64).sqrt();
         Ok(Self { elastic, law, clearance, rms_height })
     }
 
@@ -183,18 +190,8 @@ impl<'a> Interface<'a> {
     }
 
     fn check(&self, drive: Drive, settings: &Settings) -> Result<(), InterfaceError> {
-        if !(1e-14..=0.1).contains(&settings.tolerance) {
-            return Err(InterfaceError::Tolerance { found: settings.tolerance });
-        }
-        let (what, found) = match drive.normal {
-            Normal::MeanPressure(found) => ("mean pressure", found),
-            Normal::Approach(found) => ("approach", found),
-        };
-        let all =
-            [(what, found), ("lateral displacement", drive.lateral[0]), ("lateral displacement", drive.lateral[1])];
-        if let Some(&(what, found)) = all.iter().find(|(_, found)| !found.is_finite()) {
-            return Err(InterfaceError::Drive { what, found });
-        }
+        settings.check()?;
+        drive.check()?;
         if let Normal::Approach(found) = drive.normal {
             let limit = mean(&self.clearance);
             let held = self.frame(drive).held;
@@ -229,6 +226,25 @@ impl<'a> Interface<'a> {
             Elastic::Full(_) => self.law.energy(normal, x.hypot(y)).unwrap_or(f64::NAN),
         }
     }
+}
+
+/// Distance from the highest point of a rigid surface down to it, and the rms height.
+pub(crate) fn heights_to_clearance(heights: ArrayView2<f64>, grid: &Grid) -> Result<(Vec<f64>, f64), InterfaceError> {
+    let expected = grid.points();
+    let found = heights.dim().into();
+    if found != expected {
+        return Err(InterfaceError::Shape { found, expected });
+    }
+    if let Some(((i, j), &value)) = heights.indexed_iter().find(|(_, h)| !h.is_finite()) {
+        return Err(InterfaceError::Height { index: [i, j], value });
+    }
+    let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
+    let level = mean(&clearance);
+    let squares =
+        gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().map(|c| (c - level).powi(2)).sum());
+    let rms_height = (squares / clearance.len() as f64).sqrt();
+    Ok((clearance, rms_height))
 }
 
 /// How a drive is posed. Under a prescribed load the rigid surface stays at first touch and the body is pushed up with

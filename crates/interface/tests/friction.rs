@@ -1,0 +1,198 @@
+//! Frictional contact against closed forms.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{Drive, FrictionState, FrictionalContact, InterfaceError, Normal, Settings};
+use gfmd_law::Limit;
+use gfmd_response::FullResponse;
+use ndarray::Array2;
+
+fn incompressible(grid: Grid) -> FullResponse {
+    // E* = 4 C44: normal load and shear do not know of each other.
+    FullResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.5).unwrap()))
+}
+
+fn solve(contact: &FrictionalContact, drive: Drive, start: Option<&FrictionState>) -> FrictionState {
+    let settings = Settings { tolerance: 1e-10, max_iterations: 20_000 };
+    contact.solve(drive, &settings, start, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn wave(n: usize) -> Array2<f64> {
+    Array2::from_shape_fn((n, 1), |(i, _)| 0.01 * (TAU * i as f64 / n as f64).cos())
+}
+
+fn pressed(pressure: f64, x: f64) -> Drive {
+    Drive { normal: Normal::MeanPressure(pressure), lateral: [x, 0.0] }
+}
+
+/// The pressure on a line, as positive numbers.
+fn pressures(state: &FrictionState) -> Vec<f64> {
+    let z = state.traction.dim().0 - 1;
+    state.traction.index_axis(ndarray::Axis(0), z).iter().map(|t| -t).collect()
+}
+
+#[test]
+fn a_wave_under_shear_is_the_difference_of_two_pressures() {
+    // Ciavarella (1998), Jäger (1998): τ = μ (p(P) − p(P*)), P* = P − Q/μ, exact where normal and tangential compliance
+    // are alike and uncoupled: plane strain, ν = ½.
+    let n = 256;
+    let response = incompressible(Grid::line(n, 1.0).unwrap());
+    let heights = wave(n);
+    let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.4)).unwrap();
+    let load = 0.3 * PI * 0.01;
+    let rest = solve(&contact, pressed(load, 0.0), None);
+    assert!(rest.mean_shear[0].abs() < 1e-14 && rest.dissipated.abs() < 1e-16);
+    for lateral in [2e-4, 1e-3, 2e-3] {
+        let state = solve(&contact, pressed(load, lateral), Some(&rest));
+        let shear = state.mean_shear[0];
+        let core = solve(&contact, pressed(load - shear / 0.4, 0.0), None);
+        let wanted = pressures(&rest).into_iter().zip(pressures(&core)).map(|(p, core)| 0.4 * (p - core));
+        for (found, wanted) in state.traction.iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-6 * 0.4 * load, "{lateral}: {found} {wanted}");
+        }
+        assert_eq!(state.stick_fraction, core.contact_fraction, "{lateral}");
+        // Westergaard: the share in contact.
+        let share = 2.0 / PI * ((load - shear / 0.4) / (PI * 0.01)).sqrt().asin();
+        assert!((state.stick_fraction - share).abs() < 2.0 / n as f64, "{} {share}", state.stick_fraction);
+        assert!(state.dissipated > 0.0 && shear < 0.4 * load);
+    }
+    let sliding = solve(&contact, pressed(load, 0.05), Some(&rest));
+    assert!((sliding.mean_shear[0] - 0.4 * load).abs() < 1e-10 && sliding.stick_fraction == 0.0);
+}
+
+#[test]
+fn a_loop_of_shear_doubles_the_first_branch() {
+    // Masing's rule, exact under the same conditions: Q(U − 2 x) = Q(U) − 2 Q₁(x) with Q₁ the first branch.
+    let n = 128;
+    let response = incompressible(Grid::line(n, 1.0).unwrap());
+    let heights = wave(n);
+    let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.4)).unwrap();
+    let load = 0.3 * PI * 0.01;
+    let rest = solve(&contact, pressed(load, 0.0), None);
+    let first = |x: f64| solve(&contact, pressed(load, x), Some(&rest));
+    let far = first(2e-3);
+    let mut last = far.clone();
+    for x in [2.5e-4, 5e-4, 1e-3, 2e-3] {
+        last = solve(&contact, pressed(load, 2e-3 - 2.0 * x), Some(&last));
+        let wanted = far.mean_shear[0] - 2.0 * first(x).mean_shear[0];
+        assert!((last.mean_shear[0] - wanted).abs() < 1e-7 * far.mean_shear[0], "{x}");
+    }
+}
+
+#[test]
+fn a_sphere_under_shear_sticks_in_the_circle_of_cattaneo_and_mindlin() {
+    // Cattaneo (1938), Mindlin (1949): c = a (1 − Q/μP)^⅓ and τ = μ (p₀ √(1 − r²/a²) − p₀ c/a √(1 − r²/c²)), with
+    // the slip taken along x everywhere, which costs a per cent or so.
+    let errors: Vec<[f64; 2]> = [32, 64, 128]
+        .into_iter()
+        .map(|n| {
+            let response = incompressible(Grid::square(n, 1.0).unwrap());
+            let at = |i: usize| i as f64 / n as f64 - 0.5;
+            let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i).powi(2) + at(j).powi(2)));
+            let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.3)).unwrap();
+            let a = 0.15_f64;
+            let load = 4.0 / 3.0 * a.powi(3);
+            let rest = solve(&contact, pressed(load, 0.0), None);
+            let strongest = 0.3 * 2.0 * a / PI;
+            let mut worst = [0.0_f64; 2];
+            for lateral in [2e-3, 3e-3, 4e-3] {
+                let state = solve(&contact, pressed(load, lateral), Some(&rest));
+                let c = a * (1.0 - state.mean_shear[0] / (0.3 * load)).cbrt();
+                worst[0] = worst[0].max(((state.stick_fraction / PI).sqrt() - c).abs() / a);
+                let dome = |r: f64, b: f64| (1.0 - (r / b).powi(2)).max(0.0).sqrt();
+                let mut square = 0.0;
+                for i in 0..n {
+                    for j in 0..n {
+                        let r = at(i).hypot(at(j));
+                        let wanted = strongest * (dome(r, a) - c / a * dome(r, c));
+                        square += (state.traction[[0, i, j]] - wanted).powi(2);
+                    }
+                }
+                worst[1] = worst[1].max((square / (PI * (a * n as f64).powi(2))).sqrt() / strongest);
+                assert!(state.mean_shear[1].abs() < 1e-9 * state.mean_shear[0]);
+            }
+            worst
+        })
+        .collect();
+    assert!(errors[2][0] < 0.01 && errors[2][1] < 0.02, "{errors:?}");
+    assert!(errors[2][0] < 0.5 * errors[0][0] && errors[2][1] < 0.5 * errors[0][1], "{errors:?}");
+}
+
+#[test]
+fn every_condition_holds_under_a_path_of_shear_up_to_sliding() {
+    let grid = Grid::new([40, 36], [1.0, 0.9]).unwrap();
+    let coupled = Body::slab(Material::from_young(1.0, 0.2).unwrap(), 0.3).unwrap();
+    let at =
+        |i: usize, j: usize| (TAU * i as f64 / 40.0).cos() + (TAU * (j as f64 / 36.0 + 2.0 * i as f64 / 40.0)).sin();
+    let heights = Array2::from_shape_fn((40, 36), |(i, j)| 0.01 * at(i, j));
+    for (response, limit) in [
+        (FullResponse::new(grid, &coupled), Limit::Coulomb(0.5)),
+        (incompressible(grid), Limit::Coulomb(0.5)),
+        (incompressible(grid), Limit::Tresca(0.004)),
+    ] {
+        let contact = FrictionalContact::new(&response, heights.view(), limit).unwrap();
+        for normal in [Normal::MeanPressure(0.01), Normal::Approach(0.015)] {
+            let mut last = None;
+            let mut work = 0.0;
+            for lateral in [[0.0, 0.0], [2e-3, -1e-3], [4e-3, 1e-3], [0.2, 0.1]] {
+                let state = solve(&contact, Drive { normal, lateral }, last.as_ref());
+                assert!(state.residual.worst() <= 1e-10 && state.dissipated >= -1e-16);
+                work += state.dissipated;
+                last = Some(state);
+            }
+            let state = last.unwrap();
+            assert!(work > 0.0 && state.stick_fraction == 0.0);
+            let wanted = match limit {
+                Limit::Coulomb(coefficient) => coefficient * state.mean_pressure,
+                Limit::Tresca(strength) => strength * state.contact_fraction,
+            };
+            let found = state.mean_shear[0].hypot(state.mean_shear[1]);
+            // Not all points slip in quite the same direction.
+            assert!(found <= wanted * (1.0 + 1e-9) && found > 0.98 * wanted, "{limit:?} {normal:?}: {found} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn without_friction_normal_contact_is_that_of_the_wall_alone() {
+    let response = FullResponse::new(
+        Grid::new([33, 31], [1.0, 1.0]).unwrap(),
+        &Body::half_space(Material::from_young(1.0, 0.3).unwrap()),
+    );
+    let heights = Array2::from_shape_fn((33, 31), |(i, j)| 0.01 * ((i * i + 3 * j) as f64).sin());
+    let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.0)).unwrap();
+    let wall = gfmd_interface::Interface::full(&response, heights.view(), &gfmd_law::HardWall).unwrap();
+    let settings = Settings { tolerance: 1e-10, ..Settings::default() };
+    for drive in [Drive::mean_pressure(0.02), Drive::approach(0.008)] {
+        let a = solve(&contact, drive, None);
+        let b = wall.solve(drive, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert!((&a.gap - &b.gap).iter().all(|e| e.abs() < 1e-9) && (a.approach - b.approach).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn bad_input_is_refused_with_what_was_found() {
+    let response = incompressible(Grid::line(16, 1.0).unwrap());
+    let heights = wave(16);
+    let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.4)).unwrap();
+    let settings = Settings::default();
+    let message = |drive: Drive| {
+        contact.solve(drive, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+    };
+    assert_eq!(message(pressed(-0.1, 0.0)), "the mean pressure is -0.1; friction needs contact, it must be positive");
+    assert_eq!(message(Drive::approach(0.0)), "the approach is 0; friction needs contact, it must be positive");
+    assert_eq!(message(pressed(0.1, f64::NAN)), "the lateral displacement is NaN; it must be finite");
+    assert!(message(Drive::approach(1.0)).contains("full contact at the mean clearance"));
+    let flat = Array2::zeros((16, 1));
+    assert!(matches!(FrictionalContact::new(&response, flat.view(), Limit::Coulomb(0.4)), Err(InterfaceError::Flat)));
+    let refused = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(-0.4));
+    assert_eq!(refused.err().unwrap().to_string(), "mu is -0.4; 0 or a positive, finite number is allowed");
+    let few = Settings { max_iterations: 2, ..settings };
+    let stopped = contact.solve(pressed(0.01, 1e-3), &few, None, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(stopped, Err(InterfaceError::FrictionNotConverged { .. })));
+    let broken = contact.solve(pressed(0.01, 1e-3), &settings, None, &mut |_| ControlFlow::Break(()));
+    assert!(matches!(broken, Err(InterfaceError::FrictionInterrupted { .. })));
+}
