@@ -83,10 +83,9 @@ pub(crate) fn certify(interface: &Interface, drive: Drive, position: &[f64]) -> 
     };
     let [softest, _] = interface.elastic.stiffness_range();
     let stress = largest.max(softest * interface.rms_height).max(f64::MIN_POSITIVE);
-    let length = if interface.rms_height > 0.0 { interface.rms_height } else { 1.0 };
     let residual = Residual {
         equilibrium: unbalanced / stress,
-        penetration: if wall { (-lowest).max(0.0) / length } else { 0.0 },
+        penetration: if wall { (-lowest).max(0.0) / interface.length_scale() } else { 0.0 },
         wall_tension: tension / stress,
         load: load.abs() / stress,
     };

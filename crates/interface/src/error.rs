@@ -23,8 +23,13 @@ pub enum InterfaceError {
         value: f64,
     },
     /// A law whose traction is not the gradient of an energy.
-    #[error("this law has no energy with these parameters; the Newton method needs one")]
+    #[error("this law has no energy with these parameters; the Newton method needs one, dynamics does not")]
     NoEnergy,
+    /// A mean that is held while points are held back at a wall.
+    #[error(
+        "dynamics cannot hold the mean of a half-space at a wall; prescribe the mean pressure, or use Newton's method"
+    )]
+    NoDynamics,
     /// A load, approach or lateral displacement that is not a finite number.
     #[error("the {what} is {found}; it must be finite")]
     Drive {

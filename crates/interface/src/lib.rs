@@ -37,6 +37,7 @@
 //! Not here: the laws themselves (`gfmd-law`), hard-wall contact under load (`gfmd-contact`, faster for that).
 
 mod certify;
+mod dynamics;
 mod elastic;
 mod error;
 mod friction;
@@ -46,5 +47,5 @@ mod state;
 
 pub use error::InterfaceError;
 pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
-pub use problem::{Drive, Interface, Normal, Progress, Settings, Trapping, Watch};
+pub use problem::{Drive, Interface, Method, Normal, Progress, Settings, Trapping, Watch};
 pub use state::{Residual, State};

@@ -9,7 +9,7 @@ use gfmd_vector::{add, dot, pass, reduce};
 
 use crate::certify::higher;
 use crate::elastic::Transforms;
-use crate::problem::{Frame, Interface, Normal, Progress, Settings, Watch};
+use crate::problem::{Frame, Interface, Progress, Settings, Watch};
 use crate::{Drive, State};
 
 pub(crate) struct Ended {
@@ -128,21 +128,10 @@ impl<'a> Descent<'a> {
         let frame = interface.frame(drive);
         let points = interface.clearance.len();
         let components = interface.elastic.components();
-        let z = components - 1;
         let size = components * points;
         let bound: Option<Vec<f64>> =
             interface.law.has_wall().then(|| interface.clearance.iter().map(|c| c - frame.approach).collect());
-        let mut position = vec![0.0; size];
-        if let Some(state) = start {
-            position.iter_mut().zip(&state.displacement).for_each(|(w, u)| *w = *u);
-            if matches!(drive.normal, Normal::MeanPressure(_)) {
-                position[z * points..].iter_mut().for_each(|w| *w += state.approach);
-            }
-            if let Some(bound) = &bound {
-                let touching = position[z * points..].iter_mut().zip(bound).zip(&state.wall_pressure);
-                touching.filter(|(_, p)| **p > 0.0).for_each(|((w, b), _)| *w = *b);
-            }
-        }
+        let position = interface.starting_position(drive, start);
         let stiffness_range = interface.elastic.stiffness_range();
         let uniform =
             frame.uniform_stiffness.iter().map(|k| 1.0 / if *k > 0.0 { *k } else { stiffness_range[0] }).collect();
@@ -216,7 +205,7 @@ impl<'a> Descent<'a> {
                     &add,
                 );
                 let size = total.abs() / *points as f64;
-                if free == 0.0 || size <= f64::EPSILON * self.interface.rms_height {
+                if free == 0.0 || size <= f64::EPSILON * self.interface.length_scale() {
                     break;
                 }
                 let shift = -total / free;

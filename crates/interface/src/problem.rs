@@ -6,6 +6,7 @@ use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::ArrayView2;
 
 use crate::certify::certify;
+use crate::dynamics;
 use crate::elastic::{Elastic, mean};
 use crate::newton::{self, End};
 use crate::{InterfaceError, State};
@@ -54,19 +55,34 @@ impl Drive {
     }
 }
 
+/// How to look for a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// [`Newton`](Self::Newton) where there is an energy, [`Dynamics`](Self::Dynamics) else.
+    #[default]
+    Auto,
+    /// Newton steps downhill in energy.
+    Newton,
+    /// Damped dynamics (FIRE): for laws without an energy, and as an independent check. Not with a wall under prescribed
+    /// approach on a half-space.
+    Dynamics,
+}
+
 /// How well to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    /// The method.
+    pub method: Method,
     /// Every part of [`Residual`](crate::Residual) must fall to this.
     pub tolerance: f64,
-    /// Steps after which the search is given up.
+    /// Steps, or time steps, after which the search is given up.
     pub max_iterations: u64,
 }
 
 impl Default for Settings {
     /// To 1e-8.
     fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 2000 }
+        Self { method: Method::Auto, tolerance: 1e-8, max_iterations: 100_000 }
     }
 }
 
@@ -116,7 +132,7 @@ impl<'a> Interface<'a> {
     /// matter.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite; a law without an energy.
+    /// Heights of another shape than the grid, or not finite.
     pub fn normal(
         response: &'a NormalResponse,
         heights: ArrayView2<f64>,
@@ -139,11 +155,12 @@ impl<'a> Interface<'a> {
 
     fn new(elastic: Elastic<'a>, heights: ArrayView2<f64>, law: &'a dyn Law) -> Result<Self, InterfaceError> {
         let (clearance, rms_height) = heights_to_clearance(heights, elastic.grid())?;
-        // Without sliding, a law that lacks a potential still has one along Δ_n.
-        if elastic.components() > 1 && law.energy(0.0, 0.0).is_none() {
-            return Err(InterfaceError::NoEnergy);
-        }
         Ok(Self { elastic, law, clearance, rms_height })
+    }
+
+    /// Whether law and components have an energy: without sliding, every law has one.
+    pub fn has_energy(&self) -> bool {
+        self.elastic.components() == 1 || self.law.energy(0.0, 0.0).is_some()
     }
 
     /// Whether the law is too steep for the grid (theory.md, section 8). A warning, not an error: the states are right
@@ -170,7 +187,16 @@ impl<'a> Interface<'a> {
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
             return Err(InterfaceError::Start { found, expected });
         }
-        let ended = newton::descend(self, drive, settings, start, watch);
+        let has_energy = self.has_energy();
+        let ended = match settings.method {
+            Method::Newton if !has_energy => return Err(InterfaceError::NoEnergy),
+            Method::Dynamics if self.law.has_wall() && self.frame(drive).held.last() == Some(&true) => {
+                return Err(InterfaceError::NoDynamics);
+            }
+            Method::Dynamics => dynamics::relax_to_rest(self, drive, settings, start, watch),
+            Method::Auto if !has_energy => dynamics::relax_to_rest(self, drive, settings, start, watch),
+            Method::Auto | Method::Newton => newton::descend(self, drive, settings, start, watch),
+        };
         let mut state = certify(self, drive, &ended.position);
         state.iterations = ended.iterations;
         state.transform_pairs += ended.transform_pairs;
@@ -202,6 +228,11 @@ impl<'a> Interface<'a> {
         Ok(())
     }
 
+    /// What counts as a length: the rms height, 1 of a flat surface.
+    pub(crate) fn length_scale(&self) -> f64 {
+        if self.rms_height > 0.0 { self.rms_height } else { 1.0 }
+    }
+
     /// The frame in which a drive is solved.
     pub(crate) fn frame(&self, drive: Drive) -> Frame {
         let uniform = self.elastic.uniform_compliance();
@@ -218,11 +249,30 @@ impl<'a> Interface<'a> {
         Frame { uniform_stiffness: stiffness, held, push, approach, lateral: drive.lateral }
     }
 
-    /// Φ, energy per area; where u_z alone moves, that of opening.
+    /// Where a search begins, in the frame of the drive: at `start`, with the points that the wall pressed still on it, or
+    /// undeformed but for what would interpenetrate.
+    pub(crate) fn starting_position(&self, drive: Drive, start: Option<&State>) -> Vec<f64> {
+        let points = self.clearance.len();
+        let mut position = vec![0.0; self.elastic.components() * points];
+        let z = position.len() - points;
+        let approach = if let Normal::Approach(approach) = drive.normal { approach } else { 0.0 };
+        let wall = self.clearance.iter().map(|c| c - approach);
+        let Some(state) = start else {
+            position[z..].iter_mut().zip(wall).for_each(|(w, wall)| *w = wall.min(0.0));
+            return position;
+        };
+        position.iter_mut().zip(&state.displacement).for_each(|(w, u)| *w = *u);
+        let rise = if let Normal::MeanPressure(_) = drive.normal { state.approach } else { 0.0 };
+        for ((w, wall), pressure) in position[z..].iter_mut().zip(wall).zip(&state.wall_pressure) {
+            *w = if *pressure > 0.0 { wall } else { *w + rise };
+        }
+        position
+    }
+
+    /// Φ, energy per area; where u_z alone moves, that of opening. NaN without one.
     pub(crate) fn energy(&self, (normal, [x, y]): (f64, [f64; 2])) -> f64 {
         match self.elastic {
             Elastic::Normal(_) => self.law.opening_energy(normal),
-            // The law was refused if it has none.
             Elastic::Full(_) => self.law.energy(normal, x.hypot(y)).unwrap_or(f64::NAN),
         }
     }

@@ -21,7 +21,7 @@ pub struct State {
     pub lateral: [f64; 2],
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
-    /// Energy of the law per area, stress × length.
+    /// Energy of the law per area, stress × length; NaN of a law without one.
     pub interface_energy: f64,
     /// Share of the points in contact: pressed by the wall, or repelled by a law without one.
     pub contact_fraction: f64,
@@ -32,14 +32,16 @@ pub struct State {
     /// Forward and inverse transforms of one component, in pairs, those that made the final fields included.
     pub transform_pairs: u64,
     /// Whether directions of negative curvature were met on the way from the state started from: after a jump they
-    /// were, after a long smooth step they may have been.
+    /// were, after a long smooth step they may have been. Dynamics does not look.
     pub passed_instability: bool,
-    /// The lowest curvature that the last search for a step saw, in units of the elastic one: > 0 in a stable state.
+    /// The lowest curvature that the last search for a step saw, in units of the elastic one: > 0 in a stable state. NaN
+    /// of dynamics.
     pub lowest_curvature: f64,
 }
 
 /// How far a state is from equilibrium; zero of the exact one. Stresses are in units of the largest traction, or of the
-/// softest stiffness times the rms height where that is more; lengths in rms heights.
+/// softest stiffness times the rms height where that is more; lengths in rms heights
+/// (of a flat surface in units of length).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Largest force per area that nothing balances.

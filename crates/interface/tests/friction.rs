@@ -16,7 +16,7 @@ fn incompressible(grid: Grid) -> FullResponse {
 }
 
 fn solve(contact: &FrictionalContact, drive: Drive, start: Option<&FrictionState>) -> FrictionState {
-    let settings = Settings { tolerance: 1e-10, max_iterations: 20_000 };
+    let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     contact.solve(drive, &settings, start, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 

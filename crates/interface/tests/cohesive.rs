@@ -1,0 +1,116 @@
+//! Laws that act in all components.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{Drive, Interface, InterfaceError, Method, Normal, Settings, State};
+use gfmd_law::{CoupledExponential, Exponential, Law, Morse, Npb, Npc, Separation, XuNeedleman};
+use gfmd_response::{FullResponse, NormalResponse};
+use ndarray::Array2;
+
+const EQUAL: Separation =
+    Separation { normal_work: 5e-4, tangential_work: 5e-4, normal_length: 0.02, tangential_length: 0.02 };
+
+fn slab(points: [usize; 2]) -> FullResponse {
+    let body = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.5).unwrap();
+    FullResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body)
+}
+
+fn bumps(points: [usize; 2]) -> Array2<f64> {
+    let wave = |i: usize, n: usize, k: f64| (TAU * k * i as f64 / n as f64 + k).cos();
+    Array2::from_shape_fn((points[0], points[1]), |(i, j)| {
+        0.01 * (wave(i, points[0], 1.0) * wave(j, points[1], 1.0) + 0.4 * wave(i, points[0], 2.0))
+    })
+}
+
+fn solve(interface: &Interface, drive: Drive, method: Method, start: Option<&State>) -> Result<State, InterfaceError> {
+    let settings = Settings { method, ..Settings::default() };
+    interface.solve(drive, &settings, start, &mut |_| ControlFlow::Continue(()))
+}
+
+fn far(a: &State, b: &State) -> f64 {
+    a.displacement.iter().zip(&b.displacement).fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
+}
+
+#[test]
+fn newton_and_dynamics_find_the_same_states() {
+    for points in [[32, 1], [16, 15]] {
+        let response = slab(points);
+        let heights = bumps(points);
+        let laws: [&dyn Law; 2] = [&XuNeedleman::new(EQUAL, 0.5).unwrap(), &Npc::new(EQUAL).unwrap()];
+        for law in laws {
+            let interface = Interface::full(&response, heights.view(), law).unwrap();
+            assert_eq!(interface.trapping(), None);
+            for (normal, lateral) in [
+                (Normal::Approach(0.004), [0.003, 0.0]),
+                (Normal::Approach(-0.01), [0.0, 0.002]),
+                (Normal::MeanPressure(0.01), [-0.002, 0.001]),
+            ] {
+                let drive = Drive { normal, lateral };
+                let a = solve(&interface, drive, Method::Newton, None).unwrap();
+                let b = solve(&interface, drive, Method::Dynamics, None).unwrap();
+                assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?}: {}", far(&a, &b));
+                assert!(a.lowest_curvature > 0.0 && a.transform_pairs < b.transform_pairs);
+            }
+        }
+    }
+}
+
+#[test]
+fn dynamics_agrees_behind_a_wall_and_on_a_half_space() {
+    let points = [24, 20];
+    let body = Body::half_space(Material::from_young(1.0, 0.3).unwrap());
+    let response = NormalResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body);
+    let heights = bumps(points);
+    let laws: [(&dyn Law, Drive); 3] = [
+        (&Exponential::new(3e-4, 8e-3).unwrap(), Drive::mean_pressure(0.01)),
+        (&Morse::new(3e-4, 8e-3).unwrap(), Drive::approach(0.002)),
+        (&Morse::new(3e-4, 8e-3).unwrap(), Drive::mean_pressure(-0.002)),
+    ];
+    for (law, drive) in laws {
+        let interface = Interface::normal(&response, heights.view(), law).unwrap();
+        let a = solve(&interface, drive, Method::Newton, None).unwrap();
+        let b = solve(&interface, drive, Method::Dynamics, None).unwrap();
+        assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?}: {}", far(&a, &b));
+    }
+    let wall = Exponential::new(3e-4, 8e-3).unwrap();
+    let interface = Interface::normal(&response, heights.view(), &wall).unwrap();
+    let refused = solve(&interface, Drive::approach(0.002), Method::Dynamics, None);
+    assert!(matches!(refused, Err(InterfaceError::NoDynamics)));
+}
+
+#[test]
+fn laws_without_energy_come_to_rest_by_dynamics() {
+    let points = [16, 16];
+    let response = slab(points);
+    let heights = bumps(points);
+    let unequal = Separation { tangential_work: 2e-4, ..EQUAL };
+    let laws: [&dyn Law; 2] = [&CoupledExponential::new(unequal).unwrap(), &Npb::new(unequal).unwrap()];
+    for law in laws {
+        let interface = Interface::full(&response, heights.view(), law).unwrap();
+        let drive = Drive { normal: Normal::Approach(0.005), lateral: [0.004, 0.002] };
+        assert!(matches!(solve(&interface, drive, Method::Newton, None), Err(InterfaceError::NoEnergy)));
+        let state = solve(&interface, drive, Method::Auto, None).unwrap();
+        assert!(state.residual.worst() <= 1e-8 && state.mean_shear[0] > state.mean_shear[1]);
+        assert!(state.mean_shear[1] > 0.0, "the rigid surface drags the elastic one along");
+    }
+}
+
+#[test]
+fn a_bonded_flat_opens_and_slides_as_one_point() {
+    // Uniform: the slab is a spring of stiffness C11/h, C44/h in series with the law.
+    let response = slab([8, 8]);
+    let heights = Array2::zeros((8, 8));
+    let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
+    let interface = Interface::full(&response, heights.view(), &law).unwrap();
+    let drive = Drive { normal: Normal::Approach(-0.004), lateral: [0.005, -0.003] };
+    let state = solve(&interface, drive, Method::Auto, None).unwrap();
+    let [gx, gy, gz] = response.uniform_compliance();
+    let u = state.displacement.index_axis(ndarray::Axis(1), 3).index_axis(ndarray::Axis(1), 5).to_vec();
+    let traction = law.traction(0.004 - u[2], [0.005 - u[0], -0.003 - u[1]]);
+    for ((u, g), t) in u.iter().zip([gx, gy, gz]).zip(traction) {
+        assert!((u - g * t).abs() < 1e-12, "{u} {}", g * t);
+    }
+}
