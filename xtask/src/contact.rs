@@ -3,20 +3,22 @@
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver};
+use gfmd_contact::{Control, Settings, Solver};
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use serde::Serialize;
 
 use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::elastic::BodyArgs;
+use crate::equilibrium::{Measures, Problem, Rest};
 use crate::failure::Failure;
-use crate::load::{LoadRecord, SCALARS, SECONDS};
+use crate::law::LawArgs;
+use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
 use crate::progress::Progress;
 use crate::session::{Session, available_bytes, peak_bytes};
 use crate::source::{SourceArgs, Surface};
@@ -26,6 +28,7 @@ use crate::source::{SourceArgs, Surface};
 #[command(after_help = "Examples:
   cargo xtask contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
   cargo xtask contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
+  cargo xtask contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   cargo xtask contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -40,9 +43,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     solver: SolverArgs,
-    /// What acts across the gap
-    #[arg(long, value_enum, default_value_t = Law::HardWall)]
-    law: Law,
+    #[command(flatten)]
+    #[serde(flatten)]
+    law: LawArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -123,13 +126,6 @@ impl From<SolverName> for Solver {
             SolverName::AugmentedLagrangian => Self::AugmentedLagrangian,
         }
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Law {
-    /// No penetration, no adhesion, no friction
-    HardWall,
 }
 
 impl SolverArgs {
@@ -219,6 +215,7 @@ struct Prepared {
     surface: Surface,
     grid: Grid,
     body: Body,
+    law: Box<dyn Law>,
     controls: Vec<Control>,
     output: Option<Output>,
 }
@@ -230,14 +227,18 @@ impl Prepared {
         if !(1e-15..=0.1).contains(&tolerance) {
             return Err(Failure::input("--tol", format!("1e-15 to 0.1 is allowed, found {tolerance}")));
         }
+        let law = args.law.build()?;
         let flags = [
             ("--pressure", &args.control.pressure),
             ("--p-star", &args.control.p_star),
             ("--displacement", &args.control.displacement),
         ];
+        // Only what attracts can be pulled.
+        let pulls = args.law.law != Kind::HardWall;
+        let allowed = if pulls { "a finite number" } else { "a positive, finite number" };
         for (flag, values) in flags {
-            if let Some(bad) = values.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-                return Err(Failure::input(flag, format!("a positive, finite number is allowed, found {bad}")));
+            if let Some(bad) = values.iter().find(|v| !(v.is_finite() && (pulls || **v > 0.0))) {
+                return Err(Failure::input(flag, format!("{allowed} is allowed, found {bad}")));
             }
         }
         let surface = args.source.surface()?;
@@ -251,21 +252,21 @@ impl Prepared {
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, grid, body, controls, output })
+        Ok(Self { surface, grid, body, law, controls, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
         let name = args.source.name();
         let response = NormalResponse::new(self.grid, &self.body);
-        let refuse = |error: ContactError| Failure::input(&name, error);
-        let contact = Contact::new(&response, self.surface.heights.view()).map_err(refuse)?;
+        let heights = self.surface.heights.view();
+        let problem = Problem::new(&response, heights, args.law.law, self.law.as_ref(), args.solver.solver, &name)?;
         let mut report = Report {
             n: self.grid.points(),
             length: self.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             rms_gradient: self.surface.rms_gradient,
-            rms_height: contact.rms_height(),
+            rms_height: problem.rms_height(),
             e_star: response.contact_modulus(),
             loads: Vec::new(),
             peak_bytes: 0,
@@ -276,46 +277,24 @@ impl Prepared {
         let mut file = file.transpose()?;
         let settings = args.solver.settings();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
-        let mut last: Option<Solution> = None;
+        let measures = Measures { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let mut last: Option<Rest> = None;
         let mut failure = None;
         for (index, control) in self.controls.iter().enumerate() {
-            let started = Instant::now();
-            let mut watch = |now: &gfmd_contact::Progress| {
-                progress
-                    .advance(0.0, &format!("load {index}, iteration {}, residual {:.1e}", now.iteration, now.residual));
+            let mut watch = |iteration: u64, residual: f64| {
+                progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let start = last.as_ref().map(|solution| solution.pressure.view());
-            let outcome = contact.solve(*control, &settings, start, &mut watch);
-            let (solution, stopped) = match outcome {
-                Ok(solution) => (solution, None),
-                Err(ContactError::NotConverged { solution, asked, reason }) => {
-                    let residual = solution.residual;
-                    let text = format!(
-                        "load {index} did not converge to {asked:e} in {} iterations ({reason}): {residual}",
-                        solution.iterations
-                    );
-                    (*solution, Some(Failure::Computation(text)))
-                }
-                Err(ContactError::Interrupted { solution }) => {
-                    (*solution, Some(Failure::Interrupted(format!("interrupted at load {index}"))))
-                }
-                Err(error @ ContactError::Approach { .. }) => {
-                    return Err(Failure::input("--displacement", error));
-                }
-                Err(error) => return Err(Failure::Computation(error.to_string())),
-            };
-            let seconds = started.elapsed().as_secs_f64();
-            let record =
-                LoadRecord::measure(&solution, report.e_star, report.rms_gradient, settings.tolerance, seconds);
+            let (rest, stopped) = problem.solve(*control, &settings, &measures, last.as_ref(), &mut watch)?;
             if let Some(file) = &mut file {
-                file.write(index, &solution)?;
+                file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
             }
+            let record = rest.record;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             report.loads.push(record);
-            last = Some(solution);
-            if stopped.is_some() {
-                failure = stopped;
+            last = Some(rest);
+            if let Some(stopped) = stopped {
+                failure = Some(stopped.at(&format!("load {index}")));
                 break;
             }
         }
@@ -324,8 +303,9 @@ impl Prepared {
             report.out = Some(file.finish(&report.loads, self.controls.len())?);
         }
         report.peak_bytes = peak_bytes();
-        if let (None, Some(prefix), Some(solution)) = (&failure, &args.plots, &last) {
-            report.plots = crate::figures::contact(prefix, &report, &self.grid, &solution.pressure)?;
+        if let (None, Some(prefix), Some(rest)) = (&failure, &args.plots, &last) {
+            let pressure = rest.pressure.mapv(|p| p.max(0.0));
+            report.plots = crate::figures::contact(prefix, &report, &self.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&kept));
@@ -336,10 +316,11 @@ impl Prepared {
 /// The HDF5 file of a contact: surface at once, fields load by load, scalars at the end.
 struct FieldFile<'a> {
     archive: Archive<'a>,
+    with_law: bool,
 }
 
 const FIELDS: [(&str, &str, &str); 3] = [
-    ("/fields/pressure", "stress", "contact pressure, compression positive"),
+    ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
     ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
     ("/fields/gap", "length", "distance between the surfaces"),
 ];
@@ -364,11 +345,10 @@ impl<'a> FieldFile<'a> {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive })
+        Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
     }
 
-    fn write(&mut self, index: usize, solution: &Solution) -> Result<(), Failure> {
-        let fields = [&solution.pressure, &solution.displacement, &solution.gap];
+    fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
         for ((path, ..), field) in FIELDS.iter().zip(fields) {
             self.archive.write_slab(path, index, &contiguous(field))?;
         }
@@ -377,7 +357,8 @@ impl<'a> FieldFile<'a> {
 
     fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
-        for scalar in SCALARS.iter().chain([&SECONDS]) {
+        let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
+        for scalar in scalars {
             let values: Vec<f64> =
                 (0..count).map(|i| loads.get(i).map_or(f64::NAN, |record| (scalar.value)(record))).collect();
             let variable = Variable { dimensions: &[&load], units: scalar.units, long_name: scalar.long_name };

@@ -35,6 +35,16 @@ impl Failure {
         }
     }
 
+    /// The same, with where it happened in front. Unusable input happens nowhere.
+    #[must_use]
+    pub fn at(self, place: &str) -> Self {
+        match self {
+            Self::Input(text) => Self::Input(text),
+            Self::Computation(text) => Self::Computation(format!("{place}: {text}")),
+            Self::Interrupted(text) => Self::Interrupted(format!("{place}: {text}")),
+        }
+    }
+
     /// The exit status (docs/interface.md).
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -7,6 +7,7 @@ pub mod body;
 pub mod contact;
 pub mod damping;
 pub mod elastic;
+pub mod equilibrium;
 pub mod failure;
 pub mod figures;
 pub mod fit;

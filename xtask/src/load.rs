@@ -1,6 +1,7 @@
 //! What is recorded of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
 use gfmd_contact::{Residual, Solution};
+use gfmd_interface::State;
 use gfmd_measure::{contact_area, elastic_energy_density, kappa, pressure_statistics, reduced_pressure};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,18 @@ pub struct LoadRecord {
     pub converged: bool,
     pub residual: ResidualRecord,
     pub seconds: f64,
+    #[serde(flatten)]
+    pub law: Option<LawRecord>,
+}
+
+/// What a contact with a law that reaches across the gap has besides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`LAW_SCALARS` says what each is, once for code and files")]
+pub struct LawRecord {
+    pub interface_energy: f64,
+    pub passed_instability: bool,
+    pub lowest_curvature: f64,
+    pub residual_equilibrium: f64,
 }
 
 /// The four residuals (docs/interface.md).
@@ -74,6 +87,54 @@ impl LoadRecord {
             converged: solution.residual.worst() <= tolerance,
             residual: solution.residual.into(),
             seconds,
+            law: None,
+        }
+    }
+
+    /// Measures the state of a law that reaches across the gap: in contact are the points that are repelled, and their
+    /// pressure is what repels them.
+    pub fn of_state(
+        state: &State,
+        contact_modulus: f64,
+        rms_gradient: f64,
+        rms_height: f64,
+        tolerance: f64,
+        seconds: f64,
+    ) -> Self {
+        let z = state.displacement.dim().0 - 1;
+        let repulsion = if state.wall_pressure.iter().any(|p| *p > 0.0) {
+            state.wall_pressure.clone()
+        } else {
+            state.traction.index_axis(ndarray::Axis(0), z).mapv(|t| f64::max(-t, 0.0))
+        };
+        let closed: f64 = (&state.wall_pressure * &state.gap).sum();
+        let total = state.wall_pressure.sum();
+        let residual = Residual {
+            complementarity: if total > 0.0 { (closed / (total * rms_height)).abs() } else { 0.0 },
+            penetration: state.residual.penetration,
+            negative_pressure: state.residual.wall_tension,
+            load: state.residual.load,
+        };
+        let solution = Solution {
+            pressure: repulsion,
+            displacement: state.displacement.index_axis(ndarray::Axis(0), z).to_owned(),
+            gap: state.gap.clone(),
+            mean_pressure: state.mean_pressure,
+            approach: state.approach,
+            residual,
+            iterations: state.iterations,
+            transform_pairs: state.transform_pairs as f64,
+        };
+        Self {
+            elastic_energy: state.elastic_energy,
+            converged: state.residual.worst() <= tolerance,
+            law: Some(LawRecord {
+                interface_energy: state.interface_energy,
+                passed_instability: state.passed_instability,
+                lowest_curvature: state.lowest_curvature,
+                residual_equilibrium: state.residual.equilibrium,
+            }),
+            ..Self::measure(&solution, contact_modulus, rms_gradient, tolerance, seconds)
         }
     }
 }
@@ -147,3 +208,28 @@ pub const SCALARS: &[Scalar] = &[
 
 /// Wall time of a load: recorded, but not among the numbers that repeat.
 pub const SECONDS: Scalar = scalar("seconds", "s", "wall time of the solve", |r| r.seconds);
+
+/// The scalars of [`LawRecord`]; NaN of a hard wall alone.
+pub const LAW_SCALARS: &[Scalar] = &[
+    scalar("interface_energy", "stress*length", "energy of the contact law per area of the surface", |r| {
+        r.law.map_or(f64::NAN, |law| law.interface_energy)
+    }),
+    scalar(
+        "passed_instability",
+        "1",
+        "1 if directions of negative curvature were met on the way from the last load",
+        |r| r.law.map_or(f64::NAN, |law| f64::from(u8::from(law.passed_instability))),
+    ),
+    scalar(
+        "lowest_curvature",
+        "1",
+        "lowest curvature that the last search for a step saw, over the elastic one",
+        |r| r.law.map_or(f64::NAN, |law| law.lowest_curvature),
+    ),
+    scalar(
+        "residual_equilibrium",
+        "1",
+        "largest force per area that nothing balances, over the largest traction",
+        |r| r.law.map_or(f64::NAN, |law| law.residual_equilibrium),
+    ),
+];

@@ -228,6 +228,11 @@ impl<'a> Interface<'a> {
         Ok(())
     }
 
+    /// Root mean square of the heights about their mean.
+    pub fn rms_height(&self) -> f64 {
+        self.rms_height
+    }
+
     /// What counts as a length: the rms height, 1 of a flat surface.
     pub(crate) fn length_scale(&self) -> f64 {
         if self.rms_height > 0.0 { self.rms_height } else { 1.0 }
