@@ -32,7 +32,7 @@ pub(crate) enum End {
 /// Conjugate gradients of one step.
 const INNER: usize = 200;
 /// The first region, in lengths of a preconditioned step downhill.
-const FIRST_RADIUS: f64 = 10.0;
+const FIRST_RADIUS: f64 = 1.0;
 /// How often a step is halved.
 const HALVINGS: u32 = 14;
 /// A step must gain this share of what the slope promises (Armijo).

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_field::Grid;
-use gfmd_law::Law;
+use gfmd_law::{HardWall, Law};
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::ArrayView2;
 
@@ -171,7 +171,8 @@ impl<'a> Interface<'a> {
         (steepness > 0.5 * stiffness).then_some(Trapping { steepness, stiffness })
     }
 
-    /// Goes downhill from `start`, or from the undeformed surface, to a stable state.
+    /// Goes downhill from `start` to a stable state. Without one, from the contact with a hard wall alone if the drive
+    /// presses, else from the undeformed surface.
     ///
     /// # Errors
     /// Unusable drive, settings or start; or an error that carries the state reached.
@@ -186,6 +187,12 @@ impl<'a> Interface<'a> {
         let expected = self.elastic.components() * self.clearance.len();
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
             return Err(InterfaceError::Start { found, expected });
+        }
+        let pressed = match drive.normal {
+            Normal::MeanPressure(found) | Normal::Approach(found) => found > 0.0,
+        };
+        if start.is_none() && pressed && !self.is_wall_alone() {
+            return self.solve(drive, settings, Some(&self.without_attraction(drive, settings, watch)?), watch);
         }
         let has_energy = self.has_energy();
         let ended = match settings.method {
@@ -231,6 +238,17 @@ impl<'a> Interface<'a> {
     /// Root mean square of the heights about their mean.
     pub fn rms_height(&self) -> f64 {
         self.rms_height
+    }
+
+    fn is_wall_alone(&self) -> bool {
+        self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
+    }
+
+    /// The contact before the law acts.
+    fn without_attraction(&self, drive: Drive, settings: &Settings, watch: Watch) -> Result<State, InterfaceError> {
+        let wall = Interface { law: &HardWall, clearance: self.clearance.clone(), ..*self };
+        let rough = Settings { method: Method::Newton, tolerance: settings.tolerance.max(1e-3), ..*settings };
+        wall.solve(drive, &rough, None, watch)
     }
 
     /// What counts as a length: the rms height, 1 of a flat surface.
