@@ -377,7 +377,8 @@ pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
     ]
 }
 
-fn contiguous(field: &Array2<f64>) -> std::borrow::Cow<'_, [f64]> {
+/// The values of a field in storage order.
+pub fn contiguous(field: &Array2<f64>) -> std::borrow::Cow<'_, [f64]> {
     field.as_slice().map_or_else(|| field.iter().copied().collect::<Vec<_>>().into(), Into::into)
 }
 

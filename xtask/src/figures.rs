@@ -14,10 +14,12 @@ use crate::damping;
 use crate::failure::Failure;
 use crate::fit::Axis as Limit;
 use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
+use crate::path::StepRecord;
 use crate::plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
 use crate::punch;
 
-/// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads.
+/// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads
+/// of a hard wall.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -29,7 +31,7 @@ pub fn contact(
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = report.unit.as_deref().unwrap_or("length");
     let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
-    if report.loads.len() > 1 {
+    if report.loads.len() > 1 && report.loads.iter().all(|load| load.law.is_none()) {
         let measured = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction)).collect();
         let corrected = report.loads.iter().map(|load| Point::new(load.p_star, load.area_fraction_corrected)).collect();
         let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, measured) }];
@@ -228,6 +230,82 @@ pub fn law(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64]) -> Re
         panels[0].series[0].label.clear();
     }
     Ok(Chart { share_y: false, ..Chart::new(panels) }.save(stem).map_err(failed)?.into())
+}
+
+/// A path, leg by leg: pressure against approach and contact area against pressure, or shear and sticking area against
+/// lateral displacement if it moves sideways; and the map of pressure at its end.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn path(
+    prefix: &Path,
+    report: &crate::path::Report,
+    steps_of_leg: usize,
+    grid: &Grid,
+    pressure: &Array2<f64>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let unit = report.unit.as_deref().unwrap_or("length");
+    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
+    let unit_pressure = report.e_star * report.rms_gradient;
+    let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
+        let last = report.steps.len().saturating_sub(1);
+        let leg = |(hue, start): (usize, usize)| {
+            let points = report.steps[start..=(start + steps_of_leg).min(last)].iter().map(|step| {
+                let (x, y) = of(step);
+                Point::new(x, y)
+            });
+            let label = format!("leg {}", hue + 1);
+            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
+        };
+        (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
+    };
+    let sideways = report.steps.iter().any(|step| step.lateral != report.steps[0].lateral);
+    // Along the direction of the longest way.
+    let furthest = report.steps.iter().map(|step| step.lateral).max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
+    let along =
+        furthest.map_or([1.0, 0.0], |way| if norm(way) > 0.0 { way.map(|c| c / norm(way)) } else { [1.0, 0.0] });
+    let lateral = |step: &StepRecord| step.lateral[0] * along[0] + step.lateral[1] * along[1];
+    let shear = |step: &StepRecord| step.mean_shear[0] * along[0] + step.mean_shear[1] * along[1];
+    let reduced = "*p*/(*E*\\* *ḡ*)";
+    let panels = if sideways {
+        let x = Axis::linear(&format!("lateral displacement / {unit}"));
+        let share = |step: &StepRecord| {
+            if step.stick_fraction.is_nan() { step.area_fraction } else { step.stick_fraction }
+        };
+        let sticking = report.steps.iter().any(|step| !step.stick_fraction.is_nan());
+        let area = if sticking { "sticking area" } else { "contact area" };
+        vec![
+            Panel {
+                x: x.clone(),
+                y: Axis::linear("shear / (*E*\\* *ḡ*)"),
+                series: legs(&|step| (lateral(step), shear(step) / unit_pressure)),
+                ..Panel::default()
+            },
+            Panel { x, y: Axis::linear(area), series: legs(&|step| (lateral(step), share(step))), ..Panel::default() },
+        ]
+    } else {
+        vec![
+            Panel {
+                x: Axis::linear(&format!("approach / {unit}")),
+                y: Axis::linear(reduced),
+                series: legs(&|step| (step.displacement, step.p_star)),
+                ..Panel::default()
+            },
+            Panel {
+                x: Axis::linear(reduced),
+                y: Axis::linear("contact area"),
+                series: legs(&|step| (step.p_star, step.area_fraction)),
+                ..Panel::default()
+            },
+        ]
+    };
+    let chart = Chart { share_y: false, ..Chart::new(panels) };
+    files.extend(chart.save(&named(prefix, "path")).map_err(failed)?);
+    Ok(files)
+}
+
+fn norm([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
 }
 
 fn named(stem: &Path, what: &str) -> PathBuf {

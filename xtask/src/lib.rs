@@ -17,6 +17,7 @@ pub mod json;
 pub mod kappa_sweep;
 pub mod law;
 pub mod load;
+pub mod path;
 pub mod plot;
 pub mod progress;
 pub mod punch;

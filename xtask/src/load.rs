@@ -125,7 +125,12 @@ impl LoadRecord {
             iterations: state.iterations,
             transform_pairs: state.transform_pairs as f64,
         };
+        let measured = Self::measure(&solution, contact_modulus, rms_gradient, tolerance, seconds);
+        // Area over pressure says nothing where attraction carries the load.
+        let pressed = state.mean_pressure > 1e-6 * measured.max_pressure;
         Self {
+            kappa: if pressed { measured.kappa } else { f64::NAN },
+            kappa_corrected: if pressed { measured.kappa_corrected } else { f64::NAN },
             elastic_energy: state.elastic_energy,
             converged: state.residual.worst() <= tolerance,
             law: Some(LawRecord {
@@ -134,7 +139,7 @@ impl LoadRecord {
                 lowest_curvature: state.lowest_curvature,
                 residual_equilibrium: state.residual.equilibrium,
             }),
-            ..Self::measure(&solution, contact_modulus, rms_gradient, tolerance, seconds)
+            ..measured
         }
     }
 }

@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use gfmd_xtask::failure::Failure;
 use gfmd_xtask::session::{Common, Session};
-use gfmd_xtask::{bench_peers, body, contact, damping, green, json, kappa_sweep, law, punch, surface, verify};
+use gfmd_xtask::{bench_peers, body, contact, damping, green, json, kappa_sweep, law, path, punch, surface, verify};
 use serde::Serialize;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
@@ -41,6 +41,8 @@ enum Command {
     Damping(Box<damping::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
+    /// Follow a contact along a path: loading and unloading, adhesion, friction
+    Path(Box<path::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
 }
@@ -88,6 +90,11 @@ fn dispatch(command: &Command, session: &Session) -> Result<(), Failure> {
         }
         Command::Damping(args) => print(&damping::run(args, session)?, as_json),
         Command::Green(args) => print(&green::run(args)?, as_json),
+        Command::Path(args) => {
+            let path::Outcome { report, failure } = path::run(args, session)?;
+            print(&report, as_json)?;
+            failure.map_or(Ok(()), Err)
+        }
         Command::Law(args) => print(&law::run(args)?, as_json),
     }
 }
