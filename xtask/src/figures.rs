@@ -204,7 +204,7 @@ pub fn damping(prefix: &Path, report: &damping::Report) -> Result<Vec<PathBuf>, 
 /// # Errors
 /// Files that cannot be written.
 pub fn law(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64]) -> Result<Vec<PathBuf>, Failure> {
-    const STEPS: u32 = 400;
+    const STEPS: u32 = 200;
     let curves = |span: &[f64], others: &[f64], name: &str, of: &dyn Fn(f64, f64) -> f64| -> Vec<Series> {
         let low = span.iter().copied().fold(f64::INFINITY, f64::min);
         let high = span.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -216,7 +216,9 @@ pub fn law(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64]) -> Re
                 .map(move |i| low + (high - low) * f64::from(i) / f64::from(STEPS))
                 .map(move |x| (x, of(x, other)))
         };
-        let named = |(hue, other): (usize, &f64)| Series::line(&format!("{name} = {other}"), hue, along(*other));
+        let named = |(hue, other): (usize, &f64)| {
+            Series::line(&format!("{name} = {other}").replace('-', "−"), hue, along(*other))
+        };
         others.iter().enumerate().map(named).collect()
     };
     let opening = curves(normal, tangential, "Δ_t", &|n, t| law.response(n, t).traction[0]);

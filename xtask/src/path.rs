@@ -320,6 +320,9 @@ impl Prepared {
                 Mechanics::Law(interface, None)
             }
         };
+        for drive in &self.drives {
+            mechanics.check(*drive)?;
+        }
         let mut report = Report {
             n: self.grid.points(),
             length: self.grid.lengths(),
@@ -442,6 +445,14 @@ enum End {
 }
 
 impl Mechanics<'_> {
+    fn check(&self, drive: Drive) -> Result<(), Failure> {
+        let checked = match self {
+            Self::Law(interface, _) => interface.check(drive),
+            Self::Friction(contact, _) => contact.check(drive),
+        };
+        checked.map_err(|error| Failure::input("--displacement", error))
+    }
+
     fn step(&mut self, drive: Drive, settings: &Settings, watch: gfmd_interface::Watch) -> Result<End, Failure> {
         let interrupted = || End::Failed(Failure::Interrupted("interrupted".into()));
         let error = match self {
@@ -482,7 +493,6 @@ impl Mechanics<'_> {
                 *state = Some(*next);
                 Ok(interrupted())
             }
-            (InterfaceError::Approach { .. }, _) => Err(Failure::input("--displacement", text)),
             _ => Err(Failure::Computation(text)),
         }
     }

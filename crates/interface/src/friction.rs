@@ -131,7 +131,12 @@ impl<'a> FrictionalContact<'a> {
         start: Option<&FrictionState>,
         watch: Watch,
     ) -> Result<FrictionState, InterfaceError> {
-        self.check(drive, settings, start)?;
+        settings.check()?;
+        self.check(drive)?;
+        let expected = self.response.components().len() * self.clearance.len();
+        if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
+            return Err(InterfaceError::Start { found, expected });
+        }
         let mut increment = Increment::new(self, drive, start);
         let mut iterations = 0;
         let mut reason = "normal and tangential problem do not settle";
@@ -171,8 +176,11 @@ impl<'a> FrictionalContact<'a> {
         Err(InterfaceError::FrictionNotConverged { state, asked: settings.tolerance, reason })
     }
 
-    fn check(&self, drive: Drive, settings: &Settings, start: Option<&FrictionState>) -> Result<(), InterfaceError> {
-        settings.check()?;
+    /// Whether a drive can be posed.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a drive without contact, or an approach beyond full contact.
+    pub fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
         drive.check()?;
         match drive.normal {
             Normal::MeanPressure(found) if found <= 0.0 => {
@@ -189,11 +197,7 @@ impl<'a> FrictionalContact<'a> {
             }
             Normal::MeanPressure(_) => {}
         }
-        let expected = self.response.components().len() * self.clearance.len();
-        match start.map(|state| state.displacement.len()) {
-            Some(found) if found != expected => Err(InterfaceError::Start { found, expected }),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 }
 

@@ -183,7 +183,8 @@ impl<'a> Interface<'a> {
         start: Option<&State>,
         watch: Watch,
     ) -> Result<State, InterfaceError> {
-        self.check(drive, settings)?;
+        settings.check()?;
+        self.check(drive)?;
         let expected = self.elastic.components() * self.clearance.len();
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
             return Err(InterfaceError::Start { found, expected });
@@ -222,8 +223,11 @@ impl<'a> Interface<'a> {
         }
     }
 
-    fn check(&self, drive: Drive, settings: &Settings) -> Result<(), InterfaceError> {
-        settings.check()?;
+    /// Whether a drive can be posed.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, or an approach beyond full contact.
+    pub fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
         drive.check()?;
         if let Normal::Approach(found) = drive.normal {
             let limit = mean(&self.clearance);
