@@ -10,6 +10,8 @@
 //! | [`body`]     | displacement, strain and stress below the surface           |
 //! | [`contact`]  | hard-wall contact: problem, solvers, certified solution     |
 //! | [`mixed`]    | displacement prescribed here, traction there                |
+//! | [`law`]      | cohesive zones, adhesion, friction, point by point          |
+//! | [`interface`] | adhesive, cohesive and frictional contact                  |
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
 //!
 //! ```
@@ -42,6 +44,8 @@ pub use gfmd_body as body;
 pub use gfmd_contact as contact;
 pub use gfmd_field as field;
 pub use gfmd_green as green;
+pub use gfmd_interface as interface;
+pub use gfmd_law as law;
 pub use gfmd_measure as measure;
 pub use gfmd_mixed as mixed;
 pub use gfmd_relax as relax;
