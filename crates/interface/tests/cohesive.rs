@@ -114,3 +114,33 @@ fn a_bonded_flat_opens_and_slides_as_one_point() {
         assert!((u - g * t).abs() < 1e-12, "{u} {}", g * t);
     }
 }
+
+#[test]
+fn the_energy_grows_by_the_work_of_the_rigid_surface() {
+    // dU = p̄ dδ + τ̄·dX along a smooth path: ties energies, pressure and shear together.
+    let points = [24, 21];
+    let heights = bumps(points);
+    let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
+    let slab = slab(points);
+    let half_space = FullResponse::new(*slab.grid(), &Body::half_space(Material::from_young(1.0, 0.2).unwrap()));
+    for response in [&slab, &half_space] {
+        let interface = Interface::full(response, heights.view(), &law).unwrap();
+        let at = |d: [f64; 3]| {
+            let drive = Drive { normal: Normal::Approach(0.002 + d[2]), lateral: [0.003 + d[0], -0.001 + d[1]] };
+            let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+            interface.solve(drive, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap()
+        };
+        let energy = |d: [f64; 3]| {
+            let state = at(d);
+            state.elastic_energy + state.interface_energy
+        };
+        let rest = at([0.0; 3]);
+        let h = 1e-5;
+        let works = [rest.mean_shear[0], rest.mean_shear[1], rest.mean_pressure];
+        for (axis, work) in works.into_iter().enumerate() {
+            let step = |h: f64| std::array::from_fn(|c| if c == axis { h } else { 0.0 });
+            let slope = (energy(step(h)) - energy(step(-h))) / (2.0 * h);
+            assert!((slope - work).abs() < 1e-6 * (1e-3 + work.abs()), "{axis}: {slope} {work}");
+        }
+    }
+}
