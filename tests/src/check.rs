@@ -2,6 +2,8 @@ use gfmd_body::InteriorError;
 use gfmd_contact::ContactError;
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
+use gfmd_interface::InterfaceError;
+use gfmd_law::LawError;
 use gfmd_mixed::MixedError;
 use gfmd_surface::SurfaceError;
 
@@ -59,6 +61,12 @@ pub enum ValidationError {
     /// An impossible grid.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// An adhesive or frictional contact that did not come to rest.
+    #[error(transparent)]
+    Interface(#[from] InterfaceError),
+    /// Parameters that make no law.
+    #[error(transparent)]
+    Law(#[from] LawError),
     /// Fields inside that could not be computed.
     #[error(transparent)]
     Interior(#[from] InteriorError),

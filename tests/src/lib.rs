@@ -12,6 +12,7 @@ mod damping;
 mod exact;
 mod inside;
 mod kernels;
+mod laws;
 mod limits;
 mod punch;
 mod reference;
@@ -28,7 +29,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 7] = [
+pub const TOPICS: [Topic; 8] = [
     Topic { title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { title: "Fields inside the body", checks: inside::checks },
@@ -36,6 +37,7 @@ pub const TOPICS: [Topic; 7] = [
     Topic { title: "Damping of the dynamics", checks: damping::checks },
     Topic { title: "Contacts with a closed form", checks: analytic::checks },
     Topic { title: "Contacts that other programs solved", checks: exact::checks },
+    Topic { title: "Adhesion, cohesion, friction", checks: laws::checks },
 ];
 
 /// Every method that can be asked for by name.

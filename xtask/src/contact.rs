@@ -157,6 +157,9 @@ pub struct Report {
 /// Fields of doubles that a solve holds at its peak, with some room.
 const FIELDS_IN_MEMORY: u64 = 13;
 
+/// The same of a law that reaches across the gap.
+const FIELDS_WITH_LAW: u64 = 27;
+
 /// Memory that a contact on so many points takes at its peak, in bytes.
 pub fn memory_bytes(points: [usize; 2]) -> u64 {
     points[0] as u64 * points[1] as u64 * 8 * FIELDS_IN_MEMORY
@@ -244,7 +247,10 @@ impl Prepared {
         let surface = args.source.surface()?;
         let [nx, ny] = surface.heights.dim().into();
         let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
-        check_memory([nx, ny])?;
+        match args.law.law {
+            Kind::HardWall => check_memory([nx, ny])?,
+            _ => check_available([nx, ny], 8 * FIELDS_WITH_LAW * grid.len() as u64)?,
+        }
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
         let controls = (args.control.pressure.iter().map(|p| Control::MeanPressure(*p)))
             .chain(args.control.p_star.iter().map(|p| Control::MeanPressure(p * unit_pressure)))

@@ -17,7 +17,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 use serde::Serialize;
 
 use crate::archive::{Archive, Dimension, Output, Variable};
-use crate::contact::{axes, check_memory, contiguous};
+use crate::contact::{axes, check_available, contiguous};
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::law::LawArgs;
@@ -250,6 +250,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
+/// Fields of doubles that a path holds at its peak, with some room: of u_z alone, and of all components.
+const FIELDS_OF_ONE: u64 = 27;
+const FIELDS_OF_ALL: u64 = 75;
+
 /// What acts between the surfaces.
 enum Action {
     Law(Box<dyn Law>),
@@ -284,7 +288,9 @@ impl Prepared {
         let surface = args.source.surface()?;
         let [nx, ny] = surface.heights.dim().into();
         let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
-        check_memory([nx, ny])?;
+        let all = limit.is_some() || !args.waypoints.lateral.is_empty();
+        let fields = if all { FIELDS_OF_ALL } else { FIELDS_OF_ONE };
+        check_available([nx, ny], 8 * fields * grid.len() as u64)?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
