@@ -29,6 +29,13 @@ pub(crate) enum End {
     GaveUp(&'static str),
 }
 
+/// The solver goes on until its residual is this part of the tolerance.
+const SHARE_OF_TOLERANCE: f64 = 0.1;
+/// The first step off a saddle, in rms heights, and how often it is doubled.
+const FIRST_SHIFT: f64 = 1e-9;
+const DOUBLINGS: u32 = 36;
+/// How far a search that only looks for negative curvature reduces its noise.
+const PROBE: f64 = 1e-3;
 /// Conjugate gradients of one step.
 const INNER: usize = 200;
 /// The first region, in lengths of a preconditioned step downhill.
@@ -57,15 +64,18 @@ pub(crate) fn descend(
         if descent.is_apart() {
             break End::Detached;
         }
-        // Once at least, so that the curvature has been seen.
-        if residual <= 0.1 * settings.tolerance && iterations > 0 {
+        let at_rest = residual <= SHARE_OF_TOLERANCE * settings.tolerance;
+        if at_rest && !(descent.is_unstable() && descent.leave()) {
             break End::Converged;
         }
         if iterations == settings.max_iterations {
             break End::GaveUp("the iteration limit");
         }
         iterations += 1;
-        descent.search((0.1 * settings.tolerance / residual).max(residual.sqrt().min(0.1)));
+        if at_rest {
+            continue;
+        }
+        descent.seek((SHARE_OF_TOLERANCE * settings.tolerance / residual).max(residual.sqrt().min(0.1)));
         if !descent.advance() && !descent.slide_downhill() {
             break if residual <= settings.tolerance {
                 End::Converged
@@ -327,19 +337,65 @@ impl<'a> Descent<'a> {
         self.pulled && reduce(self.points, &|mut range| range.all(apart), &|a, b| a && b)
     }
 
-    /// The direction to go, and its length.
-    fn search(&mut self, forcing: f64) {
+    /// The direction of the next step, and its length.
+    fn seek(&mut self, forcing: f64) {
         self.left.copy_from_slice(&self.force);
+        self.search(forcing, Some(self.radius));
+    }
+
+    /// Whether a state at rest is a saddle: a force in all directions, noise, shows a negative curvature that the force
+    /// at rest, or a symmetry, may hide. The direction is then one of escape.
+    fn is_unstable(&mut self) -> bool {
+        if self.interface.law.stiffness_bound(f64::NEG_INFINITY) == 0.0 {
+            // Nothing but the wall: the energy is convex.
+            self.lowest = 1.0;
+            return false;
+        }
+        let noise = |start: usize, [left]: [&mut [f64]; 1]| {
+            for (k, left) in left.iter_mut().enumerate() {
+                // The golden ratio leaves no two points alike and prefers no wave.
+                *left = (0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64).fract() - 0.5;
+            }
+        };
+        pass([&mut self.left], &noise, &|(), ()| ());
+        self.search(PROBE, None);
+        self.lowest <= 0.0
+    }
+
+    /// Steps off a saddle along the direction, just far enough that the energy falls by more than rounding.
+    fn leave(&mut self) -> bool {
+        let longest = gfmd_vector::reduce(
+            self.direction.len(),
+            &|range| self.direction[range].iter().fold(0.0, |longest: f64, d| longest.max(d.abs())),
+            &f64::max,
+        );
+        let downhill = if dot(&self.direction, &self.force) < 0.0 { -1.0 } else { 1.0 };
+        let mut share = downhill * FIRST_SHIFT * self.interface.length_scale() / longest;
+        for _ in 0..DOUBLINGS {
+            let Change { energy, size, .. } = self.try_step(share);
+            if energy < -10.0 * ROUNDING * size {
+                self.accept();
+                // The steps before say nothing about what lies ahead.
+                self.radius = f64::INFINITY;
+                return true;
+            }
+            share *= 2.0;
+        }
+        false
+    }
+
+    /// (K + J) `direction` = `left`, as far as the region goes; without one, until a negative curvature shows, whose
+    /// direction is then the result.
+    fn search(&mut self, forcing: f64, radius: Option<f64>) {
         project(&mut self.left, &self.weight, &self.frame.held, self.points);
         self.direction.fill(0.0);
         self.precondition();
         self.conjugate.copy_from_slice(&self.preconditioned);
         let mut product = dot(&self.left, &self.preconditioned);
         let aim = forcing * forcing * product;
-        if !self.radius.is_finite() {
-            self.radius = FIRST_RADIUS * product.sqrt();
-        }
-        let square = self.radius * self.radius;
+        let radius = radius.map(|radius| if radius.is_finite() { radius } else { FIRST_RADIUS * product.sqrt() });
+        self.radius = radius.unwrap_or(self.radius);
+        let square = radius.unwrap_or(f64::INFINITY).powi(2);
         // ⟨d, M d⟩, ⟨d, M p⟩, ⟨p, M p⟩ with M the inverse of the preconditioner.
         let (mut dd, mut dp, mut pp) = (0.0, 0.0, product);
         self.lowest = f64::INFINITY;
@@ -354,6 +410,10 @@ impl<'a> Descent<'a> {
             let edge = dd + 2.0 * step * dp + step * step * pp >= square;
             if curvature <= 0.0 || edge {
                 self.negative |= curvature <= 0.0;
+                if radius.is_none() {
+                    self.direction.copy_from_slice(&self.conjugate);
+                    return;
+                }
                 let to_edge = ((dp * dp + pp * (square - dd)).max(0.0).sqrt() - dp) / pp;
                 axpy(&mut self.direction, to_edge, &self.conjugate);
                 dd = square;
@@ -436,7 +496,7 @@ impl<'a> Descent<'a> {
     fn advance(&mut self) -> bool {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            if self.try_step(share) {
+            if self.try_step(share).falls() {
                 self.radius = if share == 1.0 { self.radius.max(2.0 * self.length) } else { share * self.length };
                 self.accept();
                 return true;
@@ -453,7 +513,7 @@ impl<'a> Descent<'a> {
         project(&mut self.direction, &self.weight, &self.frame.held, self.points);
         let mut share = 1.0 / self.stiffness_range[1];
         for _ in 0..2 * HALVINGS {
-            if self.try_step(share) {
+            if self.try_step(share).falls() {
                 self.accept();
                 return true;
             }
@@ -462,8 +522,8 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Whether the energy falls enough at `share` of the direction; the trial is left there.
-    fn try_step(&mut self, share: f64) -> bool {
+    /// Puts the trial at `share` of the direction.
+    fn try_step(&mut self, share: f64) -> Change {
         let along = |start: usize, [trial]: [&mut [f64]; 1]| {
             let from = self.position[start..].iter().zip(&self.direction[start..]);
             trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * d);
@@ -496,8 +556,23 @@ impl<'a> Descent<'a> {
             },
             &add,
         );
-        let change = change + law;
-        slope > 0.0 && change <= -SHARE * slope + ROUNDING * (size + law_size)
+        Change { energy: change + law, promised: slope, size: size + law_size }
+    }
+}
+
+/// What a trial does to the energy.
+struct Change {
+    energy: f64,
+    /// By which the slope would lower it.
+    promised: f64,
+    /// Magnitude of the terms that make up `energy`.
+    size: f64,
+}
+
+impl Change {
+    /// Whether the energy falls enough.
+    fn falls(&self) -> bool {
+        self.promised > 0.0 && self.energy <= -SHARE * self.promised + ROUNDING * self.size
     }
 }
 

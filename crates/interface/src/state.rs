@@ -34,8 +34,8 @@ pub struct State {
     /// Whether directions of negative curvature were met on the way from the state started from: after a jump they
     /// were, after a long smooth step they may have been. Dynamics does not look.
     pub passed_instability: bool,
-    /// The lowest curvature that the last search for a step saw, in units of the elastic one: > 0 in a stable state. NaN
-    /// of dynamics.
+    /// The lowest curvature, in units of the elastic one, that conjugate gradients see from a force in all directions: > 0
+    /// in a stable state. 1 of a wall alone, NaN of dynamics.
     pub lowest_curvature: f64,
 }
 

@@ -144,3 +144,31 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
         }
     }
 }
+
+#[test]
+fn flat_surfaces_that_attract_do_not_stay_flat() {
+    // The uniform state is at rest whatever the distance, but loses its stability where γ/ϱ² e^(−g/ϱ) exceeds the softest
+    // stiffness, π E*/L: ripples grow. Nothing but a look at all directions shows it.
+    let n = 64;
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+    let response = NormalResponse::new(Grid::line(n, 1.0).unwrap(), &body);
+    let heights = Array2::zeros((n, 1));
+    let (energy, range) = (1e-3, 0.01);
+    let law = Exponential::new(energy, range).unwrap();
+    let interface = Interface::normal(&response, heights.view(), &law).unwrap();
+    let critical = range * (energy / (range * range) / std::f64::consts::PI).ln();
+    let stays = solve(&interface, Drive::approach(-1.05 * critical), Method::Auto, None).unwrap();
+    let spread = |state: &State| state.gap.std(0.0);
+    assert!(spread(&stays) < 1e-12 && stays.lowest_curvature > 0.0 && !stays.passed_instability);
+    let ripples = solve(&interface, Drive::approach(-0.95 * critical), Method::Auto, Some(&stays)).unwrap();
+    println!(
+        "{} {} {} {:?} {critical}",
+        ripples.passed_instability,
+        ripples.lowest_curvature,
+        spread(&ripples),
+        ripples.residual
+    );
+    assert!(ripples.passed_instability && ripples.lowest_curvature > 0.0);
+    assert!(spread(&ripples) > 0.1 * range, "{}", spread(&ripples));
+    assert!(ripples.residual.worst() <= 1e-8);
+}
