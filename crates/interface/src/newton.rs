@@ -551,7 +551,7 @@ impl<'a> Descent<'a> {
                 range.fold([0.0; 2], |sums, i| {
                     let before = interface.energy(frame.separation(interface, position, i));
                     let after = interface.energy(frame.separation(interface, trial, i));
-                    add(sums, [after - before, after.abs()])
+                    add(sums, [after - before, before.abs()])
                 })
             },
             &add,
@@ -572,7 +572,7 @@ struct Change {
 impl Change {
     /// Whether the energy falls enough.
     fn falls(&self) -> bool {
-        self.promised > 0.0 && self.energy <= -SHARE * self.promised + ROUNDING * self.size
+        self.promised > 0.0 && self.energy.is_finite() && self.energy <= -SHARE * self.promised + ROUNDING * self.size
     }
 }
 

@@ -161,14 +161,24 @@ fn flat_surfaces_that_attract_do_not_stay_flat() {
     let spread = |state: &State| state.gap.std(0.0);
     assert!(spread(&stays) < 1e-12 && stays.lowest_curvature > 0.0 && !stays.passed_instability);
     let ripples = solve(&interface, Drive::approach(-0.95 * critical), Method::Auto, Some(&stays)).unwrap();
-    println!(
-        "{} {} {} {:?} {critical}",
-        ripples.passed_instability,
-        ripples.lowest_curvature,
-        spread(&ripples),
-        ripples.residual
-    );
     assert!(ripples.passed_instability && ripples.lowest_curvature > 0.0);
     assert!(spread(&ripples) > 0.1 * range, "{}", spread(&ripples));
     assert!(ripples.residual.worst() <= 1e-8);
+}
+
+#[test]
+fn a_step_too_long_for_a_short_range_is_shortened_not_lost() {
+    // The wall comes three ranges nearer at once: trial steps overflow the repulsion.
+    let points = [32, 32];
+    let grid = Grid::new(points, [1.0, 1.0]).unwrap();
+    let response = NormalResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap()));
+    let heights = bumps(points);
+    let law = Morse::new(1e-4, 1e-4).unwrap();
+    let interface = Interface::normal(&response, heights.view(), &law).unwrap();
+    let mut last = solve(&interface, Drive::approach(0.0005), Method::Newton, None).unwrap();
+    for step in 1..6 {
+        last =
+            solve(&interface, Drive::approach(0.0005 + 3e-4 * f64::from(step)), Method::Newton, Some(&last)).unwrap();
+        assert!(last.residual.worst() <= 1e-8 && last.lowest_curvature > 0.0);
+    }
 }
