@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use gfmd_law::{LawError, Limit};
 use gfmd_relax::{Iterate, MinimiseError, ProjectedCg, Quadratic, Target};
 use gfmd_response::{FullResponse, Workspace};
-use gfmd_vector::{add, pass, reduce, sum};
+use gfmd_vector::{add, pass, reduce};
 use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::certify::higher;
@@ -75,7 +75,8 @@ pub struct FrictionResidual {
     pub penetration: f64,
     /// |p̄ − asked| / asked; 0 where the approach is prescribed.
     pub load: f64,
-    /// Σ (limit |s| + τ·s) / (Σ limit · h_rms): slip where the surfaces should stick, or not against the shear.
+    /// Largest |τ − P(τ − c s)| over the largest limit, P the projection on |τ| ≤ limit of the point and c the largest limit
+    /// over h_rms: slip where the surfaces should stick, or not against the shear.
     pub friction: f64,
     /// Largest excess of |τ| over its limit, over the largest limit.
     pub excess: f64,
@@ -101,7 +102,10 @@ impl std::fmt::Display for FrictionResidual {
 }
 
 /// Rounds of normal and tangential problem.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 150;
+/// After so many rounds they may go in circles: each then answers to a part of what the other changed.
+const WHOLE_ROUNDS: usize = 20;
+const PART: f64 = 0.3;
 /// Each part is solved this much better than asked, so that the whole can be.
 const SHARE: f64 = 0.1;
 
@@ -161,6 +165,8 @@ impl<'a> FrictionalContact<'a> {
             let (steps, stopped) = increment.shear(tolerance, limit, &mut |steps, residual| {
                 watch(&Progress { iteration: iterations + steps, residual })
             });
+            increment.respond();
+            increment.lift(if round < WHOLE_ROUNDS { 1.0 } else { PART });
             iterations += steps;
             let mut state = increment.certify();
             state.iterations = iterations;
@@ -261,21 +267,24 @@ impl<'a> Increment<'a> {
             linear: contact.clearance.clone(),
             pairs: 0,
         };
-        if start.is_some() {
-            increment.respond();
-        }
+        increment.respond();
+        increment.lift(1.0);
         increment
     }
 
-    /// `sheared` ← G shear, and what it does to the normal problem.
+    /// `sheared` ← G shear.
     fn respond(&mut self) {
-        let Self { contact, workspace, shear, sheared, linear, points, z, pairs, drive, .. } = self;
-        *pairs += *z as u64 + 1;
-        contact.response.compliance().apply(shear, sheared, workspace).expect(FITS);
+        self.pairs += self.z as u64 + 1;
+        self.contact.response.compliance().apply(&self.shear, &mut self.sheared, &mut self.workspace).expect(FITS);
+    }
+
+    /// Tells the normal problem what the shear does to it; `share` of the change only.
+    fn lift(&mut self, share: f64) {
+        let Self { contact, sheared, linear, points, z, drive, .. } = self;
         let approach = if let Normal::Approach(approach) = drive.normal { approach } else { 0.0 };
         let lifted = &sheared[*z * *points..];
         for ((linear, clearance), u) in linear.iter_mut().zip(&contact.clearance).zip(lifted) {
-            *linear = clearance - u - approach;
+            *linear += share * (clearance - u - approach - *linear);
         }
     }
 
@@ -315,7 +324,7 @@ impl<'a> Increment<'a> {
         self.contact.response.compliance().apply(&pressed, &mut slip, &mut self.workspace).expect(FITS);
         slip[..z * n].iter_mut().zip(&self.stuck).for_each(|(s, stuck)| *s -= stuck);
         let limits: Vec<f64> = (0..n).map(|i| self.largest_shear(i)).collect();
-        let total = sum(n, &|range| limits[range].iter().sum());
+        let strongest = limits.iter().copied().fold(0.0, f64::max);
         bring_within(&mut self.shear, &limits, n, z);
         self.respond();
         slip[..z * n].iter_mut().zip(&self.sheared).for_each(|(s, u)| *s += u);
@@ -324,12 +333,12 @@ impl<'a> Increment<'a> {
         // Stress over length: that of the shortest wave to begin with.
         let mut length = self.contact.response.stiffness_range()[1];
         let mut steps = 0;
-        if total > 0.0 {
+        if strongest > 0.0 {
             loop {
-                let residual = mismatch(&self.shear, &slip, &limits, n, z) / (total * self.contact.rms_height);
+                let residual =
+                    mismatch(&self.shear[..z * n], &slip[..z * n], &limits, strongest, self.contact.rms_height);
                 let stop = watch(steps, residual).is_break();
                 if residual <= tolerance || steps == limit || stop {
-                    self.respond();
                     return (steps, stop);
                 }
                 steps += 1;
@@ -357,7 +366,6 @@ impl<'a> Increment<'a> {
                 );
                 // Not even a direction is left: the shear is as good as numbers can tell.
                 if slope >= 0.0 || curvature <= 0.0 {
-                    self.respond();
                     return (steps, false);
                 }
                 let share = (-slope / curvature).min(1.0);
@@ -402,7 +410,6 @@ impl<'a> Increment<'a> {
         let gap: Vec<f64> = contact.clearance.iter().zip(uz).map(|(c, u)| c - u - approach).collect();
         let slip: Vec<f64> = displacement.iter().zip(&self.stuck).map(|(u, stuck)| u - stuck).collect();
         let limits: Vec<f64> = (0..n).map(|i| self.largest_shear(i)).collect();
-        let total_limit = sum(n, &|range| limits[range].iter().sum());
         let magnitude = |i: usize| (0..z).map(|c| traction[c * n + i].powi(2)).sum::<f64>().sqrt();
         let [sticking, dissipated, closed] = reduce(
             n,
@@ -429,8 +436,8 @@ impl<'a> Increment<'a> {
             },
             penetration: below / contact.rms_height,
             load: asked.map_or(0.0, |asked| (mean_pressure - asked).abs() / asked),
-            friction: if total_limit > 0.0 {
-                mismatch(&traction, &slip, &limits, n, z) / (total_limit * contact.rms_height)
+            friction: if strongest > 0.0 {
+                mismatch(&traction[..z * n], &slip, &limits, strongest, contact.rms_height)
             } else {
                 0.0
             },
@@ -484,18 +491,24 @@ impl Quadratic for Increment<'_> {
     }
 }
 
-/// Σ (limit |s| + τ·s), zero where slip and shear fit and positive else.
-fn mismatch(shear: &[f64], slip: &[f64], limits: &[f64], n: usize, z: usize) -> f64 {
+/// Largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over `length`. (A sum of limit |s| + τ·s
+/// would vanish with the square of the error in the direction.)
+fn mismatch(shear: &[f64], slip: &[f64], limits: &[f64], strongest: f64, length: f64) -> f64 {
+    let n = limits.len();
+    let components = slip.len() / n;
+    let stiffness = strongest / length;
     let of_point = |i: usize| {
-        let (mut square, mut work) = (0.0, 0.0);
-        for c in 0..z {
-            let (t, s) = (shear[c * n + i], slip[c * n + i]);
-            square += s * s;
-            work += t * s;
+        let mut moved = [0.0; 2];
+        for c in 0..components {
+            moved[c] = shear[c * n + i] - stiffness * slip[c * n + i];
         }
-        limits[i] * f64::sqrt(square) + work
+        let magnitude = moved[0].hypot(moved[1]);
+        let factor = if magnitude > limits[i] { limits[i] / magnitude } else { 1.0 };
+        let off: f64 = (0..components).map(|c| (shear[c * n + i] - factor * moved[c]).powi(2)).sum();
+        off.sqrt()
     };
-    sum(n, &|range| range.filter(|i| limits[*i] > 0.0).map(of_point).sum())
+    let [worst] = reduce(n, &|range| range.fold([0.0], |worst, i| higher(worst, [of_point(i)])), &higher);
+    worst / strongest
 }
 
 /// Shortens the lateral components to their limit, point by point.
