@@ -262,12 +262,8 @@ pub fn path(
         (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
     };
     let sideways = report.steps.iter().any(|step| step.lateral != report.steps[0].lateral);
-    // Along the direction of the longest way.
-    let furthest = report.steps.iter().map(|step| step.lateral).max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
-    let along =
-        furthest.map_or([1.0, 0.0], |way| if norm(way) > 0.0 { way.map(|c| c / norm(way)) } else { [1.0, 0.0] });
-    let lateral = |step: &StepRecord| step.lateral[0] * along[0] + step.lateral[1] * along[1];
-    let shear = |step: &StepRecord| step.mean_shear[0] * along[0] + step.mean_shear[1] * along[1];
+    let lateral = |step: &StepRecord| report.along(step.lateral);
+    let shear = |step: &StepRecord| report.along(step.mean_shear);
     let reduced = "*p*/(*E*\\* *ḡ*)";
     let panels = if sideways {
         let x = Axis::linear(&format!("lateral displacement / {unit}"));
@@ -304,10 +300,6 @@ pub fn path(
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "path")).map_err(failed)?);
     Ok(files)
-}
-
-fn norm([x, y]: [f64; 2]) -> f64 {
-    x.hypot(y)
 }
 
 fn named(stem: &Path, what: &str) -> PathBuf {

@@ -103,6 +103,16 @@ fn a_path_of_friction_sticks_slips_and_turns() {
     let stick = |step: &Value| number(step, "stick_fraction");
     assert!(stick(&steps[4]) < stick(&steps[1]) && stick(&steps[5]) > stick(&steps[4]));
     assert!(number(&report, "dissipated") > 0.0);
+    // Both legs begin as stiff as each other but for what sticks, and the way back slides in the end.
+    let sliding = report["sliding"].as_array().unwrap();
+    assert_eq!([&sliding[0]["leg"], &sliding[1]["leg"]], [1, 2]);
+    let first = shear[1] - shear[0];
+    assert!((number(&sliding[0], "tangential_stiffness") - first / 0.001).abs() < 1e-9 * first / 0.001);
+    assert!(number(&sliding[1], "tangential_stiffness") > 0.0);
+    let coefficient = sliding.iter().map(|leg| number(leg, "friction_coefficient")).fold(0.0, f64::max);
+    assert!(
+        (shear[8].abs() / number(&steps[8], "mean_pressure") - coefficient).abs() < 1e-9 && coefficient <= 0.3 + 1e-9
+    );
     for step in steps {
         assert_eq!(step["converged"], true);
         assert!(number(&step["residual"], "friction") <= 1e-8);

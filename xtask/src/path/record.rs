@@ -1,0 +1,109 @@
+//! The numbers of one step.
+
+use serde::Serialize;
+
+/// One step of a path.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+pub struct StepRecord {
+    pub mean_pressure: f64,
+    pub p_star: f64,
+    pub displacement: f64,
+    pub lateral: [f64; 2],
+    pub mean_shear: [f64; 2],
+    pub area_fraction: f64,
+    pub stick_fraction: f64,
+    pub mean_gap: f64,
+    pub elastic_energy: f64,
+    pub interface_energy: f64,
+    pub dissipated: f64,
+    pub passed_instability: bool,
+    pub lowest_curvature: f64,
+    pub iterations: u64,
+    pub transform_pairs: u64,
+    pub converged: bool,
+    pub residual: ResidualRecord,
+    pub seconds: f64,
+}
+
+/// The residuals of a step, recomputed from its final fields.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub enum ResidualRecord {
+    Law { equilibrium: f64, penetration: f64, wall_tension: f64, load: f64 },
+    Friction { complementarity: f64, penetration: f64, load: f64, friction: f64, excess: f64 },
+}
+
+impl ResidualRecord {
+    /// The largest part.
+    pub fn worst(&self) -> f64 {
+        match *self {
+            Self::Law { equilibrium, penetration, wall_tension, load } => {
+                gfmd_interface::Residual { equilibrium, penetration, wall_tension, load }.worst()
+            }
+            Self::Friction { complementarity, penetration, load, friction, excess } => {
+                gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess }.worst()
+            }
+        }
+    }
+}
+
+/// How a number of a step stands in a file.
+pub(super) struct Scalar {
+    pub(super) name: &'static str,
+    pub(super) units: &'static str,
+    pub(super) long_name: &'static str,
+    pub(super) value: fn(&StepRecord) -> f64,
+}
+
+const fn scalar(
+    name: &'static str,
+    units: &'static str,
+    long_name: &'static str,
+    value: fn(&StepRecord) -> f64,
+) -> Scalar {
+    Scalar { name, units, long_name, value }
+}
+
+pub(super) const SCALARS: &[Scalar] = &[
+    scalar("mean_pressure", "stress", "mean pressure over the whole surface; negative where it is pulled", |r| {
+        r.mean_pressure
+    }),
+    scalar("p_star", "1", "reduced pressure p/(E* g)", |r| r.p_star),
+    scalar("displacement", "length", "rigid approach beyond first touch", |r| r.displacement),
+    scalar("lateral_x", "length", "lateral displacement of the rigid surface along x", |r| r.lateral[0]),
+    scalar("lateral_y", "length", "lateral displacement of the rigid surface along y", |r| r.lateral[1]),
+    scalar("mean_shear_x", "stress", "mean shear traction on the elastic surface along x", |r| r.mean_shear[0]),
+    scalar("mean_shear_y", "stress", "mean shear traction on the elastic surface along y", |r| r.mean_shear[1]),
+    scalar("area_fraction", "1", "points that are repelled over all points", |r| r.area_fraction),
+    scalar("stick_fraction", "1", "points in contact that stick over all points; NaN without friction", |r| {
+        r.stick_fraction
+    }),
+    scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
+    scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
+    scalar("interface_energy", "stress*length", "energy of the law per area of the surface; NaN without one", |r| {
+        r.interface_energy
+    }),
+    scalar(
+        "dissipated",
+        "stress*length",
+        "work of this step that is not stored, per area; of laws by trapezoids",
+        |r| r.dissipated,
+    ),
+    scalar("passed_instability", "1", "1 if directions of negative curvature were met on the way", |r| {
+        f64::from(u8::from(r.passed_instability))
+    }),
+    scalar(
+        "lowest_curvature",
+        "1",
+        "lowest curvature that the last search for a step saw, over the elastic one",
+        |r| r.lowest_curvature,
+    ),
+    scalar("iterations", "1", "steps of the solver", |r| r.iterations as f64),
+    scalar("transform_pairs", "1", "forward and inverse transforms of one component, in pairs", |r| {
+        r.transform_pairs as f64
+    }),
+    scalar("converged", "1", "1 if all residuals are at most the tolerance", |r| f64::from(u8::from(r.converged))),
+    scalar("residual", "1", "largest residual, from the final fields", |r| r.residual.worst()),
+];

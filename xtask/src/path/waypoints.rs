@@ -1,0 +1,84 @@
+//! Where a path turns, and the steps between.
+
+use clap::Args as ClapArgs;
+use gfmd_interface::{Drive, Normal};
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Where the path turns. One value stays as it is; several of both kinds go together.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+pub(super) struct WaypointArgs {
+    /// Mean pressures, stress; negative pulls
+    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pressure: Vec<f64>,
+    /// Reduced pressures p/(E* g); negative pulls
+    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    p_star: Vec<f64>,
+    /// Rigid approaches beyond first touch, length; negative apart
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "D1,D2,..",
+        group = "drive",
+        required_unless_present_any = ["pressure", "p_star"],
+        allow_negative_numbers = true
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    displacement: Vec<f64>,
+    /// Lateral displacements of the rigid surface, length; with them all components of the surface move
+    #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) lateral: Vec<f64>,
+    /// Direction of the lateral displacement, degrees from x
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true)]
+    direction: f64,
+}
+
+impl WaypointArgs {
+    /// The drive of every step, or what cannot be used.
+    pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<Vec<Drive>, Failure> {
+        let (flag, values, under_load) = if !self.pressure.is_empty() {
+            ("--pressure", self.pressure.clone(), true)
+        } else if !self.p_star.is_empty() {
+            ("--p-star", self.p_star.iter().map(|p| p * unit_pressure).collect(), true)
+        } else {
+            ("--displacement", self.displacement.clone(), false)
+        };
+        let allowed = if hard { "positive, finite numbers are" } else { "finite numbers are" };
+        if let Some(bad) = values.iter().find(|value| !(value.is_finite() && (!hard || **value > 0.0))) {
+            return Err(Failure::input(flag, format!("{allowed} allowed, found {bad}")));
+        }
+        if let Some(bad) = self.lateral.iter().chain([&self.direction]).find(|value| !value.is_finite()) {
+            return Err(Failure::input("--lateral", format!("finite numbers are allowed, found {bad}")));
+        }
+        let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
+        let count = values.len().max(lateral.len());
+        for (flag, length) in [(flag, values.len()), ("--lateral", lateral.len())] {
+            if length != 1 && length != count {
+                return Err(Failure::input(flag, format!("1 or {count} waypoints are allowed, found {length}")));
+            }
+        }
+        let along = self.along();
+        let at = |list: &[f64], leg: usize, share: f64| match list {
+            [only] => *only,
+            list => list[leg] + share * (list[(leg + 1).min(list.len() - 1)] - list[leg]),
+        };
+        let drive = |leg: usize, share: f64| {
+            let (value, sideways) = (at(&values, leg, share), at(&lateral, leg, share));
+            let normal = if under_load { Normal::MeanPressure(value) } else { Normal::Approach(value) };
+            Drive { normal, lateral: along.map(|c| c * sideways) }
+        };
+        let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
+        Ok(inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect())
+    }
+
+    /// The unit vector of the lateral displacement.
+    pub(super) fn along(&self) -> [f64; 2] {
+        let angle = self.direction.to_radians();
+        // Exactly along x by default.
+        if self.direction == 0.0 { [1.0, 0.0] } else { [angle.cos(), angle.sin()] }
+    }
+}
