@@ -203,15 +203,19 @@ impl Section<'_> {
     /// The same per displacement of the top of the local layer.
     fn local_state(&self, q: f64) -> State {
         let material = self.local.material();
-        let Height::Finite(thickness) = self.local.height() else {
-            let displacement = half_space::transfer(material, q * self.depth);
-            return State { displacement, traction: product(&half_space::stiffness(material, q), &displacement) };
+        let thickness = match self.local.height() {
+            Height::Finite(thickness) if q * self.height <= OUT_OF_REACH => thickness,
+            // No base, or none that is felt: most modes at most depths.
+            _ => {
+                let displacement = half_space::transfer(material, q * self.depth);
+                return State { displacement, traction: product(&half_space::stiffness(material, q), &displacement) };
+            }
         };
         let base = self.local.base();
-        let whole = LayerMode::new(material, thickness, q);
         let below = LayerMode::new(material, self.height, q);
         let transfer = || bonded_transfer(material, q * self.height, q * self.depth);
         if below.is_thin() {
+            let whole = LayerMode::new(material, thickness, q);
             let state = below.propagated(&whole.base_state(base));
             return if *base == Base::Bonded { State { displacement: transfer(), ..state } } else { state };
         }
@@ -255,9 +259,6 @@ impl Section<'_> {
 /// Transfer from the top of a slab on a bonded base to the plane at Z = q·height above it, b = q·depth below its top
 /// (theory.md, section 5).
 fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
-    if z > OUT_OF_REACH {
-        return half_space::transfer(material, b);
-    }
     let b = b.min(FARTHEST);
     let (r, h) = (material.r(), z + b);
     if h < 1.0 {

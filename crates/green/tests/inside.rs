@@ -51,18 +51,23 @@ fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f6
     0.5 * pairs.into_iter().map(|(stress, strain)| (stress * strain.conj()).re).sum::<f64>()
 }
 
+/// A slab on one of the kinds of base, the last a half-space.
+fn standing(slab: Body, kind: i32, below: Material) -> Body {
+    match kind {
+        0 => slab,
+        1 => slab.on(Base::Sliding).unwrap(),
+        2 => slab.on(Base::Free).unwrap(),
+        _ => slab.bonded_to(Body::half_space(below)).unwrap(),
+    }
+}
+
 proptest! {
     #[test]
     fn forces_balance_and_hooke_holds(
         material in material(), kind in 0..4, below in material(), q in wavevector(decades(0.1, 10.0)), place in 0.05..0.95,
     ) {
         let slab = Body::slab(material, 1.0).unwrap();
-        let body = match kind {
-            0 => slab,
-            1 => slab.on(Base::Sliding).unwrap(),
-            2 => slab.on(Base::Free).unwrap(),
-            _ => slab.bonded_to(Body::half_space(below)).unwrap(),
-        };
+        let body = standing(slab, kind, below);
         let step = 0.02 / (4.0 + q[0].hypot(q[1]));
         let section = body.at_depth(place).unwrap();
         let (u, stress) = (section.displacement_transfer(q), section.stress_transfer(q));
@@ -224,6 +229,19 @@ proptest! {
             prop_assert!(matrices_apart(&mean_stress, &stress) < 1e-13);
             prop_assert!(matrices_apart(&mean_continuous, &continuous) < 1e-13);
         }
+    }
+
+    /// By its own formulas as well as where they are left aside.
+    #[test]
+    fn a_base_out_of_reach_is_not_felt(
+        material in material(), kind in 0..4, below in material(), q in decades(22.0, 1e3), depth in 0.0..0.05,
+    ) {
+        let body = standing(Body::slab(material, 1.0).unwrap(), kind, below);
+        let half_space = Body::half_space(material);
+        let (section, expected) = (body.at_depth(depth).unwrap(), half_space.at_depth(depth).unwrap());
+        let q = [0.6 * q, -0.8 * q];
+        prop_assert!(matrices_apart(&section.displacement_transfer(q), &expected.displacement_transfer(q)) < 1e-13);
+        prop_assert!(matrices_apart(&section.stress_transfer(q), &expected.stress_transfer(q)) < 1e-13);
     }
 
     #[test]
