@@ -136,10 +136,12 @@ proptest! {
         let values = noise(shape(&response), seed);
         let expected = exact(&response, &held, &values).displacement;
         let prescribed = Prescribed::new(held.view(), values.view()).unwrap();
-        let settings = Settings { method: Method::Verlet, tolerance: 1e-11, ..Settings::default() };
-        let found = solve(&response, prescribed, settings).unwrap();
-        for (found, value) in found.displacement.iter().zip(&expected) {
-            prop_assert!((found - value).abs() <= 1e-8 * largest(&expected));
+        for method in [Method::Verlet, Method::VerletCritical, Method::Fire] {
+            let settings = Settings { method, tolerance: 1e-11, ..Settings::default() };
+            let found = solve(&response, prescribed.clone(), settings).unwrap();
+            for (found, value) in found.displacement.iter().zip(&expected) {
+                prop_assert!((found - value).abs() <= 1e-8 * largest(&expected), "{:?}", method);
+            }
         }
     }
 }

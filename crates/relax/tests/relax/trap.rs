@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Method, Nesterov, Proximal, Stop, Verlet, relax};
+use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Method, Nesterov, Proximal, RelaxError, Stop, Verlet, relax};
 
-use crate::support::{active_set, distance};
+use crate::support::{active_set, bits, distance};
 
 /// A periodic line of n nodes under a parabolic punch; stiffness k(q) = √(q² + q₀²) of its modes.
 struct Line {
@@ -158,6 +158,25 @@ fn the_augmented_lagrangian_finds_the_solution_with_mass_like_stiffness() {
         problem.problem().bounds().project(&mut u);
         assert!(distance(&u, &exact) < 1e-12 * DEPTH, "{:e}", distance(&u, &exact) / DEPTH);
     }
+}
+
+/// A checkpoint is the state alone: a problem made anew goes on from it with the same bits.
+#[test]
+fn the_augmented_lagrangian_resumes_with_the_same_bits() {
+    let mobility = function_of_stiffness(|k| 1.0 / (k + PENALTY));
+    let problem = || AugmentedLagrangian::new(Sprung { line: line(), mobility: mobility.clone() });
+    let method = Nesterov { tau: 1.2 };
+    let run = |state: &mut _, max_steps| {
+        let stop = Stop { residual: 0.0, settled: 0, max_steps };
+        assert!(matches!(relax(&mut problem(), &method, state, &stop, &mut ()), Err(RelaxError::NotConverged { .. })));
+    };
+    let start = method.start(&mut problem(), vec![0.0; N]).unwrap();
+    let (mut straight, mut resumed) = (start.clone(), start);
+    run(&mut straight, 41);
+    run(&mut resumed, 17);
+    run(&mut resumed, 41);
+    assert_eq!(bits(&straight.u), bits(&resumed.u));
+    assert_eq!(straight, resumed);
 }
 
 /// Without momentum the mismatch never grows, whatever the penalty, and 0 < τ < 2 converges.
