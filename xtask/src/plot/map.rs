@@ -79,7 +79,9 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
     let left = EDGE + left_margin(&ticks([0.0, map.size[1]], 4.0)?, &y_label);
     let width = (map.width - left - right - EDGE).max(40.0);
-    let height = (width * map.size[1] / map.size[0]).clamp(0.1 * width, 3.0 * width);
+    // Not so flat that the labels along y have no room.
+    let lowest = Text::new(&map.y, LABEL).width().max(Text::new(&map.label, LABEL).width()).min(width);
+    let height = (width * map.size[1] / map.size[0]).clamp(lowest, 3.0 * width);
     let (x, y) = (ticks([0.0, map.size[0]], width / 40.0)?, ticks([0.0, map.size[1]], height / 40.0)?);
     let top = EDGE + if bar_ticks.factor.is_empty() && y.factor.is_empty() { 0.5 * TICK } else { TICK + 2.0 * GAP };
 

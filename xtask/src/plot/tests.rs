@@ -197,6 +197,17 @@ fn maps_lie_the_right_way_round() {
     approx::assert_relative_eq!(width / height, 2.0, max_relative = 1e-9);
 }
 
+/// Of a flat section in its true proportions, not even the labels would be seen.
+#[test]
+fn a_flat_map_is_high_enough_for_its_labels() {
+    let field = bumps(64, 4);
+    let flat = Map { size: [100.0, 1.0], y: "height above the lowest level".into(), ..pressure_map(&field, [64, 4]) };
+    let drawing = map::draw(&flat).unwrap();
+    let [_, _, width, height] = drawing.pictures[0].frame;
+    let label = text::Text::new(&flat.y, chart::LABEL).width();
+    assert!(height >= label && height < width, "{height} {label} {width}");
+}
+
 #[test]
 fn blocks_of_points_become_one_pixel_of_their_mean_and_share() {
     let n = 2048; // two by two points per pixel
