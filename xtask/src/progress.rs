@@ -61,8 +61,11 @@ impl Progress {
             plain.shown = Instant::now();
             let part = (plain.done / self.total).min(1.0);
             let elapsed = plain.started.elapsed().as_secs_f64();
-            let left = elapsed * (1.0 - part) / part.max(1e-6);
-            tracing::info!("{}: {:.0} %, {note}, {elapsed:.0} s, about {left:.0} s left", plain.what, 100.0 * part);
+            let left = match part {
+                0.0 => String::new(),
+                _ => format!(", about {:.0} s left", elapsed * (1.0 - part) / part),
+            };
+            tracing::info!("{}: {:.0} %, {note}, {elapsed:.0} s{left}", plain.what, 100.0 * part);
         }
     }
 
