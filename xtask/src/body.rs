@@ -18,6 +18,7 @@ use crate::archive::Output;
 use crate::contact::check_available;
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use crate::session::Session;
 
@@ -54,7 +55,7 @@ pub struct Args {
     #[command(flatten)]
     place: PlaceArgs,
     /// Depth of the lowest level; the height of the slab if not given
-    #[arg(long, value_name = "D", requires = "levels", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
     deepest: Option<f64>,
     /// Only the row of points nearest to this position, an x-z or y-z slice
     #[arg(long, value_name = "y=Y|x=X")]
@@ -66,7 +67,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5|FILE.vti")]
     out: Option<PathBuf>,
     /// Draw displacement and stress on the slice (on the middle row if there is none): PREFIX-*.svg, .png (with --levels)
-    #[arg(long, value_name = "PREFIX", requires = "levels")]
+    #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
     plots: Option<PathBuf>,
 }
 

@@ -12,7 +12,9 @@ use gfmd_response::{Components, FullResponse, Workspace};
 use serde::Serialize;
 
 use crate::archive::{Archive, Dimension, Output, Variable};
+use crate::contact::check_available;
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use crate::session::Session;
 
@@ -62,7 +64,7 @@ pub struct Args {
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the histories: PREFIX-damping.svg, .png
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }
@@ -238,6 +240,10 @@ impl Experiment {
         };
         let grid = grid.map_err(|error| Failure::input("--n", error))?;
         let refuse = || Failure::input("--n", format!("found {}, allowed: 2 or more", args.n));
+        if args.n < 2 {
+            return Err(refuse());
+        }
+        check_available(grid.points(), 8 * FIELDS_IN_MEMORY * grid.len() as u64)?;
         let range = stiffness_range(&body, &grid).ok_or_else(refuse)?;
         if !(args.dt > 0.0 && args.dt < 1.0) {
             return Err(Failure::input("--dt", format!("found {}, allowed: between 0 and 1", args.dt)));
@@ -355,6 +361,9 @@ impl Experiment {
         oscillating / all
     }
 }
+
+/// Fields of doubles, one component each, that a run holds at its peak, with some room.
+const FIELDS_IN_MEMORY: u64 = 40;
 
 /// Powers of e by which the slowest run shrinks: rates then have settled to a few per cent.
 const DECAY: f64 = 70.0;
@@ -542,6 +551,8 @@ mod tests {
             ("--poisson 0.6", "--poisson: "),
             ("--young -1", "--young: "),
             ("--n 0", "--n: "),
+            ("--n 1", "--n: found 1, allowed: 2 or more"),
+            ("--n 1000000", "the grid: 1000000 x 1000000 points need about "),
         ] {
             let error = evaluate(flags).unwrap_err().to_string();
             assert!(error.starts_with(message), "{flags}: {error}");

@@ -302,6 +302,16 @@ pub fn path(
     Ok(files)
 }
 
+/// A prefix of figures, in a folder that exists.
+///
+/// # Errors
+/// The folder that does not.
+pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
+    let prefix = PathBuf::from(text);
+    let folder = crate::archive::folder(&prefix);
+    if folder.is_dir() { Ok(prefix) } else { Err(format!("there is no folder {}", folder.display())) }
+}
+
 fn named(stem: &Path, what: &str) -> PathBuf {
     let name = stem.file_name().unwrap_or_default().to_string_lossy();
     stem.with_file_name(format!("{name}-{what}"))

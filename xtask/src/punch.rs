@@ -16,6 +16,7 @@ use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::{axes, check_available};
 use crate::elastic::{BodyArgs, parse_height, serialize_height};
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use crate::session::{Session, peak_bytes};
 
@@ -98,7 +99,7 @@ pub struct Args {
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw maps of displacement and pressure, and a cut along x: PREFIX-u_x.svg, .png, ... -pressure, -cut
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

@@ -123,6 +123,7 @@ fn unusable_input_is_one_clear_line() {
     let folder = tempfile::tempdir().unwrap();
     ndarray_npy::write_npy(folder.path().join("u.npy"), &Array3::<f64>::zeros((4, 4, 3))).unwrap();
     ndarray_npy::write_npy(folder.path().join("flat.npy"), &Array2::<f64>::zeros((4, 4))).unwrap();
+    ndarray_npy::write_npy(folder.path().join("empty.npy"), &Array3::<f64>::zeros((0, 4, 3))).unwrap();
     json(folder.path(), &words("contact --n 16 --eps-f-inv 4 --p-star 0.1 --out c.h5 --json"));
     let slab = "--young 1 --poisson 0.3 --height 0.5";
     for (flags, named) in [
@@ -138,6 +139,10 @@ fn unusable_input_is_one_clear_line() {
         (format!("--surface u.npy {slab} --depths 0,0.1 --out u.vti"), vec!["--out", "--levels"]),
         (format!("--surface u.npy {slab} --levels 3 --out u.txt"), vec!["--out", ".vti"]),
         (format!("--surface u.npy {slab}"), vec!["--depths", "--levels"]),
+        (format!("--surface u.npy {slab} --depths 0,0.1 --deepest 0.2"), vec!["--depths", "--deepest"]),
+        (format!("--surface u.npy {slab} --depths 0,0.1,0.3 --plots p"), vec!["--depths", "--plots"]),
+        (format!("--surface u.npy {slab} --levels 3 --plots no/p"), vec!["--plots", "no folder no"]),
+        (format!("--surface empty.npy {slab} --depths 0"), vec!["empty.npy", "[0, 4]"]),
         ("--surface c.h5 --levels 4".into(), vec!["--deepest", "half-space"]),
         ("--surface c.h5 --load 1 --depths 0".into(), vec!["--load", "1"]),
         ("--surface c.h5:/fields/nothing --depths 0".into(), vec!["nothing", "displacement_z"]),

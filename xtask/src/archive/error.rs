@@ -60,7 +60,7 @@ pub enum ArchiveError {
         reason: String,
     },
     /// A name that the file does not have.
-    #[error("{} has no {variable}; its group has: {}", path.display(), present.join(", "))]
+    #[error("{} has no {variable}; its group has: {}", path.display(), listed(present))]
     Missing {
         /// The file.
         path: PathBuf,
@@ -125,6 +125,10 @@ impl ArchiveError {
     pub(super) fn read(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
         Self::Read { path: path.into(), variable: variable.into(), reason: reason(error) }
     }
+}
+
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "nothing".into() } else { names.join(", ") }
 }
 
 /// The innermost message of the library, with the operating system's words alone where it quotes them.

@@ -69,7 +69,8 @@ impl Surface {
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
-        let grid = Grid::new(points, lengths).map_err(|error| Failure::input("--length", error))?;
+        let grid = Grid::new(points, lengths);
+        let grid = grid.map_err(|error| Failure::input(if length.is_empty() { name } else { "--length" }, error))?;
         let displacement =
             (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
