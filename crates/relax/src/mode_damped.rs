@@ -2,10 +2,7 @@
 
 use gfmd_vector::pass;
 
-use crate::{
-    Landscape, Method, RelaxError, State, Trail,
-    bounds::{Wall, within},
-};
+use crate::{Landscape, Method, RelaxError, State, Trail, bounds::within, verlet::advance};
 
 /// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), as modes with coefficients
 /// η(q) of their own need it: B = 1 − τ η.
@@ -29,22 +26,6 @@ impl<B: Fn(&mut [f64])> ModeDamped<B> {
     pub fn critical(tau: f64, retain: B) -> Self {
         Self { tau, stiffness_limit: 4.0 / tau, retain }
     }
-
-    /// u₊ in place of B (u − u₋), and how many entries reached or left their bound.
-    fn advance(&self, wall: impl Wall, u: &[f64], force: &[f64], motion: &mut [f64]) -> u64 {
-        let tau = self.tau;
-        let leaf = |start: usize, [next]: [&mut [f64]; 1]| {
-            let range = start..start + next.len();
-            let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
-            let mut changes = 0;
-            for (k, ((next, &u), &f)) in next.iter_mut().zip(u).zip(force).enumerate() {
-                *next = wall.clip(k, u + *next + tau * f);
-                changes += u64::from(wall.touches(k, *next) != wall.touches(k, u));
-            }
-            changes
-        };
-        pass([motion], &leaf, &|a, b| a + b)
-    }
 }
 
 impl<B: Fn(&mut [f64])> Method for ModeDamped<B> {
@@ -65,7 +46,7 @@ impl<B: Fn(&mut [f64])> Method for ModeDamped<B> {
         RelaxError::check_length("previous displacements", motion.len(), u.len())?;
         pass([motion], &|start, [d]| d.iter_mut().zip(&u[start..]).for_each(|(d, u)| *d = u - *d), &|(), ()| ());
         (self.retain)(motion);
-        let changes = within!(problem.bounds(), wall => self.advance(wall, u, force, motion));
+        let changes = within!(problem.bounds(), wall => advance(wall, self.tau, u, force, motion, |_, d| d));
         std::mem::swap(u, motion);
         memory.at_rest = false;
         state.step += 1;

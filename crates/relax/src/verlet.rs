@@ -96,25 +96,29 @@ impl Verlet {
         }
         Ok(Self { on_rise: OnRise::StepBack, ..checked })
     }
+}
 
-    /// u₊ in place of u₋, and how many entries reached or left their bound: one sweep.
-    fn advance(&self, wall: impl Wall, u: &[f64], force: &[f64], previous: &mut [f64]) -> u64 {
-        let Damping { beta, tau } = self.damping;
-        pass(
-            [previous],
-            &|start, [next]| {
-                let range = start..start + next.len();
-                let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
-                let mut changes = 0;
-                for (k, ((next, &u), &f)) in next.iter_mut().zip(u).zip(force).enumerate() {
-                    *next = wall.clip(k, u + beta * (u - *next) + tau * f);
-                    changes += u64::from(wall.touches(k, *next) != wall.touches(k, u));
-                }
-                changes
-            },
-            &|a, b| a + b,
-        )
-    }
+/// u₊ = Π(u + motion + τ f) in place of what `motion` makes of u and its entry of `trail`, and how many entries reached or
+/// left their bound: one sweep.
+pub(crate) fn advance(
+    wall: impl Wall,
+    tau: f64,
+    u: &[f64],
+    force: &[f64],
+    trail: &mut [f64],
+    motion: impl Fn(f64, f64) -> f64 + Sync,
+) -> u64 {
+    let leaf = |start: usize, [next]: [&mut [f64]; 1]| {
+        let range = start..start + next.len();
+        let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
+        let mut changes = 0;
+        for (k, ((next, &u), &f)) in next.iter_mut().zip(u).zip(force).enumerate() {
+            *next = wall.clip(k, u + motion(u, *next) + tau * f);
+            changes += u64::from(wall.touches(k, *next) != wall.touches(k, u));
+        }
+        changes
+    };
+    pass([trail], &leaf, &|a, b| a + b)
 }
 
 impl Method for Verlet {
@@ -130,7 +134,9 @@ impl Method for Verlet {
         state.check(problem)?;
         RelaxError::check_length("previous displacements", state.memory.previous.len(), problem.len())?;
         let (u, force, previous) = (&state.u, &state.force, &mut state.memory.previous);
-        let changes = within!(problem.bounds(), wall => self.advance(wall, u, force, previous));
+        let Damping { beta, tau } = self.damping;
+        let motion = |u: f64, previous: f64| beta * (u - previous);
+        let changes = within!(problem.bounds(), wall => advance(wall, tau, u, force, previous, motion));
         std::mem::swap(&mut state.u, &mut state.memory.previous);
         state.step += 1;
         state.settled = if changes == 0 { state.settled + 1 } else { 0 };
