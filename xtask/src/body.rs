@@ -20,7 +20,7 @@ use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::progress::Progress;
-use crate::session::Session;
+use crate::session::{Session, list_files};
 
 pub use quantity::Quantity;
 pub use rows::Slice;
@@ -280,12 +280,6 @@ impl fmt::Display for Report {
             }
             writeln!(f)?;
         }
-        if let Some(out) = &self.out {
-            writeln!(f, "\nwritten: {}", out.display())?;
-        }
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -16,7 +16,7 @@ use crate::contact::check_available;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::progress::Progress;
-use crate::session::Session;
+use crate::session::{Session, list_files};
 
 /// Flags of `damping`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -482,13 +482,7 @@ impl fmt::Display for Report {
                 run.steps_to_1e8.map_or_else(|| "never".into(), |steps| steps.to_string()),
             )?;
         }
-        if let Some(out) = &self.out {
-            writeln!(f, "\nwritten: {}", out.display())?;
-        }
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }
 

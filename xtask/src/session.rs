@@ -1,5 +1,7 @@
 //! One run of the program: what the user asked of all commands alike, and what the machine is.
 
+use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -91,6 +93,14 @@ impl Session {
             threads: rayon::current_num_threads(),
         }
     }
+}
+
+/// The end of a printed report: what was written and drawn, a line each.
+pub(crate) fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[PathBuf]) -> fmt::Result {
+    if let Some(out) = out {
+        writeln!(f, "\nwritten: {}", out.display())?;
+    }
+    plots.iter().try_for_each(|plot| writeln!(f, "drawn:   {}", plot.display()))
 }
 
 /// Processor, cores and operating system in words.

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::elastic::serialize_height;
+use crate::session::list_files;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -96,13 +97,7 @@ impl fmt::Display for Report {
                 refinement.order.map_or_else(String::new, |order| format!("   order of convergence {order:.3}"));
             writeln!(f, "{:>8} {:>15.8e}{order}", "limit", refinement.extrapolated)?;
         }
-        if let Some(out) = &self.out {
-            writeln!(f, "\nwritten: {}", out.display())?;
-        }
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }
 
