@@ -17,10 +17,11 @@ use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::elastic::BodyArgs;
 use crate::equilibrium::{Measures, Problem, Rest};
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
 use crate::progress::Progress;
-use crate::session::{Session, available_bytes, peak_bytes};
+use crate::session::{Session, available_bytes, list_files, peak_bytes};
 use crate::source::{SourceArgs, Surface};
 
 /// Flags of `contact`.
@@ -51,7 +52,7 @@ pub struct Args {
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }
@@ -434,12 +435,6 @@ impl fmt::Display for Report {
                 if load.converged { "" } else { "  NOT CONVERGED" }
             )?;
         }
-        if let Some(out) = &self.out {
-            writeln!(f, "\nwritten: {}", out.display())?;
-        }
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -8,6 +8,7 @@ use gfmd_law::{Kind, Law, LawError, MixedMode};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 
 /// Flags that name a law.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -66,7 +67,7 @@ pub struct Args {
     tangential: Vec<f64>,
     /// Draw T_n over the span of --normal and T_t over that of --tangential, one curve for each value of the other:
     /// PREFIX.svg, .png
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     plot: Option<PathBuf>,
 }
 

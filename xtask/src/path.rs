@@ -25,6 +25,7 @@ use crate::archive::Output;
 use crate::contact::check_available;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::progress::Progress;
 use crate::session::{Session, peak_bytes};
@@ -76,7 +77,7 @@ pub struct Args {
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the path and the map at its end: PREFIX-path.svg, .png, PREFIX-map.svg, .png
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

@@ -12,6 +12,7 @@ use super::plan::{Plan, PlannedPoint};
 use crate::failure::Failure;
 use crate::fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
 use crate::load::LoadRecord;
+use crate::session::list_files;
 
 /// How contact area was counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -356,11 +357,7 @@ impl fmt::Display for Report {
             self.theory.persson, self.theory.bush_gibson_thomas
         )?;
         writeln!(f, "{:.0} s, {:.2} GiB at the peak", self.seconds, self.peak_bytes as f64 / f64::from(1 << 30))?;
-        writeln!(f, "\nwritten: {}", self.out.display())?;
-        for plot in &self.plots {
-            writeln!(f, "drawn:   {}", plot.display())?;
-        }
-        Ok(())
+        list_files(f, Some(&self.out), &self.plots)
     }
 }
 

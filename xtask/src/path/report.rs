@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::StepRecord;
+use crate::session::list_files;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -120,9 +121,6 @@ impl fmt::Display for Report {
             "\ndissipated {:.6e} per area, lowest mean pressure {:.6e}",
             self.dissipated, self.lowest_mean_pressure
         )?;
-        if let Some(out) = &self.out {
-            writeln!(f, "written: {}", out.display())?;
-        }
-        self.plots.iter().try_for_each(|plot| writeln!(f, "drawn:   {}", plot.display()))
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }
