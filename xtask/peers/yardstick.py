@@ -18,28 +18,28 @@ MEASURE = 0
 class Fftw:
     def __init__(self, names):
         self.needs = [ctypes.CDLL(name) for name in names["needs"]]
-        self.library = ctypes.CDLL(names["library"])
+        self.functions = ctypes.CDLL(names["library"])
         self.parallel = ctypes.CDLL(names["threads"]) if names["threads"] else None
         if self.parallel:
             self.parallel.fftw_init_threads()
         for function in ("fftw_malloc", "fftw_plan_dft_r2c_2d", "fftw_plan_dft_c2r_2d"):
-            getattr(self.library, function).restype = ctypes.c_void_p
-        self.library.fftw_malloc.argtypes = [ctypes.c_size_t]
+            getattr(self.functions, function).restype = ctypes.c_void_p
+        self.functions.fftw_malloc.argtypes = [ctypes.c_size_t]
         for function in ("fftw_free", "fftw_destroy_plan", "fftw_execute"):
-            getattr(self.library, function).argtypes = [ctypes.c_void_p]
-            getattr(self.library, function).restype = None
-        self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.library, "fftw_version"))).decode()
+            getattr(self.functions, function).argtypes = [ctypes.c_void_p]
+            getattr(self.functions, function).restype = None
+        self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.functions, "fftw_version"))).decode()
 
     def pair(self, n, threads, budget):
         """Means of batches of pairs, for `budget` seconds, and the share of the threads' time that was processor time."""
         if self.parallel:
             self.parallel.fftw_plan_with_nthreads(threads)
-        real, spectrum = self.library.fftw_malloc(8 * n * n), self.library.fftw_malloc(16 * n * (n // 2 + 1))
+        real, spectrum = self.functions.fftw_malloc(8 * n * n), self.functions.fftw_malloc(16 * n * (n // 2 + 1))
         a, b = ctypes.c_void_p(real), ctypes.c_void_p(spectrum)
-        forward = self.library.fftw_plan_dft_r2c_2d(n, n, a, b, ctypes.c_uint(MEASURE))
-        inverse = self.library.fftw_plan_dft_c2r_2d(n, n, b, a, ctypes.c_uint(MEASURE))
+        forward = self.functions.fftw_plan_dft_r2c_2d(n, n, a, b, ctypes.c_uint(MEASURE))
+        inverse = self.functions.fftw_plan_dft_c2r_2d(n, n, b, a, ctypes.c_uint(MEASURE))
         ctypes.memset(real, 0, 8 * n * n)
-        execute = self.library.fftw_execute
+        execute = self.functions.fftw_execute
 
         def batch(count):
             started = time.perf_counter()
@@ -53,10 +53,10 @@ class Fftw:
         wall, cpu = time.perf_counter(), time.process_time()
         seconds = [batch(count) for _ in range(10)]
         share = (time.process_time() - cpu) / ((time.perf_counter() - wall) * threads)
-        self.library.fftw_destroy_plan(forward)
-        self.library.fftw_destroy_plan(inverse)
-        self.library.fftw_free(real)
-        self.library.fftw_free(spectrum)
+        self.functions.fftw_destroy_plan(forward)
+        self.functions.fftw_destroy_plan(inverse)
+        self.functions.fftw_free(real)
+        self.functions.fftw_free(spectrum)
         return seconds, share
 
 
@@ -65,7 +65,7 @@ def main():
     fftw = Fftw(task["fftw"])
     wisdom = task["wisdom"].encode()
     if os.path.exists(wisdom):
-        fftw.library.fftw_import_wisdom_from_filename(wisdom)
+        fftw.functions.fftw_import_wisdom_from_filename(wisdom)
     pairs = []
     for n in task["sizes"]:
         for threads in task["threads"]:
@@ -73,7 +73,7 @@ def main():
                 sys.exit("this FFTW has no threads")
             seconds, share = fftw.pair(n, threads, task["seconds"])
             pairs.append({"n": n, "threads": threads, "seconds": seconds, "share": share})
-    fftw.library.fftw_export_wisdom_to_filename(wisdom)
+    fftw.functions.fftw_export_wisdom_to_filename(wisdom)
     print(json.dumps({"version": fftw.version, "pairs": pairs}))
 
 
