@@ -340,14 +340,7 @@ impl<'a> FieldFile<'a> {
         let load = Dimension::index("load", prepared.controls.len(), "load step");
         let unit = prepared.surface.unit.as_deref().unwrap_or("length");
         let [x, y] = axes(&prepared.grid, unit);
-        let height = Variable {
-            dimensions: &[&x, &y],
-            units: unit,
-            long_name: "height of the rigid surface, peaks towards the elastic body",
-        };
-        archive.write("/surface/height", &height, &contiguous(&prepared.surface.heights))?;
-        archive.attribute("/surface", "description", prepared.surface.description.as_str())?;
-        archive.attribute("/surface", "rms_gradient", prepared.surface.rms_gradient)?;
+        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
         for (path, units, long_name) in FIELDS {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
@@ -373,6 +366,21 @@ impl<'a> FieldFile<'a> {
         }
         Ok(self.archive.finish()?)
     }
+}
+
+/// The rigid surface of a file, with what is said of it.
+pub(crate) fn write_surface(
+    archive: &mut Archive,
+    surface: &Surface,
+    axes: [&Dimension; 2],
+    unit: &str,
+) -> Result<(), Failure> {
+    let long_name = "height of the rigid surface, peaks towards the elastic body";
+    let height = Variable { dimensions: &axes, units: unit, long_name };
+    archive.write("/surface/height", &height, &contiguous(&surface.heights))?;
+    archive.attribute("/surface", "description", surface.description.as_str())?;
+    archive.attribute("/surface", "rms_gradient", surface.rms_gradient)?;
+    Ok(())
 }
 
 /// The dimensions x and y of the fields on a grid.

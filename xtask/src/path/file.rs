@@ -6,7 +6,7 @@ use super::mechanics::Mechanics;
 use super::record::SCALARS;
 use super::{Args, Prepared, StepRecord};
 use crate::archive::{Archive, Dimension, Output, Variable};
-use crate::contact::{axes, contiguous};
+use crate::contact::{axes, contiguous, write_surface};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -29,13 +29,7 @@ impl<'a> PathFile<'a> {
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let unit = prepared.surface.unit.as_deref().unwrap_or("length");
         let [x, y] = axes(&prepared.grid, unit);
-        let height = Variable {
-            dimensions: &[&x, &y],
-            units: unit,
-            long_name: "height of the rigid surface, peaks towards the elastic body",
-        };
-        archive.write("/surface/height", &height, &contiguous(&prepared.surface.heights))?;
-        archive.attribute("/surface", "description", prepared.surface.description.as_str())?;
+        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
         let steps = args.steps as usize;
         let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "where the path turns");
         let shears: &[&str] = match (all, prepared.grid.is_line()) {
