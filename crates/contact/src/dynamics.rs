@@ -17,7 +17,7 @@ use gfmd_relax::{
     relax,
 };
 use gfmd_response::NormalResponse;
-use gfmd_vector::{add, pass};
+use gfmd_vector::{add, for_each, pass};
 
 use crate::problem::{End, Ended, Transforms};
 use crate::{Contact, ContactError, Control, Progress, Settings, Solver, Watch};
@@ -233,7 +233,7 @@ impl Proximal for Sprung<'_> {
         let leaf = |start: usize, [pull]: [&mut [f64]; 1]| {
             pull.iter_mut().zip(&anchor[start..]).for_each(|(pull, anchor)| *pull = layer.push + *penalty * anchor);
         };
-        pass([pull], &leaf, &|(), ()| ());
+        for_each([pull], &leaf);
         layer.transforms.singles += 2;
         layer.response.transform().convolve(mobility, pull, u, &mut layer.transforms.workspace).expect(FITS);
     }

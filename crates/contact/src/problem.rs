@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use gfmd_field::Workspace;
 use gfmd_response::NormalResponse;
-use gfmd_vector::pass;
+use gfmd_vector::for_each;
 use ndarray::ArrayView2;
 
 use crate::wall::Wall;
@@ -119,7 +119,7 @@ impl<'a> Contact<'a> {
         let uniform =
             response.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
         // u_z = −G p.
-        pass([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -(*u + uniform)), &|(), ()| ());
+        for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -(*u + uniform)));
         self.wall.certify(pressure, displacement, control)
     }
 

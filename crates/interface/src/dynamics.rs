@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_relax::{Bounds, Fire, Landscape, Method as _, Outcome, Stop, relax};
-use gfmd_vector::{pass, sum};
+use gfmd_vector::{for_each, sum};
 
 use crate::certify::certify;
 use crate::elastic::{Transforms, mean};
@@ -102,7 +102,7 @@ impl Motion<'_> {
         let points = self.interface.clearance.len();
         for (field, _) in field.chunks_exact_mut(points).zip(&self.frame.held).filter(|(_, held)| **held) {
             let mean = mean(field);
-            pass([field], &|_, [field]| field.iter_mut().for_each(|f| *f -= mean), &|(), ()| ());
+            for_each([field], &|_, [field]| field.iter_mut().for_each(|f| *f -= mean));
         }
     }
 }
@@ -126,7 +126,7 @@ impl Landscape for Motion<'_> {
                     *f = interface.law.traction(normal, sliding)[axis] + push - *f;
                 }
             };
-            pass([force], &net, &|(), ()| ());
+            for_each([force], &net);
         }
         let law = sum(points, &|range| {
             range.map(|i| interface.law.opening_energy(frame.separation(interface, u, i).0)).sum()

@@ -98,7 +98,7 @@ impl Transforms<'_> {
         let points = self.elastic.grid().len();
         for ((field, out), uniform) in field.chunks_exact(points).zip(out.chunks_exact_mut(points)).zip(uniform) {
             let change = uniform * mean(field) - mean(out);
-            gfmd_vector::pass([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change), &|(), ()| ());
+            gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
         }
     }
 }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use gfmd_law::{LawError, Limit};
 use gfmd_relax::{Iterate, MinimiseError, ProjectedCg, Quadratic, Target};
 use gfmd_response::{FullResponse, Workspace};
-use gfmd_vector::{add, pass, reduce};
+use gfmd_vector::{add, for_each, reduce};
 use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::certify::higher;
@@ -346,12 +346,12 @@ impl<'a> Increment<'a> {
                 let downhill = |start: usize, [d]: [&mut [f64]; 1]| {
                     d.iter_mut().zip(&slip[start..]).for_each(|(d, s)| *d -= length * s);
                 };
-                pass([&mut direction[..z * n]], &downhill, &|(), ()| ());
+                for_each([&mut direction[..z * n]], &downhill);
                 bring_within(&mut direction, &limits, n, z);
                 let back = |start: usize, [d]: [&mut [f64]; 1]| {
                     d.iter_mut().zip(&self.shear[start..]).for_each(|(d, t)| *d -= t);
                 };
-                pass([&mut direction], &back, &|(), ()| ());
+                for_each([&mut direction], &back);
                 self.pairs += z as u64 + 1;
                 self.contact.response.compliance().apply(&direction, &mut image, &mut self.workspace).expect(FITS);
                 let [slope, curvature, square, images] = reduce(
@@ -376,7 +376,7 @@ impl<'a> Increment<'a> {
                         *s += share * g;
                     }
                 };
-                pass([&mut self.shear[..z * n], &mut slip[..z * n]], &go, &|(), ()| ());
+                for_each([&mut self.shear[..z * n], &mut slip[..z * n]], &go);
                 length = if steps % 2 == 0 { square / curvature } else { curvature / images };
             }
         }
@@ -522,7 +522,7 @@ fn bring_within(shear: &mut [f64], limits: &[f64], n: usize, z: usize) {
         let leaf = |start: usize, [x]: [&mut [f64]; 1]| {
             x.iter_mut().zip(&limits[start..]).for_each(|(x, limit)| *x *= factor(*x * *x, *limit));
         };
-        pass([x], &leaf, &|(), ()| ());
+        for_each([x], &leaf);
     } else {
         let leaf = |start: usize, [x, y]: [&mut [f64]; 2]| {
             for ((x, y), limit) in x.iter_mut().zip(y).zip(&limits[start..]) {
@@ -531,7 +531,7 @@ fn bring_within(shear: &mut [f64], limits: &[f64], n: usize, z: usize) {
                 *y *= factor;
             }
         };
-        pass([x, &mut rest[..n]], &leaf, &|(), ()| ());
+        for_each([x, &mut rest[..n]], &leaf);
     }
 }
 

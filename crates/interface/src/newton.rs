@@ -5,7 +5,7 @@
 //! preconditioned by the compliance, softened where the law is stiff. It is then bent along the wall and shortened until
 //! the energy falls: no step climbs, so a jump ends in a stable state further down.
 
-use gfmd_vector::{add, dot, pass, reduce};
+use gfmd_vector::{add, dot, for_each, pass, reduce};
 
 use crate::certify::higher;
 use crate::elastic::Transforms;
@@ -194,11 +194,7 @@ impl<'a> Descent<'a> {
         for (c, field) in trial.chunks_exact_mut(*points).enumerate() {
             let bound = bound.as_ref().filter(|_| c == z);
             if let Some(bound) = bound {
-                pass(
-                    [field],
-                    &|start, [w]| w.iter_mut().zip(&bound[start..]).for_each(|(w, b)| *w = w.min(*b)),
-                    &|(), ()| (),
-                );
+                for_each([field], &|start, [w]| w.iter_mut().zip(&bound[start..]).for_each(|(w, b)| *w = w.min(*b)));
             }
             if !frame.held[c] {
                 continue;
@@ -228,7 +224,7 @@ impl<'a> Descent<'a> {
                         }
                     }
                 };
-                pass([field], &lift, &|(), ()| ());
+                for_each([field], &lift);
             }
         }
     }
@@ -247,7 +243,7 @@ impl<'a> Descent<'a> {
                     (*t, *j) = (response.traction[0], response.jacobian[0][0]);
                 }
             };
-            pass([&mut law.traction, &mut law.curvature], &respond, &|(), ()| ());
+            for_each([&mut law.traction, &mut law.curvature], &respond);
         } else {
             let [tx, ty, tz] = split(&mut law.traction, n);
             let [xx, xy, yy, xz, yz, zz] = split(&mut law.curvature, n);
@@ -263,7 +259,7 @@ impl<'a> Descent<'a> {
                     }
                 }
             };
-            pass([tx, ty, tz, xx, xy, yy, xz, yz, zz], &respond, &|(), ()| ());
+            for_each([tx, ty, tz, xx, xy, yy, xz, yz, zz], &respond);
         }
         let z = position.len() / n - 1;
         for (c, force) in force.chunks_exact_mut(n).enumerate() {
@@ -275,7 +271,7 @@ impl<'a> Descent<'a> {
                     *f = t - k + push;
                 }
             };
-            pass([force], &net, &|(), ()| ());
+            for_each([force], &net);
         }
     }
 
@@ -357,7 +353,7 @@ impl<'a> Descent<'a> {
                 *left = (0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64).fract() - 0.5;
             }
         };
-        pass([&mut self.left], &noise, &|(), ()| ());
+        for_each([&mut self.left], &noise);
         self.search(PROBE, None);
         self.lowest <= 0.0
     }
@@ -430,7 +426,7 @@ impl<'a> Descent<'a> {
             let add_turned = |start: usize, [p]: [&mut [f64]; 1]| {
                 p.iter_mut().zip(&self.preconditioned[start..]).for_each(|(p, z)| *p = z + turn * *p);
             };
-            pass([&mut self.conjugate], &add_turned, &|(), ()| ());
+            for_each([&mut self.conjugate], &add_turned);
             dp = turn * (dp + step * pp);
             pp = product + turn * turn * pp;
         }
@@ -443,7 +439,7 @@ impl<'a> Descent<'a> {
         multiply(image, left, weight);
         transforms.compliance(image, uniform, preconditioned);
         let weigh = |start: usize, [z]: [&mut [f64]; 1]| z.iter_mut().zip(&weight[start..]).for_each(|(z, w)| *z *= w);
-        pass([preconditioned], &weigh, &|(), ()| ());
+        for_each([preconditioned], &weigh);
         project(preconditioned, weight, &frame.held, *points);
     }
 
@@ -455,40 +451,28 @@ impl<'a> Descent<'a> {
         let j = &law.curvature;
         let p = &*conjugate;
         match image.len() / n {
-            1 => pass(
-                [image],
-                &|start, [out]| {
-                    for ((out, p), j) in out.iter_mut().zip(&p[start..]).zip(&j[start..]) {
-                        *out += p * j;
-                    }
-                },
-                &|(), ()| (),
-            ),
-            2 => pass(
-                split(image, n),
-                &|start, [x, z]| {
-                    for (k, (x, z)) in x.iter_mut().zip(z).enumerate() {
-                        let i = start + k;
-                        let (px, pz) = (p[i], p[n + i]);
-                        *x += j[i] * px + j[3 * n + i] * pz;
-                        *z += j[3 * n + i] * px + j[5 * n + i] * pz;
-                    }
-                },
-                &|(), ()| (),
-            ),
-            _ => pass(
-                split(image, n),
-                &|start, [x, y, z]| {
-                    for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
-                        let i = start + k;
-                        let (px, py, pz) = (p[i], p[n + i], p[2 * n + i]);
-                        *x += j[i] * px + j[n + i] * py + j[3 * n + i] * pz;
-                        *y += j[n + i] * px + j[2 * n + i] * py + j[4 * n + i] * pz;
-                        *z += j[3 * n + i] * px + j[4 * n + i] * py + j[5 * n + i] * pz;
-                    }
-                },
-                &|(), ()| (),
-            ),
+            1 => for_each([image], &|start, [out]| {
+                for ((out, p), j) in out.iter_mut().zip(&p[start..]).zip(&j[start..]) {
+                    *out += p * j;
+                }
+            }),
+            2 => for_each(split(image, n), &|start, [x, z]| {
+                for (k, (x, z)) in x.iter_mut().zip(z).enumerate() {
+                    let i = start + k;
+                    let (px, pz) = (p[i], p[n + i]);
+                    *x += j[i] * px + j[3 * n + i] * pz;
+                    *z += j[3 * n + i] * px + j[5 * n + i] * pz;
+                }
+            }),
+            _ => for_each(split(image, n), &|start, [x, y, z]| {
+                for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
+                    let i = start + k;
+                    let (px, py, pz) = (p[i], p[n + i], p[2 * n + i]);
+                    *x += j[i] * px + j[n + i] * py + j[3 * n + i] * pz;
+                    *y += j[n + i] * px + j[2 * n + i] * py + j[4 * n + i] * pz;
+                    *z += j[3 * n + i] * px + j[4 * n + i] * py + j[5 * n + i] * pz;
+                }
+            }),
         }
     }
 
@@ -528,7 +512,7 @@ impl<'a> Descent<'a> {
             let from = self.position[start..].iter().zip(&self.direction[start..]);
             trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * d);
         };
-        pass([&mut self.trial], &along, &|(), ()| ());
+        for_each([&mut self.trial], &along);
         self.bend();
         self.transforms.stiffness(&self.trial, &self.frame.uniform_stiffness, &mut self.trial_elastic);
         let Self { interface, frame, position, elastic, trial, trial_elastic, force, points, .. } = self;
@@ -605,17 +589,17 @@ fn project(vector: &mut [f64], weight: &[f64], held: &[bool], points: usize) {
                 *v = if *weight > 0.0 { *v - mean } else { 0.0 };
             }
         };
-        pass([field], &keep, &|(), ()| ());
+        for_each([field], &keep);
     }
 }
 
 fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
-    pass([y], &|start, [y]| y.iter_mut().zip(&x[start..]).for_each(|(y, x)| *y += a * x), &|(), ()| ());
+    for_each([y], &|start, [y]| y.iter_mut().zip(&x[start..]).for_each(|(y, x)| *y += a * x));
 }
 
 fn multiply(out: &mut [f64], a: &[f64], b: &[f64]) {
     let leaf = |start: usize, [out]: [&mut [f64]; 1]| {
         out.iter_mut().zip(a[start..].iter().zip(&b[start..])).for_each(|(out, (a, b))| *out = a * b);
     };
-    pass([out], &leaf, &|(), ()| ());
+    for_each([out], &leaf);
 }

@@ -2,7 +2,7 @@
 //! entries. R G Rᵀ is symmetric and positive definite, and R K Rᵀ is near its inverse, which is the Schur complement
 //! R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
 
-use gfmd_vector::{dot, pass};
+use gfmd_vector::{dot, for_each};
 
 use crate::problem::{End, Ended, Surface, largest};
 use crate::{Progress, Settings, Watch};
@@ -42,29 +42,21 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
         restrict(held, &mut image);
         let last = std::mem::replace(&mut slope, dot(&residual, &image));
         let beta = slope / last;
-        pass(
-            [&mut direction],
-            &|start, [direction]| {
-                for (d, z) in direction.iter_mut().zip(&image[start..]) {
-                    *d = z + beta * *d;
-                }
-            },
-            &|(), ()| (),
-        );
+        for_each([&mut direction], &|start, [direction]| {
+            for (d, z) in direction.iter_mut().zip(&image[start..]) {
+                *d = z + beta * *d;
+            }
+        });
         surface.elastic.compliance(&direction, &mut image);
         restrict(held, &mut image);
         let step = slope / dot(&direction, &image);
-        pass(
-            [&mut surface.traction, &mut residual],
-            &|start, [traction, residual]| {
-                let along = direction[start..].iter().zip(&image[start..]);
-                for ((t, r), (d, g)) in traction.iter_mut().zip(residual).zip(along) {
-                    *t += step * d;
-                    *r -= step * g;
-                }
-            },
-            &|(), ()| (),
-        );
+        for_each([&mut surface.traction, &mut residual], &|start, [traction, residual]| {
+            let along = direction[start..].iter().zip(&image[start..]);
+            for ((t, r), (d, g)) in traction.iter_mut().zip(residual).zip(along) {
+                *t += step * d;
+                *r -= step * g;
+            }
+        });
         iterations += 1;
     };
     Ended { iterations, end }
@@ -72,15 +64,11 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
 
 /// Zero where the surface is free.
 fn restrict(held: &[bool], field: &mut [f64]) {
-    pass(
-        [field],
-        &|start, [field]| {
-            for (value, held) in field.iter_mut().zip(&held[start..]) {
-                if !held {
-                    *value = 0.0;
-                }
+    for_each([field], &|start, [field]| {
+        for (value, held) in field.iter_mut().zip(&held[start..]) {
+            if !held {
+                *value = 0.0;
             }
-        },
-        &|(), ()| (),
-    );
+        }
+    });
 }

@@ -7,7 +7,7 @@
 use std::ops::{ControlFlow, Range};
 
 use gfmd_relax::{Bounds, Fire, Landscape, Method as Dynamics, Outcome, RelaxError, State, Stop, Verlet, relax};
-use gfmd_vector::{add, pass, reduce, sum};
+use gfmd_vector::{add, for_each, pass, reduce, sum};
 
 use crate::problem::{End, Ended, Surface};
 use crate::{Method, Prescribed, Progress, Settings, Watch};
@@ -105,17 +105,13 @@ impl<'s, 'p> Layer<'s, 'p> {
     /// The traction that keeps the held points in place, with the given one elsewhere, and what it does.
     fn take_traction(&mut self, force: &[f64]) {
         let held = &self.surface.problem.prescribed.held;
-        pass(
-            [&mut self.surface.traction],
-            &|start, [traction]| {
-                for ((t, held), f) in traction.iter_mut().zip(&held[start..]).zip(&force[start..]) {
-                    if *held {
-                        *t = -f;
-                    }
+        for_each([&mut self.surface.traction], &|start, [traction]| {
+            for ((t, held), f) in traction.iter_mut().zip(&held[start..]).zip(&force[start..]) {
+                if *held {
+                    *t = -f;
                 }
-            },
-            &|(), ()| (),
-        );
+            }
+        });
         self.surface.certify();
     }
 }
@@ -150,7 +146,7 @@ impl Landscape for Layer<'_, '_> {
             energy += stored;
             if let Some(free) = free {
                 let mean = pull / free;
-                pass([force], &|_, [force]| force.iter_mut().for_each(|f| *f -= mean), &|(), ()| ());
+                for_each([force], &|_, [force]| force.iter_mut().for_each(|f| *f -= mean));
             }
         }
         energy

@@ -1,7 +1,7 @@
 use std::ops::{ControlFlow, Range};
 
 use gfmd_response::{FullResponse, Operator, Workspace};
-use gfmd_vector::{pass, reduce};
+use gfmd_vector::{for_each, reduce};
 use ndarray::Array3;
 
 use crate::{MixedError, MixedSolution, Prescribed, conjugate_gradients, dynamics};
@@ -196,16 +196,12 @@ impl<'a> Surface<'a> {
     pub(crate) fn certify(&mut self) {
         self.elastic.compliance(&self.traction, &mut self.displacement);
         let (displacement, Prescribed { held, values, .. }) = (&self.displacement, &self.problem.prescribed);
-        pass(
-            [&mut self.misfit],
-            &|start, [misfit]| {
-                let known = held[start..].iter().zip(&values[start..]);
-                for ((misfit, u), (held, value)) in misfit.iter_mut().zip(&displacement[start..]).zip(known) {
-                    *misfit = if *held { value - u } else { 0.0 };
-                }
-            },
-            &|(), ()| (),
-        );
+        for_each([&mut self.misfit], &|start, [misfit]| {
+            let known = held[start..].iter().zip(&values[start..]);
+            for ((misfit, u), (held, value)) in misfit.iter_mut().zip(&displacement[start..]).zip(known) {
+                *misfit = if *held { value - u } else { 0.0 };
+            }
+        });
     }
 
     /// [`MixedSolution::residual`], as of the last certify.

@@ -1,6 +1,6 @@
 //! Bounds that act by a force, so that the inertia may be a matrix.
 
-use gfmd_vector::pass;
+use gfmd_vector::{for_each, pass};
 
 use crate::{
     Bounds, Landscape,
@@ -87,7 +87,7 @@ impl<P: Proximal> Landscape for AugmentedLagrangian<P> {
                     *anchor = 2.0 * wall.clip(k, v) - v;
                 }
             };
-            pass([anchor], &leaf, &|(), ()| ());
+            for_each([anchor], &leaf);
         }
         fn mismatch(wall: impl Wall, v: &[f64], u: &mut [f64]) -> f64 {
             let leaf = |start: usize, [u]: [&mut [f64]; 1]| {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{pass, reduce};
+use gfmd_vector::{for_each, reduce};
 
 use crate::RelaxError;
 
@@ -34,16 +34,12 @@ impl Bounds<'_> {
     /// If `u` and the bounds differ in length.
     pub fn project(&self, u: &mut [f64]) {
         fn clip(wall: impl Wall, u: &mut [f64]) {
-            pass(
-                [u],
-                &|start, [u]| {
-                    let wall = wall.stretch(start..start + u.len());
-                    for (k, u) in u.iter_mut().enumerate() {
-                        *u = wall.clip(k, *u);
-                    }
-                },
-                &|(), ()| (),
-            );
+            for_each([u], &|start, [u]| {
+                let wall = wall.stretch(start..start + u.len());
+                for (k, u) in u.iter_mut().enumerate() {
+                    *u = wall.clip(k, *u);
+                }
+            });
         }
         within!(*self, wall => clip(wall, u));
     }

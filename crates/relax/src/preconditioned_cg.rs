@@ -1,4 +1,4 @@
-use gfmd_vector::{add, pass, reduce};
+use gfmd_vector::{add, for_each, pass, reduce};
 
 use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, rescale, total};
 
@@ -220,11 +220,9 @@ fn conjugate(z: &mut [f64], s: &[f64], gradient: &[f64], other: &[f64], multipli
     );
     let beta = z_image / s_image;
     if z_gradient - beta * s_gradient >= LEAST_DESCENT * z_gradient {
-        pass(
-            [z],
-            &|start, [z]| z.iter_mut().zip(&s[start..]).filter(|(z, _)| **z != 0.0).for_each(|(z, s)| *z -= beta * s),
-            &|(), ()| (),
-        );
+        for_each([z], &|start, [z]| {
+            z.iter_mut().zip(&s[start..]).filter(|(z, _)| **z != 0.0).for_each(|(z, s)| *z -= beta * s)
+        });
     }
 }
 
@@ -315,14 +313,10 @@ fn downhill(x: &[f64], z: &[f64], length: f64, gradient: &[f64], multiplier: f64
 
 /// x ← the end of the path; z ← the step to it.
 fn advance(x: &mut [f64], z: &mut [f64], path: &Path) {
-    pass(
-        [x, z],
-        &|_, [x, z]| {
-            for (x, z) in x.iter_mut().zip(z) {
-                let end = path.factor * path.end(*x, *z);
-                (*z, *x) = (end - *x, end);
-            }
-        },
-        &|(), ()| (),
-    );
+    for_each([x, z], &|_, [x, z]| {
+        for (x, z) in x.iter_mut().zip(z) {
+            let end = path.factor * path.end(*x, *z);
+            (*z, *x) = (end - *x, end);
+        }
+    });
 }

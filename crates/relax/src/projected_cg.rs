@@ -1,4 +1,4 @@
-use gfmd_vector::{add, pass};
+use gfmd_vector::{add, for_each, pass};
 
 use crate::quadratic::{
     Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, add_linear, rescale, step_length, total,
@@ -126,17 +126,13 @@ fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Judged {
 
 /// r ← r − mean where x > 0. The few variables that are about to enter keep theirs, and with it their sign.
 fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
-    pass(
-        [residual],
-        &|start, [r]| {
-            for (r, x) in r.iter_mut().zip(&x[start..]) {
-                if *x > 0.0 {
-                    *r -= mean;
-                }
+    for_each([residual], &|start, [r]| {
+        for (r, x) in r.iter_mut().zip(&x[start..]) {
+            if *x > 0.0 {
+                *r -= mean;
             }
-        },
-        &|(), ()| (),
-    );
+        }
+    });
 }
 
 /// Over the free set: Σ r, Σ r², Σ r r_before, Σ r_before, Σ d.

@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use gfmd_vector::{pass, reduce};
+use gfmd_vector::{for_each, pass, reduce};
 
 /// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`: what the constrained
 /// conjugate-gradient methods minimise. A is symmetric and positive (semi-)definite, and only its action is needed.
@@ -155,7 +155,7 @@ pub(crate) fn rescale(x: &mut [f64], sum: f64, mean: Option<f64>) {
     let Some(mean) = mean else { return };
     let factor = mean * x.len() as f64 / sum;
     if factor != 1.0 {
-        pass([x], &|_, [x]| x.iter_mut().for_each(|x| *x *= factor), &|(), ()| ());
+        for_each([x], &|_, [x]| x.iter_mut().for_each(|x| *x *= factor));
     }
 }
 

@@ -75,6 +75,14 @@ fn split<const M: usize, R: Send>(
     merge(a, b)
 }
 
+/// As [`pass`] without a result: `leaf` only changes its stretches.
+///
+/// # Panics
+/// If the vectors differ in length.
+pub fn for_each<const M: usize>(vectors: [&mut [f64]; M], leaf: &(impl Fn(usize, [&mut [f64]; M]) + Sync)) {
+    pass(vectors, leaf, &|(), ()| ());
+}
+
 /// As [`pass`] without a vector to change: reduces the ranges of `0..length`.
 pub fn reduce<R: Send>(
     length: usize,
