@@ -66,14 +66,13 @@ impl PowerSpectrum {
         let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
         transform.forward(&heights, &mut spectrum, &mut transform.workspace())?;
         let power: Vec<f64> = spectrum.par_iter().map(Complex64::norm_sqr).collect();
-        let positions = grid.spectrum_shape()[1];
         let sums: Vec<Sums> = power
             .par_chunks(MODES_PER_TASK)
             .enumerate()
             .map(|(task, chunk)| {
                 let mut sums = Sums::default();
                 for (index, square) in (task * MODES_PER_TASK..).zip(chunk) {
-                    let mode = grid.mode(index / positions, index % positions);
+                    let mode = grid.mode_at(index);
                     if !mode.is_uniform() {
                         sums.add(&mode, *square);
                     }

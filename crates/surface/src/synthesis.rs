@@ -135,6 +135,5 @@ impl SelfAffine {
 
 /// The modes of the half spectrum from storage index `first` on.
 fn modes_from(grid: &Grid, first: usize) -> impl Iterator<Item = Mode> + '_ {
-    let positions = grid.spectrum_shape()[1];
-    (first..grid.spectrum_len()).map(move |index| grid.mode(index / positions, index % positions))
+    (first..grid.spectrum_len()).map(|index| grid.mode_at(index))
 }
