@@ -190,7 +190,7 @@ impl Report {
             rms_gradient_forward: found.rms_gradient_forward,
             rms_gradient_inside: found.rms_gradient_inside,
             rms_curvature: found.moments.rms_curvature(),
-            rms_laplacian: found.moments.laplacian.sqrt(),
+            rms_laplacian: found.moments.rms_laplacian(),
             m0,
             m2,
             m4,

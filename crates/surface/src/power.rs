@@ -121,7 +121,7 @@ impl PowerSpectrum {
     /// The longest and shortest wavelengths of modes that carry power, length: the cut-offs that the heights have.
     /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the band.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
-        let floor = CARRIES_POWER * self.moments.height;
+        let floor = CARRIES_POWER * self.moments.mean_square_height;
         let mut ends: Option<[f64; 2]> = None;
         for (mode, power) in self.grid.modes().zip(&self.power) {
             if *power > floor && !mode.is_uniform() {

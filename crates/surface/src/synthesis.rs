@@ -122,7 +122,7 @@ impl SelfAffine {
 
     /// The factor that gives the amplitudes the size asked for.
     fn factor(&self, unscaled: &Moments) -> Result<f64, SurfaceError> {
-        if unscaled.height <= 0.0 {
+        if unscaled.mean_square_height <= 0.0 {
             let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
             return Err(SurfaceError::NoModes { shortest, longest });
         }
