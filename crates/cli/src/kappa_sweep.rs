@@ -31,10 +31,10 @@ use journal::{Finished, Journal};
 /// Flags of `kappa-sweep`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask kappa-sweep
-  cargo xtask kappa-sweep --preset smoke --out smoke.h5
-  cargo xtask kappa-sweep --preset thesis --dry-run
-  cargo xtask kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
+  gfmd kappa-sweep
+  gfmd kappa-sweep --preset smoke --out smoke.h5
+  gfmd kappa-sweep --preset thesis --dry-run
+  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
 pub struct Args {
     /// A sweep with a name
     #[arg(long, value_enum, default_value_t = Preset::Default, conflicts_with = "config")]
