@@ -43,7 +43,7 @@ use hdf5::{Dataset, File, Group, H5Type, Location};
 
 pub use error::ArchiveError;
 pub use output::Output;
-pub(crate) use output::folder;
+pub(crate) use output::{folder, sync_folder};
 pub use reader::Reader;
 
 use scale::Scale;
