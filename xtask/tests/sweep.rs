@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 
 const SMALL: &str = "
 [points]
@@ -121,7 +121,8 @@ fn a_bad_line_of_a_journal_is_named_and_the_journal_left_as_it_is() {
     write_config(folder.path());
     let text = first_line(folder.path());
     let journal = folder.path().join("s.h5.journal");
-    for bad in ["{\"run\":1,\"loads\":[{\"kappa\":nu", "{\"run\":1,\"loads\":[null,null]}", "{\"run\":0,\"loads\":[]}"] {
+    for bad in ["{\"run\":1,\"loads\":[{\"kappa\":nu", "{\"run\":1,\"loads\":[null,null]}", "{\"run\":0,\"loads\":[]}"]
+    {
         let text = format!("{text}{bad}\n{{\"run\":2,");
         std::fs::write(&journal, &text).unwrap();
         let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume", "-q"]);

@@ -12,9 +12,9 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use gfmd_files::{folder, sync_folder};
 use serde::{Deserialize, Serialize};
 
-use crate::archive::{folder, sync_folder};
 use crate::failure::Failure;
 use crate::load::LoadRecord;
 
@@ -112,7 +112,10 @@ impl Journal {
         let failed = |error| failed(&self.path, &error);
         let text = line(&Entry { run, loads: loads.to_vec() }).map_err(failed)?;
         if text.contains("null") {
-            return Err(Failure::Computation(format!("run {run} has a number that is not finite: {}", text.trim_end())));
+            return Err(Failure::Computation(format!(
+                "run {run} has a number that is not finite: {}",
+                text.trim_end()
+            )));
         }
         let mut lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         lines.append(&text).map_err(failed)
@@ -222,7 +225,9 @@ fn runs(text: &[u8], expected: &Head, size: Size) -> Result<Finished, Unusable> 
             return Err(refuse(format!("the run has {} loads; it must have {}", loads.len(), size.loads)));
         }
         match finished.entry(run) {
-            Slot::Occupied(_) => return Err(refuse(format!("run {run} was in an earlier line; each may be there once"))),
+            Slot::Occupied(_) => {
+                return Err(refuse(format!("run {run} was in an earlier line; each may be there once")));
+            }
             Slot::Vacant(slot) => drop(slot.insert(loads)),
         }
     }
