@@ -26,7 +26,7 @@ use crate::failure::Failure;
 use crate::load::LoadRecord;
 use crate::progress::Progress;
 use crate::session::{Session, peak_bytes};
-use journal::{Finished, Journal};
+use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -85,7 +85,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
         return Ok(Outcome::Planned(report::PlanReport::new(&config, &plan)?));
     }
     let output = Output::claim(&args.out).map_err(|error| Failure::input("--out", error))?;
-    let (journal, finished) = Journal::open(&output.beside(".journal"), &text, args.resume)?;
+    let size = Size { runs: plan.runs.len(), loads: config.loads.p_star.len() };
+    let (journal, finished) = Journal::open(&output.beside(".journal"), &text, size, args.resume)?;
     let started = Instant::now();
     let records = compute(&config, &plan, &journal, finished, session)?;
     let analysis = report::Analysis::new(&config, &plan, &records)?;
