@@ -21,10 +21,10 @@ use crate::source::SourceArgs;
 /// Flags of `surface`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
-  cargo xtask surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
-  cargo xtask surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
-  cargo xtask surface --method rmd --n 1024 --hurst 0.3 --out h.h5
-  cargo xtask surface --surface scan.txt --detrend plane --periodise mirror --out h.h5")]
+  gfmd surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
+  gfmd surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
+  gfmd surface --method rmd --n 1024 --hurst 0.3 --out h.h5
+  gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
