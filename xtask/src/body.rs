@@ -11,10 +11,10 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_body::Interior;
+use gfmd_files::Output;
 use gfmd_green::{Body, Height};
 use serde::Serialize;
 
-use crate::archive::Output;
 use crate::contact::check_available;
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;

@@ -7,13 +7,13 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::{Control, Settings, Solver};
 use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::Body;
 use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use serde::Serialize;
 
-use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::elastic::BodyArgs;
 use crate::equilibrium::{Measures, Problem, Rest};
 use crate::failure::Failure;

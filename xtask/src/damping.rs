@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_field::{Grid, Mode};
+use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::{Body, GreenError, Material, stiffness_range};
 use gfmd_relax::{Damping, Landscape, Method, Motion, RelaxError, Verlet};
 use gfmd_response::{Components, FullResponse, Workspace};
 use serde::Serialize;
 
-use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::check_available;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
-use crate::archive::ArchiveError;
+use gfmd_files::FileError;
 
 /// Why a command did not do what it was asked. Each is one clear line.
 #[derive(Debug, thiserror::Error)]
@@ -55,8 +55,8 @@ impl Failure {
     }
 }
 
-impl From<ArchiveError> for Failure {
-    fn from(error: ArchiveError) -> Self {
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
         Self::Computation(error.to_string())
     }
 }

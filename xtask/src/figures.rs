@@ -3,19 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
+use gfmd_fit::Axis as Limit;
 use gfmd_green::Body;
 use gfmd_law::Law;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
 use gfmd_mixed::MixedSolution;
+use gfmd_plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
 use ndarray::{Array2, Array3, ArrayView3};
 
 use crate::contact;
 use crate::damping;
 use crate::failure::Failure;
-use crate::fit::Axis as Limit;
 use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
 use crate::path::StepRecord;
-use crate::plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
 use crate::punch;
 
 /// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads
@@ -308,7 +308,7 @@ pub fn path(
 /// The folder that does not.
 pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     let prefix = PathBuf::from(text);
-    let folder = crate::archive::folder(&prefix);
+    let folder = gfmd_files::folder(&prefix);
     if folder.is_dir() { Ok(prefix) } else { Err(format!("there is no folder {}", folder.display())) }
 }
 

@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_files::Output;
 use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -21,7 +22,6 @@ pub use config::{Config, Preset};
 pub use plan::{Plan, Point, Run};
 pub use report::{Analysis, Area, Extrapolation, Report};
 
-use crate::archive::Output;
 use crate::failure::Failure;
 use crate::load::LoadRecord;
 use crate::progress::Progress;

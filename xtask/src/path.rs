@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_field::Grid;
+use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{Drive, FrictionalContact, Interface, InterfaceError, Method, Settings};
 use gfmd_law::{Kind, Law, Limit};
@@ -21,7 +22,6 @@ use serde::Serialize;
 use self::file::PathFile;
 use self::mechanics::{End, Mechanics};
 use self::waypoints::WaypointArgs;
-use crate::archive::Output;
 use crate::contact::check_available;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;

@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::{Body, Height};
 use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed, Settings};
 use gfmd_response::{Components, FullResponse};
 use ndarray::{Array2, Array3};
 use serde::Serialize;
 
-use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::{axes, check_available};
 use crate::elastic::{BodyArgs, parse_height, serialize_height};
 use crate::failure::Failure;

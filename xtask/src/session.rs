@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use gfmd_files::Provenance;
 
-use crate::archive::Provenance;
 use crate::failure::Failure;
 
 /// Flags of every command.

@@ -2,13 +2,13 @@
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
+use gfmd_files::Topography;
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
-use crate::topography::Topography;
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]

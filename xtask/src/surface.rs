@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
 use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
 use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RadialBin, RollOff, Statistics};
 use ndarray::{Array2, Axis};
 use ndarray_npy::WriteNpyExt;
 use serde::Serialize;
 
-use crate::archive::{Archive, Dimension, Output, Provenance, Variable};
 use crate::failure::Failure;
 use crate::generator::Method;
 use crate::session::Session;
@@ -433,7 +433,7 @@ mod tests {
         }
         let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");
-        let archive = crate::archive::Reader::open(folder.path().join("h.h5")).unwrap();
+        let archive = gfmd_files::Reader::open(folder.path().join("h.h5")).unwrap();
         assert!(archive.text("/", "config").unwrap().contains("eps_t_inv = 2.0"));
         assert_eq!(archive.shape("/spectrum/density").unwrap(), [32]);
     }

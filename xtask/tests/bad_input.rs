@@ -177,7 +177,7 @@ fn not_converged_is_an_error_that_keeps_what_was_reached() {
     let load = &report["loads"][0];
     assert_eq!(load["converged"], false);
     assert!(load["residual"]["complementarity"].as_f64().unwrap() > 1e-8);
-    let file = gfmd_xtask::archive::Reader::open(folder.path().join("c.h5")).unwrap();
+    let file = gfmd_files::Reader::open(folder.path().join("c.h5")).unwrap();
     assert_eq!(file.values::<f64>("/loads/converged").unwrap()[0], 0.0);
     assert!(file.values::<f64>("/loads/kappa").unwrap()[1].is_nan());
 }

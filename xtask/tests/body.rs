@@ -5,7 +5,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 use ndarray::{Array2, Array3};
 
 fn words(flags: &str) -> Vec<&str> {

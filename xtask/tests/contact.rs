@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 use ndarray::{Array1, Array2};
 use serde_json::Value;
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 
 #[test]
 fn histories_and_rates_are_the_same_in_json_and_in_the_file() {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use common::json;
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 use serde_json::{Value, json as value};
 
 /// Largest deviation on another kind of processor, relative to the largest number of the same array. Searches end at

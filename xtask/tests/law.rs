@@ -3,7 +3,7 @@
 mod common;
 
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 use serde_json::Value;
 
 fn run(folder: &std::path::Path, flags: &str) -> Value {

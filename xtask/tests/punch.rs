@@ -4,7 +4,7 @@ mod common;
 
 use approx::assert_relative_eq;
 use common::{gfmd, json};
-use gfmd_xtask::archive::Reader;
+use gfmd_files::Reader;
 use ndarray::Array3;
 use serde_json::Value;
 

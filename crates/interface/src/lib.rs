@@ -40,11 +40,15 @@
 mod certify;
 mod dynamics;
 mod elastic;
+mod ended;
 mod error;
+mod frame;
 mod friction;
 mod newton;
+mod numbers;
 mod path;
 mod problem;
+mod solve;
 mod state;
 
 pub use error::InterfaceError;

@@ -84,6 +84,7 @@ mod preconditioned_cg;
 mod projected_cg;
 mod quadratic;
 mod run;
+mod spectral_projected_gradient;
 mod verlet;
 
 pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
@@ -101,4 +102,5 @@ pub use preconditioned_cg::PreconditionedCg;
 pub use projected_cg::ProjectedCg;
 pub use quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Watch};
 pub use run::{Method, Outcome, Progress, State, Stop, relax};
+pub use spectral_projected_gradient::{Descended, OnConvexSet, SpectralProjectedGradient};
 pub use verlet::{OnRise, Trail, Verlet, VerletState};

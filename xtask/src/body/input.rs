@@ -1,10 +1,9 @@
 //! The displacement of a surface, from a file.
 
 use gfmd_field::Grid;
+use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
 
-use crate::archive::Reader;
 use crate::failure::Failure;
-use crate::topography::{archived, npy};
 
 /// Which components a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +47,7 @@ impl Surface {
     /// Reads `FILE.npy` or `FILE.h5[:/dataset]`.
     pub(super) fn read(name: &str, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
         let refuse = |reason: String| Failure::input(name, reason);
-        let found = match archived::split(name) {
+        let found = match split_dataset(name) {
             Some((path, dataset)) => archive(path, dataset, load).map_err(refuse)?,
             None => array(name).map_err(refuse)?,
         };
@@ -91,14 +90,14 @@ impl Surface {
 }
 
 fn array(path: &str) -> Result<Found, String> {
-    let array = npy::read_any(path)?;
+    let array = npy::read(path)?;
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
     Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None })
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
-    let words = |error: crate::archive::ArchiveError| error.to_string();
+    let words = |error: gfmd_files::FileError| error.to_string();
     let reader = Reader::open(path).map_err(words)?;
     let dataset = match dataset {
         "" if reader.contains(FULL) || !reader.contains(NORMAL) => FULL,
@@ -122,7 +121,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     };
     let points = [shape.first().copied().unwrap_or(0), if shape.len() > 1 { shape[1] } else { 1 }];
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
-    let lengths = archived::lengths(&reader, dataset, points)?;
+    let lengths = cell_lengths(&reader, dataset, points)?;
     let kind = if normal { Kind::Normal } else { Kind::Full };
     Ok(Found { shape, values, kind, lengths, unit, record, load })
 }

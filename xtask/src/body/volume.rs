@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use gfmd_field::Grid;
+use gfmd_files::vti::{Image, Lattice, PointArray};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
-use crate::archive::{Archive, Dimension, Output, Provenance, Variable};
 use crate::contact::axes;
 use crate::failure::Failure;
-use crate::vti::{Image, Lattice, PointArray};
 
 /// Where the values lie.
 pub(super) struct Planes<'a> {

@@ -1,12 +1,12 @@
 //! What a sweep computes, as TOML and as presets.
 
+use gfmd_fit::{Exponent, Model};
 use gfmd_green::{Body, Height, Material};
 use gfmd_surface::Discretisation;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::SolverName;
 use crate::failure::Failure;
-use crate::fit::{Exponent, Model};
 
 /// A sweep. Every field has a default: those of the preset `default`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
+use gfmd_files::{Archive, Dimension, Output, Variable};
+use gfmd_fit::Axis;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
 use ndarray::Array2;
 
 use super::config::Config;
 use super::report::{Analysis, Area, Extrapolation, numbers, term};
 use super::{Example, Plan};
-use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::axes;
 use crate::failure::Failure;
-use crate::fit::Axis;
 use crate::load::{LoadRecord, SCALARS};
 use crate::session::Session;
 

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use gfmd_fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use serde::Serialize;
 
 use super::config::Config;
 use super::plan::{Plan, PlannedPoint};
 use crate::failure::Failure;
-use crate::fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
 use crate::load::LoadRecord;
 use crate::session::list_files;
 

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use gfmd_files::{Archive, Dimension, Output, Variable};
+
 use super::mechanics::Mechanics;
 use super::record::SCALARS;
 use super::{Args, Prepared, StepRecord};
-use crate::archive::{Archive, Dimension, Output, Variable};
 use crate::contact::{axes, contiguous, write_surface};
 use crate::failure::Failure;
 use crate::session::Session;

@@ -1,12 +1,11 @@
 //! The displacement of a punch against that of another code.
 
+use gfmd_files::{Reader, npy, split_dataset};
 use gfmd_mixed::MixedSolution;
 use ndarray::{Array3, ArrayD, Axis, Slice};
 use serde::Serialize;
 
-use crate::archive::Reader;
 use crate::failure::Failure;
-use crate::topography::{archived, npy};
 
 /// Where our files have it.
 const DISPLACEMENT: &str = "/fields/displacement";
@@ -34,10 +33,10 @@ impl Reference {
     /// with a grid of `points`.
     pub(super) fn read(name: &str, points: [usize; 2], components: usize) -> Result<Self, Failure> {
         let fail = |reason: String| Failure::input("--compare", format!("{name}: {reason}"));
-        let found = match archived::split(name) {
+        let found = match split_dataset(name) {
             Some((path, "")) => dataset(path, DISPLACEMENT),
             Some((path, name)) => dataset(path, name),
-            None if name.to_ascii_lowercase().ends_with(".npy") => npy::read_any(name),
+            None if name.to_ascii_lowercase().ends_with(".npy") => npy::read(name),
             None => Err("FILE.npy, FILE.h5 or FILE.h5:/dataset is allowed".into()),
         };
         let found = found.map_err(fail)?;

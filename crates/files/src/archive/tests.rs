@@ -137,7 +137,7 @@ fn a_second_claim_is_refused_until_the_first_ends() {
     let path = folder.path().join("a.h5");
     let first = Output::claim(&path).unwrap();
     let error = Output::claim(&path).unwrap_err();
-    assert!(matches!(error, ArchiveError::Busy { .. }));
+    assert!(matches!(error, FileError::Busy { .. }));
     let line = error.to_string();
     assert!(line.contains("a.h5 is being written by another process"), "{line}");
     Output::claim(folder.path().join("b.h5")).unwrap();
@@ -171,7 +171,7 @@ fn the_claim_ends_with_a_killed_process() {
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
-    assert!(matches!(Output::claim(&path), Err(ArchiveError::Busy { .. })));
+    assert!(matches!(Output::claim(&path), Err(FileError::Busy { .. })));
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(folder.path().join("a.h5.lock").exists(), "killed without a chance to tidy up");
@@ -213,7 +213,7 @@ fn impossible_targets_are_refused_with_their_name() {
     assert!(line.contains("no/a.h5: there is no folder ") && !line.contains('\n'), "{line}");
     let file = folder.path().join("file");
     fs::write(&file, b"").unwrap();
-    assert!(matches!(Output::claim(file.join("a.h5")), Err(ArchiveError::Target { .. })));
+    assert!(matches!(Output::claim(file.join("a.h5")), Err(FileError::Target { .. })));
 }
 
 #[test]
@@ -226,14 +226,14 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(line, "/a has 2 values for the shape [3]");
     archive.write("/a", &variable(&[&x]), &[1.0, 2.0, 3.0]).unwrap();
     let error = archive.write("/b", &variable(&[&longer]), &[0.0; 4]).unwrap_err();
-    assert!(matches!(error, ArchiveError::Dimension { .. }), "{error}");
+    assert!(matches!(error, FileError::Dimension { .. }), "{error}");
     archive.write("/other/b", &variable(&[&longer]), &[0.0; 4]).unwrap();
-    assert!(matches!(archive.write("/a", &variable(&[&x]), &[0.0; 3]), Err(ArchiveError::Write { .. })), "twice");
+    assert!(matches!(archive.write("/a", &variable(&[&x]), &[0.0; 3]), Err(FileError::Write { .. })), "twice");
     let error = archive.write_text("/t", &variable(&[]), &["a\0b"]).unwrap_err();
-    assert!(matches!(error, ArchiveError::Text { .. }), "{error}");
+    assert!(matches!(error, FileError::Text { .. }), "{error}");
     archive.define("/s", &variable(&[&x])).unwrap();
-    assert!(matches!(archive.write_slab("/s", 3, &[1.0]), Err(ArchiveError::Slab { .. })));
-    assert!(matches!(archive.write_slab("/s", 0, &[1.0, 2.0]), Err(ArchiveError::Slab { .. })));
+    assert!(matches!(archive.write_slab("/s", 3, &[1.0]), Err(FileError::Slab { .. })));
+    assert!(matches!(archive.write_slab("/s", 0, &[1.0, 2.0]), Err(FileError::Slab { .. })));
     archive.finish().unwrap();
 }
 
@@ -241,7 +241,7 @@ fn what_does_not_fit_is_refused() {
 fn what_cannot_be_read_says_what_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("all.h5");
-    assert!(matches!(Reader::open(&path), Err(ArchiveError::Io { .. })));
+    assert!(matches!(Reader::open(&path), Err(FileError::Io { .. })));
     fs::write(&path, b"text").unwrap();
     let line = Reader::open(&path).unwrap_err().to_string();
     assert!(line.contains("as HDF5") && !line.contains('\n'), "{line}");

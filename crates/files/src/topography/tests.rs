@@ -7,7 +7,7 @@ use ndarray_npy::write_npy;
 use tempfile::TempDir;
 
 use super::Topography;
-use crate::archive::{Archive, Dimension, Output, Provenance, Variable};
+use crate::{Archive, Dimension, Output, Provenance, Variable};
 
 /// A folder with one file of these bytes, and its name.
 fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {

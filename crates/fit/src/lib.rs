@@ -12,7 +12,7 @@
 //!   at a second fit with other exponents.
 //!
 //! ```
-//! use gfmd_xtask::fit::{Cell, Exponent, Model, Settings, fit};
+//! use gfmd_fit::{Cell, Exponent, Model, Settings, fit};
 //!
 //! // kappa = 2 + 1.5 eps_c, four levels, the same three surfaces (seeds) at each.
 //! let cells: Vec<Cell> = [0.5, 0.25, 0.125, 0.0625]

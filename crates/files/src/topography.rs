@@ -11,12 +11,13 @@
 
 pub(crate) mod archived;
 mod matrix;
-pub(crate) mod npy;
 
 #[cfg(test)]
 mod tests;
 
 use ndarray::Array2;
+
+use crate::npy;
 
 /// Heights with what their file says about them.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +61,7 @@ impl Topography {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let found = match archived::split(name) {
             Some((path, dataset)) => archived::read(path, dataset),
-            None if name.to_ascii_lowercase().ends_with(".npy") => npy::read(name),
+            None if name.to_ascii_lowercase().ends_with(".npy") => array(name),
             None => matrix::read(name),
         };
         let Found { heights, lengths, unit, channel } = found.map_err(fail)?;
@@ -78,6 +79,14 @@ impl Topography {
         };
         Ok(Self { heights: heights.as_standard_layout().into_owned(), lengths, unit, source })
     }
+}
+
+/// The heights of an `.npy` file.
+fn array(path: &str) -> Result<Found, String> {
+    let array = npy::read(path)?;
+    let shape = array.shape().to_vec();
+    let heights = two_dimensional(&shape, array.into_iter().collect())?;
+    Ok(Found { heights, lengths: None, unit: None, channel: None })
 }
 
 /// An error that counts the points without a height and names the first.

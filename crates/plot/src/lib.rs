@@ -9,7 +9,7 @@
 //! character as it is.
 //!
 //! ```
-//! use gfmd_xtask::plot::{Axis, Chart, Level, Panel, Point, Series};
+//! use gfmd_plot::{Axis, Chart, Level, Panel, Point, Series};
 //!
 //! let points = vec![Point::with_error(0.25, 2.9, 0.05), Point::with_error(0.125, 2.5, 0.04)];
 //! let panel = Panel {
@@ -21,7 +21,7 @@
 //! };
 //! let chart = Chart::new(vec![panel]);
 //! assert!(chart.svg()?.contains("Bush–Gibson–Thomas"));
-//! # Ok::<(), gfmd_xtask::plot::PlotError>(())
+//! # Ok::<(), gfmd_plot::PlotError>(())
 //! ```
 
 mod axis;

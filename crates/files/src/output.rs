@@ -2,12 +2,12 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
 
-use super::ArchiveError;
+use crate::FileError;
 
 /// A claimed target. The claim ends when the value is dropped or the process ends.
 #[derive(Debug)]
@@ -19,9 +19,9 @@ pub struct Output {
 impl Output {
     /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not
     /// exist or cannot be written, or if `path` is a folder.
-    pub fn claim(path: impl AsRef<Path>) -> Result<Self, ArchiveError> {
+    pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
-        let refuse = |reason: &str| ArchiveError::Target { path: path.clone(), reason: reason.into() };
+        let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
         if path.file_name().is_none() || path.is_dir() {
             return Err(refuse("it is a folder, a file name is needed"));
         }
@@ -38,17 +38,17 @@ impl Output {
                 .create(true)
                 .truncate(false)
                 .open(&lock_path)
-                .map_err(|source| ArchiveError::Io { action: "create", path: lock_path.clone(), source })?;
+                .map_err(|source| FileError::Io { action: "create", path: lock_path.clone(), source })?;
             match FileExt::try_lock(&lock) {
                 Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock }),
                 Ok(()) => continue,
                 Err(TryLockError::WouldBlock) => break,
                 Err(TryLockError::Error(source)) => {
-                    return Err(ArchiveError::Io { action: "lock", path: lock_path, source });
+                    return Err(FileError::Io { action: "lock", path: lock_path, source });
                 }
             }
         }
-        Err(ArchiveError::Busy { path })
+        Err(FileError::Busy { path })
     }
 
     /// The target.
@@ -66,17 +66,50 @@ impl Output {
         beside(&self.path, suffix)
     }
 
-    /// Syncs the part to the disk and renames it to the target.
-    pub(crate) fn publish(&self) -> Result<(), ArchiveError> {
-        let part = self.part();
-        let io = |action, path: &Path| {
-            let path = path.to_path_buf();
-            move |source| ArchiveError::Io { action, path, source }
-        };
-        OpenOptions::new().write(true).open(&part).and_then(|file| file.sync_all()).map_err(io("sync", &part))?;
-        fs::rename(&part, &self.path).map_err(io("rename to", &self.path))?;
-        sync_folder(folder(&self.path)).map_err(io("sync", folder(&self.path)))
+    /// Replaces the target by the bytes that `write` gives: written beside it, synced, renamed. After an error the older
+    /// file is there as it was.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
+        replace(&self.path, write)
     }
+
+    /// Syncs the part to the disk and renames it to the target.
+    pub(crate) fn publish(&self) -> Result<(), FileError> {
+        publish(&self.part(), &self.path)
+    }
+}
+
+/// Replaces the file `path` by the bytes that `write` gives: written to `NAME.part` beside it, synced, renamed. After an
+/// error the older file is there as it was. For files beside a claimed one; [`Output::write`] is for that one.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
+    let part = beside(path, ".part");
+    let written = File::create(&part).map(BufWriter::new).and_then(|mut file| {
+        write(&mut file)?;
+        file.flush()
+    });
+    let published = match written {
+        Ok(()) => publish(&part, path),
+        Err(source) => Err(FileError::Io { action: "write", path: part.clone(), source }),
+    };
+    published.inspect_err(|_| {
+        let _ = fs::remove_file(&part);
+    })
+}
+
+/// Syncs the part to the disk and renames it to the target.
+fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
+    let io = |action, path: &Path| {
+        let path = path.to_path_buf();
+        move |source| FileError::Io { action, path, source }
+    };
+    OpenOptions::new().write(true).open(part).and_then(|file| file.sync_all()).map_err(io("sync", part))?;
+    fs::rename(part, path).map_err(io("rename to", path))?;
+    sync_folder(folder(path)).map_err(io("sync", folder(path)))
 }
 
 impl Drop for Output {
@@ -94,7 +127,7 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
 }
 
 /// Where a file of this name would lie.
-pub(crate) fn folder(path: &Path) -> &Path {
+pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

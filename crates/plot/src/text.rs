@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use ttf_parser::Face;
 
-pub(super) const REGULAR: &[u8] = include_bytes!("../../../data/fonts/Arimo-Regular.ttf");
-pub(super) const ITALIC: &[u8] = include_bytes!("../../../data/fonts/Arimo-Italic.ttf");
+pub(super) const REGULAR: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
+pub(super) const ITALIC: &[u8] = include_bytes!("../fonts/Arimo-Italic.ttf");
 
 /// The bundled font first, then fonts of the same widths.
 pub(super) const FAMILY: &str = "Arimo, Liberation Sans, Arial, Helvetica, sans-serif";

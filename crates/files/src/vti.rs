@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write as _};
 use std::path::PathBuf;
 
-use crate::archive::{ArchiveError, Output};
+use crate::{FileError, Output};
 
 /// A regular grid of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl<'a> Image<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn create(output: &'a Output, lattice: Lattice, arrays: &[PointArray]) -> Result<Self, ArchiveError> {
+    pub fn create(output: &'a Output, lattice: Lattice, arrays: &[PointArray]) -> Result<Self, FileError> {
         let (header, bytes) = header(&lattice, arrays);
         let part = output.part();
         let write = || -> io::Result<BufWriter<File>> {
@@ -70,7 +70,7 @@ impl<'a> Image<'a> {
             file.write_all(FOOTER.as_bytes())?;
             Ok(file)
         };
-        let file = write().map_err(|source| ArchiveError::Io { action: "write", path: part, source })?;
+        let file = write().map_err(|source| FileError::Io { action: "write", path: part, source })?;
         let mut place = header.len() as u64;
         let places = arrays.iter().zip(bytes).map(|(array, bytes)| {
             let begin = place + LENGTH;
@@ -87,7 +87,7 @@ impl<'a> Image<'a> {
     ///
     /// # Panics
     /// If there is no such array or plane, or if the values do not fill it.
-    pub fn write_plane(&mut self, array: usize, level: usize, values: &[f64]) -> Result<(), ArchiveError> {
+    pub fn write_plane(&mut self, array: usize, level: usize, values: &[f64]) -> Result<(), FileError> {
         let ([nx, ny, nz], (width, begin)) = (self.lattice.points, self.arrays[array]);
         assert!(level < nz && values.len() == nx * ny * width, "a plane of the lattice");
         let mut write = || -> io::Result<()> {
@@ -101,16 +101,16 @@ impl<'a> Image<'a> {
             }
             Ok(())
         };
-        write().map_err(|source| ArchiveError::Io { action: "write", path: self.output.part(), source })
+        write().map_err(|source| FileError::Io { action: "write", path: self.output.part(), source })
     }
 
     /// Completes the file, syncs it to the disk, and gives it the target's name.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(mut self) -> Result<PathBuf, ArchiveError> {
+    pub fn finish(mut self) -> Result<PathBuf, FileError> {
         let path = self.output.part();
-        self.file.flush().map_err(|source| ArchiveError::Io { action: "write", path, source })?;
+        self.file.flush().map_err(|source| FileError::Io { action: "write", path, source })?;
         self.output.publish()?;
         self.finished = true;
         Ok(self.output.path().to_path_buf())

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, Dataset, File, H5Type};
 
-use super::ArchiveError;
-use super::error::reason;
+use super::FileError;
+use crate::error::reason;
 
 /// An HDF5 file opened for reading, of this program or of another.
 #[derive(Debug)]
@@ -17,14 +17,14 @@ pub struct Reader {
 
 impl Reader {
     /// Opens a file.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, ArchiveError> {
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
         if let Err(source) = std::fs::File::open(&path) {
-            return Err(ArchiveError::Io { action: "open", path, source });
+            return Err(FileError::Io { action: "open", path, source });
         }
         match File::open(&path) {
             Ok(file) => Ok(Self { path, file }),
-            Err(error) => Err(ArchiveError::Open { reason: reason(&error), path }),
+            Err(error) => Err(FileError::Open { reason: reason(&error), path }),
         }
     }
 
@@ -41,48 +41,48 @@ impl Reader {
     }
 
     /// The lengths of a variable's dimensions.
-    pub fn shape(&self, path: &str) -> Result<Vec<usize>, ArchiveError> {
+    pub fn shape(&self, path: &str) -> Result<Vec<usize>, FileError> {
         Ok(self.dataset(path)?.shape())
     }
 
     /// All values of a variable, row-major, converted to `T` by the library if they are stored as another type of
     /// number.
-    pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, ArchiveError> {
-        self.dataset(path)?.read_raw().map_err(|error| ArchiveError::read(&self.path, path, &error))
+    pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, FileError> {
+        self.dataset(path)?.read_raw().map_err(|error| FileError::read(&self.path, path, &error))
     }
 
     /// Entry `index` along the first dimension of a variable.
-    pub fn slab<T: H5Type>(&self, path: &str, index: usize) -> Result<Vec<T>, ArchiveError> {
+    pub fn slab<T: H5Type>(&self, path: &str, index: usize) -> Result<Vec<T>, FileError> {
         let dataset = self.dataset(path)?;
         let shape = dataset.shape();
         if shape.first().is_none_or(|&length| index >= length) {
-            return Err(ArchiveError::Slab { variable: path.into(), index, found: 0, shape });
+            return Err(FileError::Slab { variable: path.into(), index, found: 0, shape });
         }
         let mut selection = vec![hdf5::SliceOrIndex::from(index..index + 1)];
         selection.extend(shape[1..].iter().map(|_| hdf5::SliceOrIndex::from(..)));
         let slab = dataset.read_slice::<T, _, ndarray::IxDyn>(hdf5::Hyperslab::from(selection));
-        slab.map(|values| values.into_iter().collect()).map_err(|error| ArchiveError::read(&self.path, path, &error))
+        slab.map(|values| values.into_iter().collect()).map_err(|error| FileError::read(&self.path, path, &error))
     }
 
     /// All values of a variable of words.
-    pub fn texts(&self, path: &str) -> Result<Vec<String>, ArchiveError> {
+    pub fn texts(&self, path: &str) -> Result<Vec<String>, FileError> {
         let dataset = self.dataset(path)?;
-        texts(&dataset).map_err(|error| ArchiveError::read(&self.path, path, &error))
+        texts(&dataset).map_err(|error| FileError::read(&self.path, path, &error))
     }
 
     /// A text attribute of the group or variable at `path`; `/` is the root.
-    pub fn text(&self, path: &str, name: &str) -> Result<String, ArchiveError> {
+    pub fn text(&self, path: &str, name: &str) -> Result<String, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
         let found = self.attribute(path, name).and_then(|attribute| texts(&attribute));
-        let texts = found.map_err(|error| ArchiveError::read(&self.path, &whole, &error))?;
+        let texts = found.map_err(|error| FileError::read(&self.path, &whole, &error))?;
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
     /// A number among the attributes of the group or variable at `path`.
-    pub fn number(&self, path: &str, name: &str) -> Result<f64, ArchiveError> {
+    pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
         let found = self.attribute(path, name).and_then(|attribute| attribute.read_scalar());
-        found.map_err(|error| ArchiveError::read(&self.path, &whole, &error))
+        found.map_err(|error| FileError::read(&self.path, &whole, &error))
     }
 
     fn attribute(&self, path: &str, name: &str) -> Result<hdf5::Attribute, hdf5::Error> {
@@ -92,10 +92,10 @@ impl Reader {
         }
     }
 
-    fn dataset(&self, path: &str) -> Result<Dataset, ArchiveError> {
+    fn dataset(&self, path: &str) -> Result<Dataset, FileError> {
         self.file.dataset(path).map_err(|_| {
             let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
-            ArchiveError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) }
+            FileError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) }
         })
     }
 }

@@ -9,25 +9,7 @@
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
 //! - [`Reader`] gets values back, for resuming and for input.
-//!
-//! ```
-//! use gfmd_xtask::archive::{Archive, Dimension, Output, Provenance, Reader, Variable};
-//!
-//! # let folder = tempfile::tempdir().unwrap();
-//! # let path = folder.path().join("contact.h5");
-//! let output = Output::claim(&path)?;
-//! let provenance = Provenance { command: "gfmd contact".into(), ..Provenance::default() };
-//! let mut archive = Archive::create(&output, &provenance)?;
-//! let load = Dimension::index("load", 2, "load step");
-//! let area = Variable { dimensions: &[&load], units: "1", long_name: "contact area fraction" };
-//! archive.write("/loads/area_fraction", &area, &[0.02, 0.1])?;
-//! archive.finish()?;
-//! assert_eq!(Reader::open(&path)?.values::<f64>("/loads/area_fraction")?, [0.02, 0.1]);
-//! # Ok::<(), gfmd_xtask::archive::ArchiveError>(())
-//! ```
 
-mod error;
-mod output;
 mod reader;
 mod scale;
 
@@ -41,12 +23,10 @@ use std::path::PathBuf;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
-pub use error::ArchiveError;
-pub use output::Output;
-pub(crate) use output::folder;
-pub use reader::Reader;
-
+use crate::{FileError, Output};
 use scale::Scale;
+
+pub use reader::Reader;
 
 /// Raised whenever a name or a meaning in the files changes.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -204,9 +184,9 @@ pub struct Archive<'a> {
 
 impl<'a> Archive<'a> {
     /// Starts `NAME.part` beside the claimed target, over any part that an earlier process left.
-    pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, ArchiveError> {
+    pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let part = output.part();
-        let file = File::create(&part).map_err(|error| ArchiveError::create(&part, &error))?;
+        let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
         let mut archive = Self { output, file: Some(file), scales: BTreeMap::new() };
         let texts = [
             ("program", &provenance.program),
@@ -226,7 +206,7 @@ impl<'a> Archive<'a> {
     }
 
     /// Writes a whole variable, row-major. Booleans and other types: write them as `u8` with the units `1`.
-    pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), ArchiveError> {
+    pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         let dataset = self.new_dataset::<T>(path, variable, None)?;
         let written =
@@ -240,24 +220,24 @@ impl<'a> Archive<'a> {
         path: &str,
         variable: &Variable,
         values: &[S],
-    ) -> Result<(), ArchiveError> {
+    ) -> Result<(), FileError> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
         self.write(path, variable, &texts)
     }
 
     /// Defines a variable whose entries along the first dimension come one by one, by [`Archive::write_slab`]. Entries
     /// that never come are NaN.
-    pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), ArchiveError> {
+    pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
 
     /// Writes entry `index` along the first dimension of a variable made by [`Archive::define`].
-    pub fn write_slab(&mut self, path: &str, index: usize, values: &[f64]) -> Result<(), ArchiveError> {
+    pub fn write_slab(&mut self, path: &str, index: usize, values: &[f64]) -> Result<(), FileError> {
         let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
         let shape = dataset.shape();
         let expected: usize = shape.iter().skip(1).product();
         if shape.is_empty() || index >= shape[0] || values.len() != expected {
-            return Err(ArchiveError::Slab { variable: path.into(), index, found: values.len(), shape });
+            return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
         let write = || {
             let mut slab = vec![1];
@@ -272,7 +252,7 @@ impl<'a> Archive<'a> {
     }
 
     /// Writes an attribute beside the group or variable at `path`, which is made a group if it does not exist.
-    pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), ArchiveError> {
+    pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
         let file = self.file()?;
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
         let at: Location = match file.dataset(path) {
@@ -288,15 +268,15 @@ impl<'a> Archive<'a> {
     }
 
     /// Completes the file, syncs it to the disk, and gives it the target's name.
-    pub fn finish(mut self) -> Result<PathBuf, ArchiveError> {
+    pub fn finish(mut self) -> Result<PathBuf, FileError> {
         let part = self.output.part();
         for scale in self.scales.values() {
-            scale.write_references(self.file()?).map_err(|error| ArchiveError::write(&part, scale.path(), &error))?;
+            scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());
             if let Err(error) = closed {
-                let error = ArchiveError::write(&part, "(end of file)", &error);
+                let error = FileError::write(&part, "(end of file)", &error);
                 let _ = fs::remove_file(&part);
                 return Err(error);
             }
@@ -305,24 +285,24 @@ impl<'a> Archive<'a> {
         Ok(self.output.path().to_path_buf())
     }
 
-    fn file(&self) -> Result<&File, ArchiveError> {
-        self.file.as_ref().ok_or_else(|| ArchiveError::Closed { path: self.output.path().into() })
+    fn file(&self) -> Result<&File, FileError> {
+        self.file.as_ref().ok_or_else(|| FileError::Closed { path: self.output.path().into() })
     }
 
-    fn failed(&self, variable: &str, error: &hdf5::Error) -> ArchiveError {
-        ArchiveError::write(&self.output.part(), variable, error)
+    fn failed(&self, variable: &str, error: &hdf5::Error) -> FileError {
+        FileError::write(&self.output.part(), variable, error)
     }
 
-    fn check_length(&self, path: &str, variable: &Variable, found: usize) -> Result<(), ArchiveError> {
+    fn check_length(&self, path: &str, variable: &Variable, found: usize) -> Result<(), FileError> {
         let shape = variable.shape();
         if shape.iter().product::<usize>() == found {
             return Ok(());
         }
-        Err(ArchiveError::Length { variable: path.into(), found, shape })
+        Err(FileError::Length { variable: path.into(), found, shape })
     }
 
     /// The group at `path`, made with its parents if need be.
-    fn group(&self, path: &str) -> Result<Group, ArchiveError> {
+    fn group(&self, path: &str) -> Result<Group, FileError> {
         let mut group = self.file()?.as_group().map_err(|error| self.failed(path, &error))?;
         for name in path.split('/').filter(|name| !name.is_empty()) {
             let next = if group.link_exists(name) { group.group(name) } else { group.create_group(name) };
@@ -336,7 +316,7 @@ impl<'a> Archive<'a> {
         path: &str,
         variable: &Variable,
         fill: Option<f64>,
-    ) -> Result<Dataset, ArchiveError> {
+    ) -> Result<Dataset, FileError> {
         let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
         let group = self.group(parent)?;
         for dimension in variable.dimensions {
@@ -357,11 +337,11 @@ impl<'a> Archive<'a> {
     }
 
     /// The scale of a dimension in a group, written at its first use.
-    fn ensure_scale(&mut self, group: &Group, parent: &str, dimension: &Dimension) -> Result<(), ArchiveError> {
+    fn ensure_scale(&mut self, group: &Group, parent: &str, dimension: &Dimension) -> Result<(), FileError> {
         let key = (parent.to_owned(), dimension.name.clone());
         if let Some(scale) = self.scales.get(&key) {
             if scale.dimension() != dimension {
-                return Err(ArchiveError::Dimension { group: parent.into(), dimension: dimension.name.clone() });
+                return Err(FileError::Dimension { group: parent.into(), dimension: dimension.name.clone() });
             }
             return Ok(());
         }
@@ -448,6 +428,6 @@ fn write_attribute<T: H5Type>(at: &Location, name: &str, value: &T) -> Result<()
     at.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
-fn text_of(path: &str, text: &str) -> Result<VarLenUnicode, ArchiveError> {
-    text.parse().map_err(|_| ArchiveError::Text { variable: path.into() })
+fn text_of(path: &str, text: &str) -> Result<VarLenUnicode, FileError> {
+    text.parse().map_err(|_| FileError::Text { variable: path.into() })
 }

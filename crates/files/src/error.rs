@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Why a file cannot be claimed, written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ArchiveError {
+pub enum FileError {
     /// Another process holds the target.
     #[error("{} is being written by another process; wait for it to end or choose another file", path.display())]
     Busy {
@@ -113,16 +113,16 @@ pub enum ArchiveError {
     },
 }
 
-impl ArchiveError {
-    pub(super) fn create(path: &Path, error: &hdf5::Error) -> Self {
+impl FileError {
+    pub(crate) fn create(path: &Path, error: &hdf5::Error) -> Self {
         Self::Target { path: path.into(), reason: reason(error) }
     }
 
-    pub(super) fn write(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
+    pub(crate) fn write(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
         Self::Write { path: path.into(), variable: variable.into(), reason: reason(error) }
     }
 
-    pub(super) fn read(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
+    pub(crate) fn read(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
         Self::Read { path: path.into(), variable: variable.into(), reason: reason(error) }
     }
 }
@@ -132,7 +132,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// The innermost message of the library, with the operating system's words alone where it quotes them.
-pub(super) fn reason(error: &hdf5::Error) -> String {
+pub(crate) fn reason(error: &hdf5::Error) -> String {
     let text = match error.stack().as_deref().and_then(|frames| frames.last()) {
         Some(innermost) => innermost.desc().to_owned(),
         None => error.to_string(),

@@ -1,14 +1,15 @@
 //! Datasets of HDF5 files, ours and others'.
 
-use crate::archive::Reader;
+use crate::Reader;
 
 use super::{Found, two_dimensional};
 
 /// Relative deviation of a coordinate from even spacing that counts as rounding.
 const EVEN: f64 = 1e-6;
 
-/// Path and dataset of `FILE.h5:/dataset`; an empty dataset if the name is that of an HDF5 file alone.
-pub(crate) fn split(name: &str) -> Option<(&str, &str)> {
+/// Path and dataset of `FILE.h5:/dataset`; an empty dataset if the name is that of an HDF5 file alone; `None` of other
+/// names.
+pub fn split(name: &str) -> Option<(&str, &str)> {
     let is_archive = |path: &str| {
         let path = path.to_ascii_lowercase();
         [".h5", ".hdf5"].iter().any(|ending| path.ends_with(ending))
@@ -38,7 +39,10 @@ pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
 
 /// Cell lengths from evenly spaced coordinates `x` and `y` beside a dataset, if they are there. Of a profile, the second
 /// is 1 and means nothing.
-pub(crate) fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Option<[f64; 2]>, String> {
+///
+/// # Errors
+/// Coordinates that are unevenly spaced.
+pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Option<[f64; 2]>, String> {
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let length = |axis: &str, points: usize| -> Result<Option<f64>, String> {
         let name = format!("{group}/{axis}");
