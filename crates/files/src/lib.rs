@@ -31,6 +31,6 @@ pub mod vti;
 
 pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
 pub use error::FileError;
-pub use output::{Output, folder, replace};
+pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{Topography, TopographyError};

@@ -143,13 +143,16 @@ fn is_same_file(_: &File, path: &Path) -> bool {
     path.exists() // An open file cannot be unlinked here.
 }
 
-/// A rename is on the disk only when the folder is.
+/// Brings the names in a folder to the disk: a new or renamed file is there only then.
+///
+/// # Errors
+/// A folder that cannot be synced.
 #[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
+pub fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }

@@ -81,7 +81,7 @@ impl Pictures {
 }
 
 /// Draws some quantities on the section through the middle of a body: `PREFIX-name.svg`, `.png`.
-pub(crate) fn draw_middle(
+pub fn draw_middle(
     interior: &Interior,
     quantities: &[Quantity],
     (levels, deepest): (usize, f64),

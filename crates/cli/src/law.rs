@@ -52,10 +52,10 @@ fn serialize_kind<S: serde::Serializer>(kind: &Kind, serializer: S) -> Result<S:
 /// Flags of `law`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask law --law morse --param gamma=1 --param range=0.2 --normal 0,0.1,0.4
-  cargo xtask law --law npb --param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3 \\
+  gfmd law --law morse --param gamma=1 --param range=0.2 --normal 0,0.1,0.4
+  gfmd law --law npb --param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3 \\
     --normal=-0.1,0.1 --tangential 0.15,0.15 --json
-  cargo xtask law --law exponential --param gamma=1,range=0.1 --normal 0,0.5 --plot exponential")]
+  gfmd law --law exponential --param gamma=1,range=0.1 --normal 0,0.5 --plot exponential")]
 pub struct Args {
     #[command(flatten)]
     law: LawArgs,

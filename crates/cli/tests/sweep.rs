@@ -10,7 +10,7 @@ use gfmd_files::Reader;
 
 const SMALL: &str = "
 [points]
-eps_t_inv = [1, 2]
+eps_t_inv = [1.0, 2.0]
 eps_f_inv = [4, 8]
 eps_c_inv = [4, 8]
 centre = [2, 4, 4]
@@ -25,7 +25,7 @@ resamples = 200
 ";
 
 fn write_config(folder: &Path) {
-    std::fs::write(folder.join("sweep.toml"), SMALL.replace("inv = [1, 2]", "inv = [1.0, 2.0]")).unwrap();
+    std::fs::write(folder.join("sweep.toml"), SMALL).unwrap();
 }
 
 /// Everything in a file that must repeat.
@@ -74,39 +74,70 @@ fn a_sweep_ends_with_a_result_a_file_and_plots() {
 }
 
 #[test]
-fn a_killed_sweep_resumes_to_the_same_numbers() {
+fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
     let folder = tempfile::tempdir().unwrap();
     write_config(folder.path());
     let arguments = |out: &'static str| ["kappa-sweep", "--config", "sweep.toml", "--out", out, "-q", "--json"];
     json(folder.path(), &arguments("whole.h5"));
 
-    let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
-        .current_dir(folder.path())
-        .args(arguments("cut.h5"))
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
     let journal = folder.path().join("cut.h5.journal");
-    let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
-    while lines() < 4 && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
+    let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
+    let mut resumed = arguments("cut.h5").to_vec();
+    resumed.push("--resume");
+    // The first line is the head: a kill before the first run is finished, and after some more of them each time.
+    for enough in [1, 2, 5, 9] {
+        let before = std::fs::read_to_string(&journal).unwrap_or_default();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
+            .current_dir(folder.path())
+            .args(&resumed)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        while lines() < enough && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
+        let mut text = std::fs::read_to_string(&journal).unwrap();
+        let whole = before.rfind('\n').map_or(0, |last| last + 1);
+        assert!(text.starts_with(&before[..whole]), "finished runs were lost");
+        // As if the kill had come in the middle of a line.
+        text.push_str("{\"run\":3,\"loads\":[{\"mean_pre");
+        std::fs::write(&journal, text).unwrap();
     }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
-    // As if the kill had come in the middle of a line.
-    let text = std::fs::read_to_string(&journal).unwrap();
-    std::fs::write(&journal, &text[..text.trim_end().len() - 20]).unwrap();
-
     let refused = gfmd(folder.path(), &arguments("cut.h5"));
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--resume"));
 
-    let mut resumed = arguments("cut.h5").to_vec();
-    resumed.push("--resume");
     json(folder.path(), &resumed);
     assert_eq!(numbers(&folder.path().join("whole.h5")), numbers(&folder.path().join("cut.h5")));
     assert!(!journal.exists());
+}
+
+#[test]
+fn a_bad_line_of_a_journal_is_named_and_the_journal_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    let text = first_line(folder.path());
+    let journal = folder.path().join("s.h5.journal");
+    for bad in ["{\"run\":1,\"loads\":[{\"kappa\":nu", "{\"run\":1,\"loads\":[null,null]}", "{\"run\":0,\"loads\":[]}"]
+    {
+        let text = format!("{text}{bad}\n{{\"run\":2,");
+        std::fs::write(&journal, &text).unwrap();
+        let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume", "-q"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("s.h5.journal, line 2: "), "{message}");
+        assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
+    }
+}
+
+/// The first line of the journal of the sweep in `folder`.
+fn first_line(folder: &Path) -> String {
+    let config = gfmd(folder, &["kappa-sweep", "--config", "sweep.toml", "--show-config"]).stdout;
+    let config = String::from_utf8(config).unwrap();
+    serde_json::json!({ "version": env!("CARGO_PKG_VERSION"), "config": config }).to_string() + "\n"
 }
 
 #[test]

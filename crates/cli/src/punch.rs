@@ -40,10 +40,10 @@ points in a row act as a sharp-edged punch of about N - 1/3 spacings (effective_
 force differs from that of the continuum by the first order of the spacing; --refine takes that out.
 
 Examples:
-  cargo xtask punch --nodes inclusive --out punch.h5 --plots punch
-  cargo xtask punch --nodes inclusive --compare continuum_u_n128.npy
-  cargo xtask punch --dim 2 --n 256 --nodes inclusive --refine 4
-  cargo xtask punch --height inf --contact frictionless --poisson 0.5 --punch-fraction 0.5 --json"
+  gfmd punch --nodes inclusive --out punch.h5 --plots punch
+  gfmd punch --nodes inclusive --compare continuum_u_n128.npy
+  gfmd punch --dim 2 --n 256 --nodes inclusive --refine 4
+  gfmd punch --height inf --contact frictionless --poisson 0.5 --punch-fraction 0.5 --json"
 )]
 pub struct Args {
     /// Side of the square cell, length

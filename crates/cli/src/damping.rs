@@ -25,8 +25,8 @@ use crate::session::{Session, list_files};
 Factor 1 damps the slowest mode critically.
 
 Examples:
-  cargo xtask damping --plots figure
-  cargo xtask damping --dim 2 --n 128 --height 0.5 --poisson 0.45 --factors 0.5,1,2 --dt 0.5 --json --out damping.h5"
+  gfmd damping --plots figure
+  gfmd damping --dim 2 --n 128 --height 0.5 --poisson 0.45 --factors 0.5,1,2 --dt 0.5 --json --out damping.h5"
 )]
 pub struct Args {
     /// 3: a surface, components x, y, z; 2: a line in plane strain, components x, z

@@ -13,7 +13,7 @@ fn words(flags: &str) -> Vec<&str> {
 }
 
 fn punch(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference/punch3d_sticking_zm1_nu033").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/reference/punch3d_sticking_zm1_nu033").join(name)
 }
 
 #[test]

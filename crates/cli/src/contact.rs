@@ -27,10 +27,10 @@ use crate::source::{SourceArgs, Surface};
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
-  cargo xtask contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
-  cargo xtask contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
-  cargo xtask contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
-  cargo xtask contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
+  gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
+  gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
+  gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
+  gfmd contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]

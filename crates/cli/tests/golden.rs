@@ -2,7 +2,7 @@
 //!
 //! On the processor family that recorded them every number must have the same bits. Elsewhere, where other vector
 //! instructions round differently, they must agree to a tolerance. After a change that is meant to alter numbers, record
-//! them again with `GFMD_GOLDEN=write cargo test -p gfmd-xtask --test golden`, and say why in CHANGELOG.md.
+//! them again with `GFMD_GOLDEN=write cargo test -p gfmd-cli --test golden`, and say why in CHANGELOG.md.
 
 mod common;
 
@@ -105,7 +105,7 @@ fn of_file(path: &Path, group: &str, numbers: &mut BTreeMap<String, Numbers>) {
 }
 
 fn recorded(case: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden").join(case).with_extension("json")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(case).with_extension("json")
 }
 
 /// What decides how the last bit is rounded: the instructions that transforms and elementary functions choose from.

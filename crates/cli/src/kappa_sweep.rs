@@ -15,6 +15,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
 use gfmd_files::Output;
 use gfmd_response::NormalResponse;
+use gfmd_surface::SelfAffine;
 use ndarray::Array2;
 use rayon::prelude::*;
 
@@ -26,15 +27,15 @@ use crate::failure::Failure;
 use crate::load::LoadRecord;
 use crate::progress::Progress;
 use crate::session::{Session, peak_bytes};
-use journal::{Finished, Journal};
+use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask kappa-sweep
-  cargo xtask kappa-sweep --preset smoke --out smoke.h5
-  cargo xtask kappa-sweep --preset thesis --dry-run
-  cargo xtask kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
+  gfmd kappa-sweep
+  gfmd kappa-sweep --preset smoke --out smoke.h5
+  gfmd kappa-sweep --preset thesis --dry-run
+  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
 pub struct Args {
     /// A sweep with a name
     #[arg(long, value_enum, default_value_t = Preset::Default, conflicts_with = "config")]
@@ -85,7 +86,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
         return Ok(Outcome::Planned(report::PlanReport::new(&config, &plan)?));
     }
     let output = Output::claim(&args.out).map_err(|error| Failure::input("--out", error))?;
-    let (journal, finished) = Journal::open(&output.beside(".journal"), &text, args.resume)?;
+    let size = Size { runs: plan.runs.len(), loads: config.loads.p_star.len() };
+    let (journal, finished) = Journal::open(&output.beside(".journal"), &text, size, args.resume)?;
     let started = Instant::now();
     let records = compute(&config, &plan, &journal, finished, session)?;
     let analysis = report::Analysis::new(&config, &plan, &records)?;
@@ -205,7 +207,10 @@ fn solve(
 }
 
 fn heights(config: &Config, plan: &Plan, point: &Point, seed: u64) -> Result<Array2<f64>, Failure> {
-    let spectrum = point.discretisation.self_affine(1.0, point.hurst, config.surface.rms_gradient);
+    let spectrum = point.discretisation.self_affine(
+        1.0,
+        SelfAffine { hurst: point.hurst, ..SelfAffine::with_rms_gradient(config.surface.rms_gradient) },
+    );
     spectrum.heights(&plan.grid(point)?, seed).map_err(|error| Failure::input("surface", error))
 }
 

@@ -65,7 +65,7 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
     let names =
         "contact line surface sweep body slice punch strip damping".split(' ').map(|name| name.to_owned() + ".h5");
     let files: Vec<_> = names.map(|name| folder.path().join(name)).collect();
-    let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/interoperability/check.py");
+    let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interoperability/check.py");
     succeeds(Command::new(python()).arg(check).args(&files));
 
     // The names that scripts rely on, through the reader that users will take.

@@ -10,6 +10,9 @@ use gfmd_files::Provenance;
 
 use crate::failure::Failure;
 
+/// The commit that the program was built from, `unknown` if it is not known.
+pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
+
 /// Flags of every command.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Common {
@@ -85,7 +88,7 @@ impl Session {
         Provenance {
             program: "gfmd".into(),
             version: env!("CARGO_PKG_VERSION").into(),
-            git_commit: env!("GFMD_GIT_COMMIT").into(),
+            git_commit: GIT_COMMIT.into(),
             command: std::env::args().collect::<Vec<_>>().join(" "),
             created: jiff::Timestamp::now().to_string(),
             config,

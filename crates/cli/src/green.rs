@@ -11,9 +11,9 @@ use crate::failure::Failure;
 /// Flags of `green`.
 #[derive(clap::Args, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask green --qx 3 --qy 4 --height 0.3 --young 1 --poisson 0.33
-  cargo xtask green --dim 2 --qx 2 --height inf --poisson 0.5 --depth 0.1 --json
-  cargo xtask green --qx 1 --height 0.5 --base half-space --base-young 10 --base-poisson 0.2 --z 0.25")]
+  gfmd green --qx 3 --qy 4 --height 0.3 --young 1 --poisson 0.33
+  gfmd green --dim 2 --qx 2 --height inf --poisson 0.5 --depth 0.1 --json
+  gfmd green --qx 1 --height 0.5 --base half-space --base-young 10 --base-poisson 0.2 --z 0.25")]
 pub struct Args {
     /// 3: components x, y, z; 2: plane strain, components x, z
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]

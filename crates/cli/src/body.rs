@@ -25,7 +25,7 @@ use crate::session::{Session, list_files};
 pub use quantity::Quantity;
 pub use rows::Slice;
 
-pub(crate) use pictures::draw_middle;
+pub use pictures::draw_middle;
 
 use input::{Kind, Surface};
 use pictures::Pictures;
@@ -36,9 +36,9 @@ use volume::{Planes, Volume};
 /// Flags of `body`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
-  cargo xtask body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
-  cargo xtask body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json")]
+  gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
+  gfmd body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
+  gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json")]
 pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
     /// of the same shape; a contact's /fields/displacement_z gets the lateral displacement of a surface without friction
