@@ -74,7 +74,7 @@ impl<'a> FullContact<'a> {
             solution.normal.iterations = state.step;
             let pairs = (state.evaluations * self.response.components().len() as u64) as f64;
             solution.normal.transform_pairs += pairs;
-            let worst = solution.normal.residual.worst().max(solution.lateral_traction);
+            let worst = gfmd_relax::worst([solution.normal.residual.worst(), solution.lateral_traction]);
             match outcome {
                 Ok(Outcome::Converged(_)) if worst <= tolerance => return Ok(solution),
                 Ok(Outcome::Converged(now)) => {
@@ -109,7 +109,7 @@ impl<'a> FullContact<'a> {
         self.response.compliance().apply(&traction, &mut displacement, &mut self.response.workspace())?;
         let normal = displacement.split_off(lateral);
         let peak = pressure.iter().copied().fold(0.0, f64::max);
-        let left = state.force[..lateral].iter().fold(0.0, |largest, f| f64::max(largest, f.abs()));
+        let left = gfmd_relax::worst(state.force[..lateral].iter().map(|f| f.abs()));
         let field = |values: &[f64]| {
             let [nx, ny] = self.wall.points;
             Array2::from_shape_fn((nx, ny), |(i, j)| values[i * ny + j])

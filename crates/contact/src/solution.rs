@@ -38,7 +38,6 @@ pub struct Residual {
 impl Residual {
     /// The largest of the four; NaN if any is.
     pub fn worst(&self) -> f64 {
-        let all = [self.complementarity, self.penetration, self.negative_pressure, self.load];
-        all.into_iter().fold(0.0, |worst, r| if r.is_nan() { r } else { worst.max(r) })
+        gfmd_relax::worst([self.complementarity, self.penetration, self.negative_pressure, self.load])
     }
 }

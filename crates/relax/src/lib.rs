@@ -85,6 +85,7 @@ mod projected_cg;
 mod quadratic;
 mod run;
 mod verlet;
+mod worst;
 
 pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
 pub use bounds::Bounds;
@@ -102,3 +103,4 @@ pub use projected_cg::ProjectedCg;
 pub use quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Watch};
 pub use run::{Method, Outcome, Progress, State, Stop, relax};
 pub use verlet::{OnRise, Trail, Verlet, VerletState};
+pub use worst::worst;

@@ -2,6 +2,8 @@ use std::ops::ControlFlow;
 
 use gfmd_vector::{for_each, pass, reduce};
 
+use crate::worst;
+
 /// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`: what the constrained
 /// conjugate-gradient methods minimise. A is symmetric and positive (semi-)definite, and only its action is needed.
 pub trait Quadratic {
@@ -45,8 +47,7 @@ pub struct Optimality {
 impl Optimality {
     /// The larger of the two parts, in magnitude; NaN if either is.
     pub fn worst(&self) -> f64 {
-        let [a, b] = [self.complementarity.abs(), self.violation];
-        if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+        worst([self.complementarity.abs(), self.violation])
     }
 }
 
