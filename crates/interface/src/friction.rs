@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_law::{LawError, Limit};
-use gfmd_relax::{Iterate, MinimiseError, ProjectedCg, Quadratic, Target};
+use gfmd_relax::{Budget, Ending, Minimum, ProjectedCg, Quadratic, RelaxError, Target};
 use gfmd_response::{FullResponse, Workspace};
 use gfmd_vector::{add, for_each, reduce};
 use ndarray::{Array2, Array3, ArrayView2};
@@ -148,16 +148,16 @@ impl<'a> FrictionalContact<'a> {
             // The first rounds only have to be as good as the next one can use.
             let tolerance = SHARE * settings.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32));
             let limit = settings.max_iterations.saturating_sub(iterations);
-            let pressed = increment.press(tolerance, limit, &mut |now| {
-                watch(&Progress { iteration: iterations + now.iteration as u64, residual: now.optimality.worst() })
+            let pressed = increment.press(tolerance, limit, &mut |now: &gfmd_relax::Progress| {
+                watch(&Progress { iteration: iterations + now.iteration, residual: now.residual })
             });
             let interrupted = match pressed {
-                Ok(steps) => {
-                    iterations += steps;
+                Ok(Minimum { reached, ending: Ending::Converged }) => {
+                    iterations += reached.iteration;
                     false
                 }
-                Err(MinimiseError::Interrupted { .. }) => true,
-                Err(_) => {
+                Ok(Minimum { ending: Ending::Interrupted, .. }) => true,
+                Ok(Minimum { ending: Ending::GaveUp(_), .. }) | Err(_) => {
                     reason = "the normal problem does not converge";
                     break;
                 }
@@ -289,22 +289,16 @@ impl<'a> Increment<'a> {
     }
 
     /// The pressure under the present shear.
-    fn press(
-        &mut self,
-        tolerance: f64,
-        limit: u64,
-        watch: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-    ) -> Result<u64, MinimiseError> {
+    fn press(&mut self, tolerance: f64, limit: u64, watch: &mut dyn gfmd_relax::Watch) -> Result<Minimum, RelaxError> {
         let target = Target {
             mean: if let Normal::MeanPressure(mean) = self.drive.normal { Some(mean) } else { None },
             gradient_scale: self.contact.rms_height,
-            tolerance,
-            max_iterations: usize::try_from(limit).unwrap_or(usize::MAX),
+            budget: Budget { tolerance, max_iterations: limit },
         };
         let mut pressure = std::mem::take(&mut self.pressure);
         let outcome = ProjectedCg.minimise(self, &mut pressure, &target, watch);
         self.pressure = pressure;
-        outcome.map(|reached| reached.iteration as u64)
+        outcome
     }
 
     fn largest_shear(&self, i: usize) -> f64 {

@@ -39,7 +39,7 @@ fn run<M: Dynamics>(surface: &mut Surface, method: &M, settings: &Settings, watc
         Ok(state) => state,
         Err(error) => return Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
     };
-    let mut observe = |now: &gfmd_relax::Progress, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
+    let mut observe = |now: &gfmd_relax::Status, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
         Ok(watch(&Progress { iteration: now.step, residual: now.residual }))
     };
     let mut stop = Stop { residual: settings.tolerance, settled: 0, max_steps: settings.max_iterations };

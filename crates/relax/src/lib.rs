@@ -71,7 +71,9 @@
 
 mod augmented_lagrangian;
 mod bounds;
+mod budget;
 mod damping;
+mod ending;
 mod error;
 mod fire;
 mod inertia;
@@ -84,12 +86,16 @@ mod preconditioned_cg;
 mod projected_cg;
 mod quadratic;
 mod run;
+mod until;
 mod verlet;
+mod watch;
 mod worst;
 
 pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
 pub use bounds::Bounds;
+pub use budget::{Budget, ToleranceError};
 pub use damping::{Damping, Motion};
+pub use ending::{Ending, Why};
 pub use error::{Divergence, RelaxError};
 pub use fire::{Fire, FireState, Flight, Uphill};
 pub use inertia::{Inertial, Smooth};
@@ -100,7 +106,9 @@ pub use observer::{Every, Observer};
 pub use polonsky_keer::PolonskyKeer;
 pub use preconditioned_cg::PreconditionedCg;
 pub use projected_cg::ProjectedCg;
-pub use quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Watch};
-pub use run::{Method, Outcome, Progress, State, Stop, relax};
+pub use quadratic::{Iterate, Minimum, Optimality, Quadratic, Target};
+pub use run::{Method, Outcome, State, Status, Stop, relax};
+pub use until::relax_until;
 pub use verlet::{OnRise, Trail, Verlet, VerletState};
+pub use watch::{Progress, Watch};
 pub use worst::worst;
