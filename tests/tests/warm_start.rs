@@ -1,10 +1,9 @@
 //! A solution is the same wherever the search for it begins.
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Contact, Control, Settings, Solution};
+use gfmd_contact::{Contact, Equilibrium, Load, Solution};
 use gfmd_field::Grid;
 use gfmd_measure::contact_area;
-use gfmd_response::NormalResponse;
 use gfmd_surface::Discretisation;
 use gfmd_tests::unit_half_space;
 
@@ -13,13 +12,9 @@ fn a_higher_load_started_from_a_lower_one_is_the_same_contact() {
     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
     let grid = Grid::square(numbers.points().unwrap(), 1.0).unwrap();
     let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 11).unwrap();
-    let response = NormalResponse::new(grid, &unit_half_space());
-    let contact = Contact::new(&response, heights.view()).unwrap();
-    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
-    let mut watch = |_: &_| std::ops::ControlFlow::Continue(());
-    let mut solve = |p: f64, start: Option<&Solution>| {
-        let start = start.map(|s| s.pressure.view());
-        contact.solve(Control::MeanPressure(p), &settings, start, &mut watch).unwrap()
+    let contact = Contact::new(&unit_half_space(), &grid, &heights).unwrap();
+    let solve = |p: f64, start: Option<&Solution>| {
+        contact.press(Load::MeanPressure(p)).tolerance(1e-12).starting_from(start).solve().unwrap()
     };
     let low = solve(0.002, None);
     let [warm, cold] = [solve(0.01, Some(&low)), solve(0.01, None)];

@@ -3,9 +3,10 @@
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_contact::{Control, Settings, Solver};
+use gfmd_contact::{Budget, Load, Solver};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::{Kind, Law};
@@ -130,9 +131,9 @@ impl From<SolverName> for Solver {
 }
 
 impl SolverArgs {
-    /// The settings of the contact solver.
-    pub fn settings(&self) -> Settings {
-        Settings { solver: self.solver.into(), tolerance: self.tol, max_iterations: self.max_iter }
+    /// Tolerance and iterations.
+    pub fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 }
 
@@ -220,7 +221,7 @@ struct Prepared {
     grid: Grid,
     body: Body,
     law: Box<dyn Law>,
-    controls: Vec<Control>,
+    controls: Vec<Load>,
     output: Option<Output>,
 }
 
@@ -253,9 +254,9 @@ impl Prepared {
             _ => check_available([nx, ny], 8 * FIELDS_WITH_LAW * grid.len() as u64)?,
         }
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
-        let controls = (args.control.pressure.iter().map(|p| Control::MeanPressure(*p)))
-            .chain(args.control.p_star.iter().map(|p| Control::MeanPressure(p * unit_pressure)))
-            .chain(args.control.displacement.iter().map(|d| Control::Approach(*d)))
+        let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
+            .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
+            .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
@@ -264,7 +265,7 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
         let name = args.source.name();
-        let response = NormalResponse::new(self.grid, &self.body);
+        let response = Arc::new(NormalResponse::new(self.grid, &self.body));
         let heights = self.surface.heights.view();
         let problem = Problem::new(&response, heights, args.law.law, self.law.as_ref(), args.solver.solver, &name)?;
         let mut report = Report {
@@ -282,7 +283,7 @@ impl Prepared {
         };
         let file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
         let mut file = file.transpose()?;
-        let settings = args.solver.settings();
+        let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
         let measures = Measures { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
         let mut last: Option<Rest> = None;
@@ -292,7 +293,7 @@ impl Prepared {
                 progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let (rest, stopped) = problem.solve(*control, &settings, &measures, last.as_ref(), &mut watch)?;
+            let (rest, stopped) = problem.solve(*control, &budget, &measures, last.as_ref(), &mut watch)?;
             if let Some(file) = &mut file {
                 file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
             }

@@ -8,11 +8,11 @@ mod report;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_contact::{Budget, Contact, Equilibrium, Load, Solution, SolveError};
 use gfmd_response::NormalResponse;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -119,7 +119,7 @@ fn compute(
         if open.is_empty() {
             continue;
         }
-        let response = NormalResponse::new(plan.grid(point)?, &body);
+        let response = Arc::new(NormalResponse::new(plan.grid(point)?, &body));
         let one = |(number, run): &(usize, &Run)| {
             let loads = press(config, plan, point, run.seed, &response, session)?;
             journal.record(*number, &loads)?;
@@ -150,23 +150,23 @@ fn press(
     plan: &Plan,
     point: &Point,
     seed: u64,
-    response: &NormalResponse,
+    response: &Arc<NormalResponse>,
     session: &Session,
 ) -> Result<Vec<LoadRecord>, Failure> {
     let heights = heights(config, plan, point, seed)?;
-    let contact = Contact::new(response, heights.view()).map_err(|error| Failure::input("surface", error))?;
+    let contact = Contact::on(Arc::clone(response), &heights).map_err(|error| Failure::input("surface", error))?;
     let mut last: Option<Solution> = None;
     let mut records = Vec::new();
     for &p_star in &config.loads.p_star {
         let started = Instant::now();
-        let solution = solve(config, &contact, response, p_star, last.as_ref(), session).map_err(|error| {
+        let solution = solve(config, &contact, p_star, last.as_ref(), session).map_err(|error| {
             let d = point.discretisation;
             let place = format!(
                 "H = {}, 1/eps = ({}, {}, {}), seed {seed}, p* = {p_star}",
                 point.hurst, d.eps_t_inv, d.eps_f_inv, d.eps_c_inv
             );
             match error {
-                ContactError::Interrupted { .. } => Failure::Interrupted(format!("interrupted at {place}")),
+                SolveError::Interrupted { .. } => Failure::Interrupted(format!("interrupted at {place}")),
                 error => Failure::Computation(format!("{place}: {error}")),
             }
         })?;
@@ -185,23 +185,18 @@ fn press(
 fn solve(
     config: &Config,
     contact: &Contact,
-    response: &NormalResponse,
     p_star: f64,
     last: Option<&Solution>,
     session: &Session,
-) -> Result<Solution, ContactError> {
-    let settings = Settings {
-        solver: config.solver.method.into(),
-        tolerance: config.solver.tol,
-        max_iterations: config.solver.max_iter,
-    };
-    let pressure = p_star * response.contact_modulus() * config.surface.rms_gradient;
+) -> Result<Solution, SolveError<Solution>> {
+    let budget = Budget { tolerance: config.solver.tol, max_iterations: config.solver.max_iter };
+    let pressure = p_star * contact.response().contact_modulus() * config.surface.rms_gradient;
     let mut watch = |_: &gfmd_contact::Progress| match session.is_interrupted() {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
-    let start = last.map(|solution| solution.pressure.view());
-    contact.solve(Control::MeanPressure(pressure), &settings, start, &mut watch)
+    let press = contact.press(Load::MeanPressure(pressure)).budget(budget).solver(config.solver.method.into());
+    press.starting_from(last).watch(&mut watch).solve()
 }
 
 fn heights(config: &Config, plan: &Plan, point: &Point, seed: u64) -> Result<Array2<f64>, Failure> {
@@ -229,9 +224,9 @@ fn example(config: &Config, plan: &Plan) -> Result<Example, Failure> {
     let point = *moderate.max_by_key(|point| point.n).unwrap_or(&plan.points[0]);
     let response = NormalResponse::new(plan.grid(&point)?, &config.body()?);
     let heights = heights(config, plan, &point, point.first_seed)?;
-    let contact = Contact::new(&response, heights.view()).map_err(|error| Failure::input("surface", error))?;
+    let contact = Contact::on(response, &heights).map_err(|error| Failure::input("surface", error))?;
     let silent = Session::silent(crate::session::Common { json: false, threads: 0, quiet: true, verbose: 0 });
-    let solution = solve(config, &contact, &response, config.fit.p_star, None, &silent)
+    let solution = solve(config, &contact, config.fit.p_star, None, &silent)
         .map_err(|error| Failure::Computation(error.to_string()))?;
     Ok(Example { point, seed: point.first_seed, pressure: solution.pressure, heights })
 }
