@@ -7,8 +7,8 @@ use std::path::Path;
 use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_plot::{Axis, Chart, Panel, Series};
 use gfmd_surface::Discretisation;
-use gfmd_xtask::plot::{Axis, Chart, Panel, Series};
 
 const POINTS: usize = 512;
 const RMS_GRADIENT: f64 = 0.1;

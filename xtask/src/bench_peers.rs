@@ -17,14 +17,13 @@ mod tests;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_cli::contact::SolverName;
+use gfmd_cli::failure::Failure;
+use gfmd_cli::session::{Session, machine};
 use gfmd_field::Grid;
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
 use serde::Serialize;
-
-use crate::contact::SolverName;
-use crate::failure::Failure;
-use crate::session::{Session, machine};
 
 use contestant::{Contestant, Problem};
 use measure::Bench;
@@ -34,9 +33,9 @@ pub use report::{Case, Entry, Report, Timing};
 /// Flags of `bench-peers`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
-  cargo xtask bench-peers --quick
-  cargo xtask bench-peers --write-docs
-  cargo xtask bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
+  gfmd bench-peers --quick
+  gfmd bench-peers --write-docs
+  gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
     /// Points along a side
     #[arg(long, value_delimiter = ',', default_values_t = [512, 1024, 2048], value_name = "N,..")]
@@ -195,7 +194,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let mut report = Report {
         date: jiff::Zoned::now().date().to_string(),
         machine: machine(),
-        commit: env!("GFMD_GIT_COMMIT").into(),
+        commit: gfmd_cli::session::GIT_COMMIT.into(),
         versions: environment.versions(),
         fftw: environment.fftw_in_words(),
         tamaas_fftw: environment.tamaas_fftw,

@@ -1,29 +1,4 @@
-//! The commands of gfmd, as a library so that tests can call them. One file per command: flags in, one function, a
-//! report out that prints itself as a table or as JSON (docs/interface.md).
+//! Chores of the developers of gfmd: `verify` compares the program with references, `bench-peers` with other programs.
 
-pub mod archive;
 pub mod bench_peers;
-pub mod body;
-pub mod contact;
-pub mod damping;
-pub mod elastic;
-pub mod equilibrium;
-pub mod failure;
-pub mod figures;
-pub mod fit;
-pub mod generator;
-pub mod green;
-pub mod json;
-pub mod kappa_sweep;
-pub mod law;
-pub mod load;
-pub mod path;
-pub mod plot;
-pub mod progress;
-pub mod punch;
-pub mod session;
-pub mod source;
-pub mod surface;
-pub mod topography;
 pub mod verify;
-pub mod vti;

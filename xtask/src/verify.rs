@@ -7,19 +7,18 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
+use gfmd_cli::failure::Failure;
+use gfmd_cli::progress::Progress;
+use gfmd_cli::session::Session;
 use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
 use serde::Serialize;
-
-use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::session::Session;
 
 /// Flags of `verify`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask verify
-  cargo xtask verify --json
-  cargo xtask verify --write-docs")]
+  gfmd verify
+  gfmd verify --json
+  gfmd verify --write-docs")]
 pub struct Args {
     /// Take the check values from this folder instead of data/reference
     #[arg(long, value_name = "FOLDER")]

@@ -1,15 +1,19 @@
 //! `verify` from end to end, and docs/validation.md against it.
 
-mod common;
-
 use std::path::Path;
+use std::process::{Command, Output};
 
-use common::{gfmd, json};
+/// `cargo xtask` with `arguments`, in `folder`.
+fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(folder).args(arguments).output().expect("the program starts")
+}
 
 #[test]
 fn all_checks_pass_and_the_document_lists_them() {
     let folder = tempfile::tempdir().unwrap();
-    let report = json(folder.path(), &["verify", "--write-docs", ".", "--json"]);
+    let output = xtask(folder.path(), &["verify", "--write-docs", ".", "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let checks: Vec<_> =
         report["topics"].as_array().unwrap().iter().flat_map(|t| t["checks"].as_array().unwrap()).collect();
     assert_eq!((checks.len() as u64, &report["failed"]), (report["checks"].as_u64().unwrap(), &0.into()));
@@ -33,7 +37,7 @@ fn all_checks_pass_and_the_document_lists_them() {
 fn a_check_that_fails_is_named_and_a_file_that_is_missing_too() {
     let folder = tempfile::tempdir().unwrap();
     let failed = |arguments: &[&str], status: i32| {
-        let output = gfmd(folder.path(), arguments);
+        let output = xtask(folder.path(), arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(status), "{text}");
         (text, String::from_utf8_lossy(&output.stdout).into_owned())

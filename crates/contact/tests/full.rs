@@ -92,5 +92,6 @@ fn unusable_input_and_too_few_steps_are_errors() {
     // Started from where it was stopped, and from the end.
     let resting = press(0.001).starting_from(stopped.state()).solve().unwrap();
     let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
-    assert!(10 * again.effort().iterations < resting.effort().iterations, "{}", again.effort());
+    // As many steps as the touching points must have kept still.
+    assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
 }

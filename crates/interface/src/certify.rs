@@ -1,112 +1,46 @@
-use gfmd_vector::{add, pass, reduce, sum};
+use gfmd_vector::{add, for_each, pass, reduce, sum};
 use ndarray::{Array2, Array3};
 
-use crate::elastic::mean;
-use crate::{Drive, Interface, Normal, Residual, State};
+use crate::frame::Frame;
+use crate::numbers::{higher, higher_each, lower, mean};
+use crate::{Interface, Normal, Residual, State};
 
 /// The state at `position`, the displacement in the frame of the drive: everything from fresh transforms and the law.
-pub(crate) fn certify(interface: &Interface, drive: Drive, position: &[f64]) -> State {
-    let frame = interface.frame(drive);
-    let points = interface.clearance.len();
-    let z = interface.elastic.components() - 1;
-    let wall = interface.law.has_wall();
+pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) -> State {
+    let (points, z) = (frame.points(), frame.z());
     let mut transforms = interface.elastic.transforms();
     let mut traction = vec![0.0; position.len()];
     transforms.stiffness(position, &frame.uniform_stiffness, &mut traction);
-
-    let at = |i: usize| frame.separation(interface, position, i);
-    let mut gap = vec![0.0; points];
-    let gaps = |start: usize, [gap]: [&mut [f64]; 1]| {
-        gap.iter_mut().enumerate().fold(f64::INFINITY, |least, (k, gap)| {
-            *gap = at(start + k).0;
-            least.min(*gap)
-        })
-    };
-    let lowest = pass([&mut gap], &gaps, &f64::min);
-
-    // What the law does not balance: the wall must, and may on the points that touch it. A component whose mean is held has
-    // an unknown mean traction besides, the one with which its free points are at rest.
-    let mut wall_pressure = vec![0.0; points];
-    let [mut unbalanced, mut tension, mut largest] = [0.0_f64; 3];
-    let mut law_means = [0.0; 3];
-    for (c, traction) in traction.chunks_exact_mut(points).enumerate() {
-        let axis = if c == z { 2 } else { c };
-        let touches = |i: usize| c == z && wall && gap[i] <= 0.0;
-        let push = if c == z { frame.push } else { 0.0 };
-        let law = |i: usize| {
-            let (normal, sliding) = at(i);
-            interface.law.traction(normal, sliding)[axis]
-        };
-        let [free, net, total] = reduce(
-            points,
-            &|range| {
-                range.fold([0.0; 3], |sums, i| {
-                    let law = law(i);
-                    let one = if touches(i) { 0.0 } else { 1.0 };
-                    add(sums, [one, one * (law + push - traction[i]), law])
-                })
-            },
-            &add,
-        );
-        law_means[axis] = total / points as f64;
-        let unknown = if frame.held[c] && free > 0.0 { net / free } else { 0.0 };
-        let balance = |start: usize, [traction, pressure]: [&mut [f64]; 2]| {
-            let mut worst = [0.0_f64; 3];
-            for (k, (traction, pressure)) in traction.iter_mut().zip(pressure).enumerate() {
-                let i = start + k;
-                *traction += unknown - push;
-                let left = law(i) - *traction;
-                if touches(i) {
-                    *pressure = left.max(0.0);
-                    worst = higher(worst, [0.0, -left, traction.abs()]);
-                } else {
-                    worst = higher(worst, [left.abs(), 0.0, traction.abs()]);
-                }
-            }
-            worst
-        };
-        // Of the other components the wall takes nothing: their pass has a pressure of no interest.
-        let mut nothing = vec![0.0; if c == z { 0 } else { points }];
-        let pressure = if c == z { &mut wall_pressure } else { &mut nothing };
-        [unbalanced, tension, largest] =
-            higher([unbalanced, tension, largest], pass([traction, pressure], &balance, &higher));
-    }
-
-    let means: Vec<f64> = traction.chunks_exact(points).map(mean).collect();
-    let (mean_pressure, load) = match drive.normal {
-        // What wall and law exert: at rest, the same as the mean of the elastic traction.
+    let mut certificate =
+        Certificate { interface, frame, position, traction, gap: vec![0.0; points], wall_pressure: vec![0.0; points] };
+    let lowest = certificate.separations();
+    let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
+    let means: Vec<f64> = certificate.traction.chunks_exact(points).map(mean).collect();
+    let (mean_pressure, load) = match frame.drive.normal {
+        // The mean pressure of wall and law; at rest it equals the mean of the elastic traction.
         Normal::MeanPressure(asked) => {
-            let exerted = mean(&wall_pressure) - law_means[2];
+            let exerted = mean(&certificate.wall_pressure) - balances[z].law_mean;
             (exerted, exerted - asked)
         }
         Normal::Approach(_) => (-means[z], 0.0),
     };
+    let worst = |part: fn(&Balance) -> f64| balances.iter().fold(0.0, |worst, balance| higher(worst, part(balance)));
     let [softest, _] = interface.elastic.stiffness_range();
-    let stress = largest.max(softest * interface.rms_height).max(f64::MIN_POSITIVE);
+    let stress = higher(higher(worst(|balance| balance.largest), softest * interface.rms_height), f64::MIN_POSITIVE);
     let residual = Residual {
-        equilibrium: unbalanced / stress,
-        penetration: if wall { (-lowest).max(0.0) / interface.length_scale() } else { 0.0 },
-        wall_tension: tension / stress,
+        equilibrium: worst(|balance| balance.unbalanced) / stress,
+        penetration: if interface.law.has_wall() { higher(-lowest, 0.0) / interface.length_scale() } else { 0.0 },
+        wall_tension: worst(|balance| balance.tension) / stress,
         load: load.abs() / stress,
     };
-    let interface_energy = sum(points, &|range| range.map(|i| interface.energy(at(i))).sum()) / points as f64;
-    let in_contact = |i: usize| {
-        let (normal, sliding) = at(i);
-        if wall { wall_pressure[i] > 0.0 } else { interface.law.traction(normal, sliding)[2] < 0.0 }
-    };
-    let contact = sum(points, &|range| range.map(|i| f64::from(in_contact(i))).sum()) / points as f64;
-
-    // Back to the displacement of the surface: in the frame of a load it moved instead of the rigid one.
-    let mut displacement = position.to_vec();
-    let mut approach = frame.approach;
-    if let Normal::MeanPressure(_) = drive.normal {
-        approach = mean(&position[z * points..]) + interface.elastic.uniform_compliance()[z] * mean_pressure;
-        displacement[z * points..].iter_mut().for_each(|u| *u -= approach);
-    }
-    let elastic_energy = 0.5 * gfmd_vector::dot(&traction, &displacement) / points as f64;
+    let interface_energy = certificate.interface_energy();
+    let contact_fraction = certificate.contact_fraction();
+    let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
+    let elastic_energy = 0.5 * gfmd_vector::dot(&certificate.traction, &displacement) / points as f64;
     let [nx, ny] = interface.elastic.grid().points();
     let vectors = |values: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), values).expect(FITS);
     let field = |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect(FITS);
+    let Certificate { traction, gap, wall_pressure, .. } = certificate;
     State {
         displacement: vectors(displacement),
         traction: vectors(traction),
@@ -115,10 +49,10 @@ pub(crate) fn certify(interface: &Interface, drive: Drive, position: &[f64]) -> 
         mean_pressure,
         mean_shear: std::array::from_fn(|c| if c < z { means[c] } else { 0.0 }),
         approach,
-        lateral: frame.lateral,
+        lateral: frame.drive.lateral,
         elastic_energy,
         interface_energy,
-        contact_fraction: contact,
+        contact_fraction,
         residual,
         iterations: 0,
         transform_pairs: transforms.pairs,
@@ -130,7 +64,147 @@ pub(crate) fn certify(interface: &Interface, drive: Drive, position: &[f64]) -> 
 /// Fields are made with the shape of the grid.
 const FITS: &str = "every field of an interface has the size of its grid";
 
-/// The larger of each, NaN if either is.
-pub(crate) fn higher<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
-    std::array::from_fn(|k| if a[k].is_nan() || a[k] > b[k] { a[k] } else { b[k] })
+/// The fields of a state while they are computed.
+struct Certificate<'a> {
+    interface: &'a Interface<'a>,
+    frame: &'a Frame<'a>,
+    position: &'a [f64],
+    /// K w at first; on the elastic surface after [`balance`](Self::balance).
+    traction: Vec<f64>,
+    gap: Vec<f64>,
+    wall_pressure: Vec<f64>,
+}
+
+/// The equilibrium of one component.
+struct Balance {
+    /// Largest traction that neither law nor wall balances.
+    unbalanced: f64,
+    /// Largest tension that the wall would have to hold.
+    tension: f64,
+    /// Largest traction.
+    largest: f64,
+    /// Mean traction of the law.
+    law_mean: f64,
+}
+
+impl Certificate<'_> {
+    /// Fills the gap; returns the lowest one, NaN if any is.
+    fn separations(&mut self) -> f64 {
+        let Self { frame, position, gap, .. } = self;
+        pass(
+            [gap],
+            &|start, [gap]| {
+                gap.iter_mut().enumerate().fold(f64::INFINITY, |least, (k, gap)| {
+                    (*gap, _) = frame.separation(position, start + k);
+                    lower(least, *gap)
+                })
+            },
+            &lower,
+        )
+    }
+
+    /// Compares the elastic traction of a component with that of the law. The wall must balance the difference, and can
+    /// only push, at points that touch it. A component whose mean is held has an unknown mean traction besides: that
+    /// with which its free points are at rest.
+    fn balance(&mut self, component: usize) -> Balance {
+        let Self { interface, frame, position, traction, gap, wall_pressure } = self;
+        let points = frame.points();
+        let normal = component == frame.z();
+        let axis = if normal { 2 } else { component };
+        let touches = |i: usize| normal && interface.law.has_wall() && gap[i] <= 0.0;
+        let push = frame.push_on(component);
+        let law = |i: usize| {
+            let (normal, sliding) = frame.separation(position, i);
+            interface.law.traction(normal, sliding)[axis]
+        };
+        let traction = &mut traction[component * points..][..points];
+        let [free, net, law_total] = reduce(
+            points,
+            &|range| {
+                range.fold([0.0; 3], |sums, i| {
+                    let law = law(i);
+                    let free = if touches(i) { 0.0 } else { 1.0 };
+                    add(sums, [free, free * (law + push - traction[i]), law])
+                })
+            },
+            &add,
+        );
+        let unknown = if frame.held[component] && free > 0.0 { net / free } else { 0.0 };
+        let [unbalanced, tension, largest] = pass(
+            [&mut *traction],
+            &|start, [traction]| {
+                traction.iter_mut().enumerate().fold([0.0; 3], |worst, (k, traction)| {
+                    *traction += unknown - push;
+                    let left = law(start + k) - *traction;
+                    let [free, tension] = if touches(start + k) { [0.0, -left] } else { [left.abs(), 0.0] };
+                    higher_each(worst, [free, tension, traction.abs()])
+                })
+            },
+            &higher_each,
+        );
+        if normal && interface.law.has_wall() {
+            let press = |start: usize, [pressure]: [&mut [f64]; 1]| {
+                for (k, pressure) in pressure.iter_mut().enumerate().filter(|(k, _)| touches(start + k)) {
+                    *pressure = (law(start + k) - traction[start + k]).max(0.0);
+                }
+            };
+            for_each([wall_pressure], &press);
+        }
+        Balance { unbalanced, tension, largest, law_mean: law_total / points as f64 }
+    }
+
+    /// Energy of the law per area.
+    fn interface_energy(&self) -> f64 {
+        let Self { interface, frame, position, .. } = self;
+        let points = frame.points();
+        sum(points, &|range| range.map(|i| interface.energy(frame.separation(position, i))).sum()) / points as f64
+    }
+
+    /// Share of the points that the wall presses; without a wall, of those that the law repels.
+    fn contact_fraction(&self) -> f64 {
+        let Self { interface, frame, position, wall_pressure, .. } = self;
+        let wall = interface.law.has_wall();
+        let in_contact = |i: usize| {
+            let (normal, sliding) = frame.separation(position, i);
+            if wall { wall_pressure[i] > 0.0 } else { interface.law.traction(normal, sliding)[2] < 0.0 }
+        };
+        let points = frame.points();
+        sum(points, &|range| range.map(|i| f64::from(in_contact(i))).sum()) / points as f64
+    }
+
+    /// The displacement of the elastic surface and the approach of the rigid one: in the frame of a load, the elastic
+    /// surface moved in place of the rigid one.
+    fn displacement_and_approach(&self, mean_pressure: f64) -> (Vec<f64>, f64) {
+        let Self { interface, frame, position, .. } = self;
+        let mut displacement = position.to_vec();
+        let Normal::MeanPressure(_) = frame.drive.normal else { return (displacement, frame.approach) };
+        let normal = &mut displacement[frame.z() * frame.points()..];
+        let approach = mean(normal) + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure;
+        normal.iter_mut().for_each(|u| *u -= approach);
+        (displacement, approach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_field::Grid;
+    use gfmd_green::{Body, Material};
+    use gfmd_law::HardWall;
+    use gfmd_response::NormalResponse;
+
+    use super::*;
+    use crate::Drive;
+
+    #[test]
+    fn a_gap_that_is_not_a_number_is_not_free_of_penetration() {
+        let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+        let response = NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body);
+        let heights = Array2::from_shape_fn((8, 1), |(i, _)| (i as f64).sin());
+        let interface = Interface::normal(&response, heights.view(), &HardWall).unwrap();
+        for drive in [Drive::mean_pressure(0.1), Drive::approach(0.1)] {
+            let frame = interface.frame(drive).unwrap();
+            let residual = certify(&interface, &frame, &[f64::NAN; 8]).residual;
+            assert!(residual.penetration.is_nan() && residual.worst().is_nan(), "{residual:?}");
+        }
+    }
 }

@@ -7,31 +7,28 @@ use gfmd_relax::{Bounds, Fire, Landscape, Method as _, Outcome, Stop, relax};
 use gfmd_vector::{for_each, sum};
 
 use crate::certify::certify;
-use crate::elastic::{Transforms, mean};
-use crate::newton::{End, Ended};
-use crate::problem::{Frame, Interface, Progress, Settings, Watch};
-use crate::{Drive, State};
+use crate::elastic::Transforms;
+use crate::ended::{End, Ended};
+use crate::frame::Frame;
+use crate::numbers::mean;
+use crate::{Interface, Progress, Settings, State, Watch};
 
 /// Runs with a time step shortened each time the motion blows up or goes uphill for ever.
 const ATTEMPTS: u32 = 8;
 
 pub(crate) fn relax_to_rest(
     interface: &Interface,
-    drive: Drive,
+    frame: &Frame,
     settings: &Settings,
     start: Option<&State>,
     watch: Watch,
 ) -> Ended {
-    let frame = interface.frame(drive);
-    let mut position = interface.starting_position(drive, start);
+    let mut position = frame.starting_position(start);
     let [softest, stiffest] = interface.elastic.stiffness_range();
-    let points = interface.clearance.len();
-    let lowest = (0..points).map(|i| frame.separation(interface, &position, i).0).fold(0.0, f64::min);
-    let z = position.len() - points;
+    let lowest = (0..frame.points()).map(|i| frame.separation(&position, i).0).fold(0.0, f64::min);
     let bounds = interface.law.has_wall().then(|| {
-        let mut upper = vec![f64::INFINITY; position.len()];
-        upper[z..].iter_mut().zip(&interface.clearance).for_each(|(upper, c)| *upper = c - frame.approach);
-        upper
+        let open = frame.z() * frame.points();
+        std::iter::repeat_n(f64::INFINITY, open).chain(frame.wall()).collect()
     });
     let scale = softest * interface.length_scale();
     let mut motion = Motion { interface, frame, transforms: interface.elastic.transforms(), bounds, scale };
@@ -52,7 +49,7 @@ pub(crate) fn relax_to_rest(
             let outcome = relax(&mut motion, &method, &mut state, &stop, &mut observe);
             match outcome {
                 Ok(Outcome::Converged(now)) => {
-                    let worst = certify(interface, drive, &state.u).residual.worst();
+                    let worst = certify(interface, frame, &state.u).residual.worst();
                     if worst <= settings.tolerance {
                         (position, end) = (state.u, End::Converged);
                         iterations += state.step;
@@ -90,7 +87,7 @@ pub(crate) fn relax_to_rest(
 
 struct Motion<'a> {
     interface: &'a Interface<'a>,
-    frame: Frame,
+    frame: &'a Frame<'a>,
     transforms: Transforms<'a>,
     bounds: Option<Vec<f64>>,
     /// The force that counts as one.
@@ -99,7 +96,7 @@ struct Motion<'a> {
 
 impl Motion<'_> {
     fn hold_means(&self, field: &mut [f64]) {
-        let points = self.interface.clearance.len();
+        let points = self.frame.points();
         for (field, _) in field.chunks_exact_mut(points).zip(&self.frame.held).filter(|(_, held)| **held) {
             let mean = mean(field);
             for_each([field], &|_, [field]| field.iter_mut().for_each(|f| *f -= mean));
@@ -109,31 +106,28 @@ impl Motion<'_> {
 
 impl Landscape for Motion<'_> {
     fn len(&self) -> usize {
-        self.frame.held.len() * self.interface.clearance.len()
+        self.frame.components() * self.frame.points()
     }
 
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
         let Self { interface, frame, transforms, .. } = self;
-        let points = interface.clearance.len();
-        let z = frame.held.len() - 1;
+        let (points, z) = (frame.points(), frame.z());
         transforms.stiffness(u, &frame.uniform_stiffness, force);
         let elastic = 0.5 * gfmd_vector::dot(u, force);
         for (c, force) in force.chunks_exact_mut(points).enumerate() {
-            let (axis, push) = if c == z { (2, frame.push) } else { (c, 0.0) };
+            let (axis, push) = (if c == z { 2 } else { c }, frame.push_on(c));
             let net = |start: usize, [force]: [&mut [f64]; 1]| {
                 for (k, f) in force.iter_mut().enumerate() {
-                    let (normal, sliding) = frame.separation(interface, u, start + k);
+                    let (normal, sliding) = frame.separation(u, start + k);
                     *f = interface.law.traction(normal, sliding)[axis] + push - *f;
                 }
             };
             for_each([force], &net);
         }
-        let law = sum(points, &|range| {
-            range.map(|i| interface.law.opening_energy(frame.separation(interface, u, i).0)).sum()
-        });
+        let law = sum(points, &|range| range.map(|i| interface.law.opening_energy(frame.separation(u, i).0)).sum());
         let work: f64 = frame.push * sum(points, &|range| u[z * points..][range].iter().sum());
         self.hold_means(force);
-        // Of a law without a potential no more than a measure of how far things have gone.
+        // Without a potential of the law this is not an energy, only a monitor for divergence.
         elastic + law - work
     }
 

@@ -1,6 +1,8 @@
 use gfmd_field::Grid;
 use gfmd_response::{FullResponse, NormalResponse};
 
+use crate::numbers::mean;
+
 /// The elastic side: u_z alone, or all components.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Elastic<'a> {
@@ -101,8 +103,4 @@ impl Transforms<'_> {
             gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
         }
     }
-}
-
-pub(crate) fn mean(field: &[f64]) -> f64 {
-    gfmd_vector::sum(field.len(), &|range| field[range].iter().sum()) / field.len() as f64
 }

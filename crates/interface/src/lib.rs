@@ -39,10 +39,14 @@
 mod certify;
 mod dynamics;
 mod elastic;
+mod ended;
 mod error;
+mod frame;
 mod friction;
 mod newton;
+mod numbers;
 mod problem;
+mod solve;
 mod state;
 
 pub use error::InterfaceError;

@@ -1,15 +1,13 @@
 use std::ops::ControlFlow;
 
 use gfmd_field::Grid;
-use gfmd_law::{HardWall, Law};
+use gfmd_law::Law;
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::ArrayView2;
 
-use crate::certify::certify;
-use crate::dynamics;
-use crate::elastic::{Elastic, mean};
-use crate::newton::{self, End};
-use crate::{InterfaceError, State};
+use crate::InterfaceError;
+use crate::elastic::Elastic;
+use crate::numbers::mean;
 
 /// What moves the rigid surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,132 +169,22 @@ impl<'a> Interface<'a> {
         (steepness > 0.5 * stiffness).then_some(Trapping { steepness, stiffness })
     }
 
-    /// Goes downhill from `start` to a stable state. Without one, from the contact with a hard wall alone if the drive
-    /// presses, else from the undeformed surface.
-    ///
-    /// # Errors
-    /// Unusable drive, settings or start; or an error that carries the state reached.
-    pub fn solve(
-        &self,
-        drive: Drive,
-        settings: &Settings,
-        start: Option<&State>,
-        watch: Watch,
-    ) -> Result<State, InterfaceError> {
-        settings.check()?;
-        self.check(drive)?;
-        let expected = self.elastic.components() * self.clearance.len();
-        if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
-            return Err(InterfaceError::Start { found, expected });
-        }
-        let pressed = match drive.normal {
-            Normal::MeanPressure(found) | Normal::Approach(found) => found > 0.0,
-        };
-        if start.is_none() && pressed && !self.is_wall_alone() {
-            return self.solve(drive, settings, Some(&self.without_attraction(drive, settings, watch)?), watch);
-        }
-        let has_energy = self.has_energy();
-        let ended = match settings.method {
-            Method::Newton if !has_energy => return Err(InterfaceError::NoEnergy),
-            Method::Dynamics if self.law.has_wall() && self.frame(drive).held.last() == Some(&true) => {
-                return Err(InterfaceError::NoDynamics);
-            }
-            Method::Dynamics => dynamics::relax_to_rest(self, drive, settings, start, watch),
-            Method::Auto if !has_energy => dynamics::relax_to_rest(self, drive, settings, start, watch),
-            Method::Auto | Method::Newton => newton::descend(self, drive, settings, start, watch),
-        };
-        let mut state = certify(self, drive, &ended.position);
-        state.iterations = ended.iterations;
-        state.transform_pairs += ended.transform_pairs;
-        state.passed_instability = ended.passed_instability;
-        state.lowest_curvature = ended.lowest_curvature;
-        let state = Box::new(state);
-        let not_converged = |state, reason| InterfaceError::NotConverged { state, asked: settings.tolerance, reason };
-        match (ended.end, drive.normal) {
-            (End::Interrupted, _) => Err(InterfaceError::Interrupted { state }),
-            (End::Detached, Normal::MeanPressure(mean_pressure)) => {
-                Err(InterfaceError::Detached { mean_pressure, state })
-            }
-            _ if state.residual.worst() <= settings.tolerance => Ok(*state),
-            (End::GaveUp(reason), _) => Err(not_converged(state, reason)),
-            _ => Err(not_converged(state, "the recomputed residuals are larger than the solver's")),
-        }
-    }
-
-    /// Whether a drive can be posed.
-    ///
-    /// # Errors
-    /// Numbers that are not finite, or an approach beyond full contact.
-    pub fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
-        drive.check()?;
-        if let Normal::Approach(found) = drive.normal {
-            let limit = mean(&self.clearance);
-            let held = self.frame(drive).held;
-            if self.law.has_wall() && held[held.len() - 1] && found >= limit {
-                return Err(InterfaceError::Approach { found, limit });
-            }
-        }
-        Ok(())
-    }
-
-    /// Root mean square of the heights about their mean.
+    /// Root mean square of the heights about their mean, length.
     pub fn rms_height(&self) -> f64 {
         self.rms_height
     }
 
-    fn is_wall_alone(&self) -> bool {
-        self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
-    }
-
-    /// The contact before the law acts.
-    fn without_attraction(&self, drive: Drive, settings: &Settings, watch: Watch) -> Result<State, InterfaceError> {
-        let wall = Interface { law: &HardWall, clearance: self.clearance.clone(), ..*self };
-        let rough = Settings { method: Method::Newton, tolerance: settings.tolerance.max(1e-3), ..*settings };
-        wall.solve(drive, &rough, None, watch)
-    }
-
-    /// What counts as a length: the rms height, 1 of a flat surface.
+    /// The unit of length: the rms height, or 1 if the surface is flat.
     pub(crate) fn length_scale(&self) -> f64 {
         if self.rms_height > 0.0 { self.rms_height } else { 1.0 }
     }
 
-    /// The frame in which a drive is solved.
-    pub(crate) fn frame(&self, drive: Drive) -> Frame {
-        let uniform = self.elastic.uniform_compliance();
-        let mut stiffness: Vec<f64> = uniform.iter().map(|g| if *g > 0.0 { 1.0 / g } else { 0.0 }).collect();
-        let mut held: Vec<bool> = uniform.iter().map(|g| *g == 0.0).collect();
-        let z = uniform.len() - 1;
-        let (push, approach) = match drive.normal {
-            Normal::MeanPressure(mean) => {
-                (stiffness[z], held[z]) = (0.0, false);
-                (mean, 0.0)
-            }
-            Normal::Approach(approach) => (0.0, approach),
-        };
-        Frame { uniform_stiffness: stiffness, held, push, approach, lateral: drive.lateral }
+    /// Mean distance from the highest point of the rigid surface down to it, length.
+    pub(crate) fn mean_clearance(&self) -> f64 {
+        mean(&self.clearance)
     }
 
-    /// Where a search begins, in the frame of the drive: at `start`, with the points that the wall pressed still on it, or
-    /// undeformed but for what would interpenetrate.
-    pub(crate) fn starting_position(&self, drive: Drive, start: Option<&State>) -> Vec<f64> {
-        let points = self.clearance.len();
-        let mut position = vec![0.0; self.elastic.components() * points];
-        let z = position.len() - points;
-        let approach = if let Normal::Approach(approach) = drive.normal { approach } else { 0.0 };
-        let wall = self.clearance.iter().map(|c| c - approach);
-        let Some(state) = start else {
-            position[z..].iter_mut().zip(wall).for_each(|(w, wall)| *w = wall.min(0.0));
-            return position;
-        };
-        position.iter_mut().zip(&state.displacement).for_each(|(w, u)| *w = *u);
-        let rise = if let Normal::MeanPressure(_) = drive.normal { state.approach } else { 0.0 };
-        for ((w, wall), pressure) in position[z..].iter_mut().zip(wall).zip(&state.wall_pressure) {
-            *w = if *pressure > 0.0 { wall } else { *w + rise };
-        }
-        position
-    }
-
-    /// Φ, energy per area; where u_z alone moves, that of opening. NaN without one.
+    /// Φ, energy per area; where u_z alone moves, that of opening. NaN if the law has none.
     pub(crate) fn energy(&self, (normal, [x, y]): (f64, [f64; 2])) -> f64 {
         match self.elastic {
             Elastic::Normal(_) => self.law.opening_energy(normal),
@@ -322,26 +210,4 @@ pub(crate) fn heights_to_clearance(heights: ArrayView2<f64>, grid: &Grid) -> Res
         gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().map(|c| (c - level).powi(2)).sum());
     let rms_height = (squares / clearance.len() as f64).sqrt();
     Ok((clearance, rms_height))
-}
-
-/// How a drive is posed. Under a prescribed load the rigid surface stays at first touch and the body is pushed up with
-/// `push`; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
-#[derive(Clone, Debug)]
-pub(crate) struct Frame {
-    pub(crate) uniform_stiffness: Vec<f64>,
-    /// Components whose mean is 0: nothing but the far body holds it.
-    pub(crate) held: Vec<bool>,
-    pub(crate) push: f64,
-    pub(crate) approach: f64,
-    pub(crate) lateral: [f64; 2],
-}
-
-impl Frame {
-    /// Δ_n and Δ_t at a point.
-    pub(crate) fn separation(&self, interface: &Interface, position: &[f64], i: usize) -> (f64, [f64; 2]) {
-        let points = interface.clearance.len();
-        let z = position.len() / points - 1;
-        let along = |c: usize| if c < z { self.lateral[c] - position[c * points + i] } else { 0.0 };
-        (interface.clearance[i] - self.approach - position[z * points + i], [along(0), along(1)])
-    }
 }

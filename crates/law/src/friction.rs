@@ -11,6 +11,22 @@ pub enum Limit {
 }
 
 impl Limit {
+    /// Returns the limit if its value can be used.
+    ///
+    /// # Errors
+    /// A coefficient or strength that is negative or not finite.
+    pub fn check(self) -> Result<Self, LawError> {
+        let (name, found) = match self {
+            Self::Coulomb(coefficient) => ("mu", coefficient),
+            Self::Tresca(strength) => ("tau_c", strength),
+        };
+        if found >= 0.0 && found.is_finite() {
+            Ok(self)
+        } else {
+            Err(LawError::Range { name, found, allowed: "0 or a positive, finite number" })
+        }
+    }
+
     /// Largest shear traction at contact pressure `pressure` ≥ 0, stress.
     pub fn at(self, pressure: f64) -> f64 {
         match self {
@@ -59,14 +75,7 @@ impl Friction {
     /// # Errors
     /// A negative limit, or a stiffness that is not positive.
     pub fn new(limit: Limit, stiffness: f64) -> Result<Self, LawError> {
-        let (name, found) = match limit {
-            Limit::Coulomb(coefficient) => ("mu", coefficient),
-            Limit::Tresca(strength) => ("tau_c", strength),
-        };
-        if !(found >= 0.0 && found.is_finite()) {
-            return Err(LawError::Range { name, found, allowed: "0 or a positive, finite number" });
-        }
-        Ok(Self { limit, stiffness: positive("stiffness", stiffness)? })
+        Ok(Self { limit: limit.check()?, stiffness: positive("stiffness", stiffness)? })
     }
 
     /// From the foot s_p of the last increment to the slip s under `pressure`.

@@ -4,7 +4,7 @@
 
 use gfmd_vector::{dot, for_each};
 
-use crate::problem::{End, Ended, Surface, largest};
+use crate::surface::{End, Ended, Surface, largest};
 use crate::{Progress, Settings, Watch};
 
 pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {

@@ -6,33 +6,51 @@
 
 use std::ops::{ControlFlow, Range};
 
-use gfmd_relax::{Bounds, Fire, Landscape, Method as Dynamics, Outcome, RelaxError, State, Stop, Verlet, relax};
+use gfmd_relax::{Bounds, Fire, Landscape, Method, Outcome, RelaxError, State, Stop, Verlet, relax};
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
-use crate::problem::{End, Ended, Surface};
-use crate::{Method, Prescribed, Progress, Settings, Watch};
+use crate::surface::{End, Ended, Surface};
+use crate::{Prescribed, Progress, Settings, Watch};
 
 /// Time step of the original method over its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
 
-pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+/// With the damping and time step that suit the range of stiffnesses best.
+pub(crate) fn verlet(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+    let [softest, stiffest] = surface.problem.response.stiffness_range();
+    run_if_possible(surface, Verlet::optimal(softest, stiffest), settings, watch)
+}
+
+/// With the softest mode critically damped, as in the original method.
+pub(crate) fn verlet_critical(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+    let [softest, stiffest] = surface.problem.response.stiffness_range();
+    let verlet = Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt());
+    run_if_possible(surface, verlet, settings, watch)
+}
+
+/// With the fast inertial relaxation engine of 2006.
+pub(crate) fn fire(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+    let [_, stiffest] = surface.problem.response.stiffness_range();
+    run_if_possible(surface, Ok(Fire::bitzek(Fire::largest_dt(stiffest))), settings, watch)
+}
+
+fn run_if_possible<M: Method>(
+    surface: &mut Surface,
+    method: Result<M, RelaxError>,
+    settings: &Settings,
+    watch: Watch,
+) -> Ended {
     if surface.scale == 0.0 {
         return Ended { iterations: 0, end: End::Converged };
     }
-    let [softest, stiffest] = surface.problem.response.stiffness_range();
-    let verlet = match settings.method {
-        Method::Fire => return run(surface, &Fire::bitzek(Fire::largest_dt(stiffest)), settings, watch),
-        Method::VerletCritical => Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt()),
-        _ => Verlet::optimal(softest, stiffest),
-    };
-    match verlet {
-        Ok(verlet) => run(surface, &verlet, settings, watch),
+    match method {
+        Ok(method) => run(surface, &method, settings, watch),
         Err(error) => Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
     }
 }
 
 /// Runs until what the force on the held points does meets the tolerance, not only the forces on the free ones.
-fn run<M: Dynamics>(surface: &mut Surface, method: &M, settings: &Settings, watch: Watch) -> Ended {
+fn run<M: Method>(surface: &mut Surface, method: &M, settings: &Settings, watch: Watch) -> Ended {
     let mut layer = Layer::new(surface);
     let start = layer.start();
     let mut state = match method.start(&mut layer, start) {

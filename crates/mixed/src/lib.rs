@@ -54,6 +54,8 @@ mod prescribed;
 mod problem;
 mod punch;
 mod solution;
+mod solve;
+mod surface;
 
 pub use error::MixedError;
 pub use prescribed::Prescribed;

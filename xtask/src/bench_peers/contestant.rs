@@ -6,15 +6,15 @@ use std::process::Command;
 use std::time::Duration;
 
 use clap::ValueEnum;
+use gfmd_cli::contact::SolverName;
+use gfmd_cli::load::LoadRecord;
+use gfmd_cli::session::Session;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::process::{Ended, output};
 use super::python::{Environment, LONG, Script};
 use super::{Peer, TamaasFftw};
-use crate::contact::SolverName;
-use crate::load::LoadRecord;
-use crate::session::Session;
 
 /// A program with a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use gfmd_cli::load::ResidualRecord;
+use gfmd_cli::session::Session;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::contestant::Problem;
 use super::process::Ended;
 use super::python::{Environment, Script};
-use crate::load::ResidualRecord;
-use crate::session::Session;
 
 /// What peers/certify.py finds of one pressure. Lengths over the rms height, energies over mean pressure times rms height.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -4,6 +4,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gfmd_cli::failure::Failure;
+use gfmd_cli::session::Session;
+
 use super::Args;
 use super::contestant::{Contestant, Place, Problem, Solve};
 use super::judge::{Verdict, judge};
@@ -11,8 +14,6 @@ use super::process::Ended;
 use super::python::{Environment, Yardstick};
 use super::report::{Case, Entry, Timing, in_words};
 use super::tolerance::loosest;
-use crate::failure::Failure;
-use crate::session::Session;
 
 /// The largest grid on which solves are repeated, points along a side.
 const REPEATED: usize = 1024;

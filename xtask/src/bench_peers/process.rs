@@ -5,8 +5,8 @@ use std::io::{Read, Seek, SeekFrom};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::failure::Failure;
-use crate::session::Session;
+use gfmd_cli::failure::Failure;
+use gfmd_cli::session::Session;
 
 /// Why a program gave no result.
 #[derive(Debug)]

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use gfmd_cli::failure::Failure;
+use gfmd_cli::session::Session;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -13,8 +15,6 @@ use tempfile::TempDir;
 
 use super::process::{Ended, output};
 use super::{Args, TamaasFftw};
-use crate::failure::Failure;
-use crate::session::Session;
 
 const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
 

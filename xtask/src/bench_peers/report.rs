@@ -6,11 +6,11 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use gfmd_cli::failure::Failure;
 use serde::Serialize;
 
 use super::TamaasFftw;
 use super::judge::{AGREEMENT, Verdict};
-use crate::failure::Failure;
 
 /// The result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
@@ -111,7 +111,7 @@ const BUSY: f64 = 0.9;
 impl Report {
     /// Keeps what there is, so that a later failure does not lose it.
     pub(super) fn keep(&self) -> Result<(), Failure> {
-        let text = crate::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
+        let text = gfmd_cli::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 

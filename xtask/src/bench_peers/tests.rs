@@ -3,6 +3,8 @@ use std::convert::Infallible;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use gfmd_cli::load::ResidualRecord;
+use gfmd_cli::session::{Common, Session};
 use proptest::prelude::*;
 
 use super::judge::{Difference, Verdict};
@@ -11,8 +13,6 @@ use super::process::{Ended, output};
 use super::report::{Case, Entry, Report, Timing};
 use super::tolerance::{Found, loosest};
 use super::{Args, TamaasFftw};
-use crate::load::ResidualRecord;
-use crate::session::{Common, Session};
 
 fn session() -> Session {
     Session::silent(Common { json: false, threads: 1, quiet: true, verbose: 0 })

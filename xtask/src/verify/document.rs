@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use gfmd_cli::failure::Failure;
 use gfmd_tests::Reference;
 
 use super::{Report, figures};
-use crate::failure::Failure;
 
 /// Writes `validation.md` and `images/validation-*` into `folder`.
 pub(super) fn write(folder: &Path, report: &Report, reference: &Reference) -> Result<Vec<PathBuf>, Failure> {

@@ -4,14 +4,13 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use gfmd_body::Interior;
+use gfmd_cli::body::{Quantity, draw_middle};
+use gfmd_cli::failure::Failure;
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use gfmd_tests::Reference;
 use ndarray::Ix3;
-
-use crate::body::{Quantity, draw_middle};
-use crate::failure::Failure;
-use crate::plot::{Axis, Chart, Mark, Panel, Series};
 
 /// Names of the files, and what they show.
 pub(super) const CAPTIONS: [(&str, &str); 10] = [

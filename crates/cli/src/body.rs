@@ -1,0 +1,285 @@
+//! `body`: displacement, strain and stress below a surface, plane by plane from the displacement of the surface.
+
+mod input;
+mod pictures;
+mod quantity;
+mod rows;
+mod volume;
+
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_body::Interior;
+use gfmd_files::Output;
+use gfmd_green::{Body, Height};
+use serde::Serialize;
+
+use crate::contact::check_available;
+use crate::elastic::{BodyArgs, RecordedBodyArgs};
+use crate::failure::Failure;
+use crate::figures::parse_prefix;
+use crate::progress::Progress;
+use crate::session::{Session, list_files};
+
+pub use quantity::Quantity;
+pub use rows::Slice;
+
+pub use pictures::draw_middle;
+
+use input::{Kind, Surface};
+use pictures::Pictures;
+use quantity::{Family, Fields};
+use rows::Rows;
+use volume::{Planes, Volume};
+
+/// Flags of `body`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
+  gfmd body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
+  gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json")]
+pub struct Args {
+    /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
+    /// of the same shape; a contact's /fields/displacement_z gets the lateral displacement of a surface without friction
+    #[arg(long, value_name = "FILE")]
+    surface: String,
+    /// Which load of a contact; the last one if not given
+    #[arg(long, value_name = "K")]
+    load: Option<usize>,
+    /// Cell size L or Lx,Ly; of the coordinates beside the dataset if not given, else 1
+    #[arg(long, value_delimiter = ',', value_name = "L", num_args = 1..=2, allow_negative_numbers = true)]
+    length: Vec<f64>,
+    #[command(flatten)]
+    body: RecordedBodyArgs,
+    #[command(flatten)]
+    place: PlaceArgs,
+    /// Depth of the lowest level; the height of the slab if not given
+    #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
+    deepest: Option<f64>,
+    /// Only the row of points nearest to this position, an x-z or y-z slice
+    #[arg(long, value_name = "y=Y|x=X")]
+    slice: Option<Slice>,
+    /// What to compute
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL)]
+    quantities: Vec<Quantity>,
+    /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
+    #[arg(long, value_name = "FILE.h5|FILE.vti")]
+    out: Option<PathBuf>,
+    /// Draw displacement and stress on the slice (on the middle row if there is none): PREFIX-*.svg, .png (with --levels)
+    #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
+    plots: Option<PathBuf>,
+}
+
+/// How deep: exactly one of the two.
+#[derive(ClapArgs, Clone, Debug)]
+#[group(required = true, multiple = false)]
+struct PlaceArgs {
+    /// Depths below the surface
+    #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    depths: Vec<f64>,
+    /// So many depths at equal distances, the surface and the base (or the deepest) among them
+    #[arg(long, value_name = "N")]
+    levels: Option<usize>,
+}
+
+/// The configuration as it belongs into the record of a run: every default filled in.
+#[derive(Serialize)]
+struct Config<'a> {
+    surface: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<usize>,
+    length: [f64; 2],
+    #[serde(flatten)]
+    body: &'a BodyArgs,
+    depths: &'a [f64],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slice: Option<String>,
+    quantities: &'a [Quantity],
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    pub surface: String,
+    /// Position of the row, where one is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slice: Option<Slice>,
+    pub levels: Vec<Level>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out: Option<PathBuf>,
+    pub plots: Vec<PathBuf>,
+}
+
+/// One depth, over all its points. Not a number, and `null` in JSON, where no quantity needs it.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Level {
+    /// Below the surface.
+    pub depth: f64,
+    /// Largest length of a displacement.
+    pub max_displacement: f64,
+    /// Largest von Mises stress.
+    pub max_von_mises: f64,
+    /// Mean elastic energy per volume.
+    pub mean_energy_density: f64,
+}
+
+/// Fields of doubles that are held at a time, with some room: spectra of the surface and of a plane, its fields, and what
+/// is written of them.
+const FIELDS_IN_MEMORY: u64 = 36;
+
+/// Runs the command.
+///
+/// # Errors
+/// Unusable input; a file that could not be written; an interruption.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let surface = Surface::read(&args.surface, args.load, &args.length)?;
+    let elastic = args.body.over(&surface.record)?;
+    let body = elastic.body()?;
+    let depths = depths(args, &body)?;
+    let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
+    let quantities: Vec<Quantity> = quantities.collect();
+    let rows = Rows::new(args.slice, &surface.grid)?;
+    check_available(surface.grid.points(), 8 * FIELDS_IN_MEMORY * surface.grid.len() as u64)?;
+    let interior = match surface.kind {
+        Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement),
+        Kind::Full => Interior::new(&body, surface.grid, &surface.displacement),
+    };
+    let interior = interior.map_err(|error| Failure::input(&args.surface, error))?;
+    let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+    let config = toml::to_string(&Config {
+        surface: &args.surface,
+        load: surface.load,
+        length: surface.grid.lengths(),
+        body: &elastic,
+        depths: &depths,
+        slice: rows.slice.map(|slice| slice.to_string()),
+        quantities: &quantities,
+    });
+    let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
+    let planes = Planes {
+        grid: &surface.grid,
+        rows: &rows,
+        depths: &depths,
+        even: args.place.levels.is_some(),
+        height: height(&body),
+        unit: &surface.unit,
+    };
+    let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance));
+    let mut volume = volume.transpose()?;
+    let drawn = if rows.axes.len() == 1 { rows.clone() } else { Rows::middle(&surface.grid) };
+    let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&quantities, drawn, depths.len()));
+
+    let progress = Progress::new(&session.common, "depths", depths.len() as f64);
+    let mut ws = interior.workspace();
+    let mut levels = Vec::new();
+    for (number, &depth) in depths.iter().enumerate() {
+        if session.is_interrupted() {
+            return Err(Failure::Interrupted(format!("interrupted at depth {number}, nothing kept")));
+        }
+        let mut level = Level::at(depth);
+        for family in [Family::Displacement, Family::Deformation] {
+            let wanted = quantities.iter().enumerate().filter(|(_, quantity)| quantity.family() == family);
+            if wanted.clone().next().is_none() {
+                continue;
+            }
+            let fields = Fields::at(&interior, family, depth, &mut ws);
+            let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
+            level.note(&fields);
+            for (index, _) in wanted {
+                if let Some(volume) = &mut volume {
+                    volume.write(index, number, &fields)?;
+                }
+            }
+            if let Some(pictures) = &mut pictures {
+                pictures.take(family, number, &fields);
+            }
+        }
+        levels.push(level);
+        progress.advance(1.0, &format!("depth {depth:.3e}"));
+    }
+    progress.finish();
+    let out = volume.map(Volume::finish).transpose()?;
+    let plots = match (&pictures, &args.plots) {
+        (Some(pictures), Some(prefix)) => {
+            pictures.draw(prefix, &surface.grid, depths[depths.len() - 1], &surface.unit)?
+        }
+        _ => Vec::new(),
+    };
+    let (n, length) = (surface.grid.points(), surface.grid.lengths());
+    Ok(Report { n, length, surface: surface.description, slice: rows.slice, levels, out, plots })
+}
+
+fn height(body: &Body) -> Option<f64> {
+    if let Height::Finite(height) = body.height() { Some(height) } else { None }
+}
+
+/// Depths inside the body, from the surface downwards where they come as levels.
+fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
+    let inside = |flag: &str, depth: f64| match body.at_depth(depth) {
+        Ok(_) => Ok(depth),
+        Err(error) => Err(Failure::input(flag, error)),
+    };
+    let Some(levels) = args.place.levels else {
+        return args.place.depths.iter().map(|&depth| inside("--depths", depth)).collect();
+    };
+    if levels < 2 {
+        return Err(Failure::input("--levels", format!("2 or more are allowed, found {levels}")));
+    }
+    let deepest = args.deepest.or_else(|| height(body));
+    let deepest = deepest.ok_or_else(|| Failure::input("--deepest", "needed, since a half-space has no base"))?;
+    if inside("--deepest", deepest)? == 0.0 {
+        return Err(Failure::input("--deepest", "a depth above 0 is allowed, found 0"));
+    }
+    Ok(evenly_spaced(levels, deepest).collect())
+}
+
+/// From the surface to the deepest, which comes exactly: nothing lies below the base.
+fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
+    let last = levels - 1;
+    (0..levels).map(move |k| if k == last { deepest } else { deepest * k as f64 / last as f64 })
+}
+
+impl Level {
+    fn at(depth: f64) -> Self {
+        Self { depth, max_displacement: f64::NAN, max_von_mises: f64::NAN, mean_energy_density: f64::NAN }
+    }
+
+    fn note(&mut self, fields: &Fields) {
+        match fields {
+            Fields::Displacement(u) => {
+                let square = |point: usize| u.at(point).iter().map(|u| u * u).sum::<f64>();
+                self.max_displacement = (0..u.points()).map(square).fold(0.0, f64::max).sqrt();
+            }
+            Fields::Deformation(deformation) => {
+                let states = || (0..deformation.len()).map(|point| deformation.at(point));
+                self.max_von_mises = states().map(|state| state.von_mises()).fold(0.0, f64::max);
+                let energy: f64 = states().map(|state| state.energy_density()).sum();
+                self.mean_energy_density = energy / deformation.len() as f64;
+            }
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([nx, ny], [lx, ly]) = (self.n, self.length);
+        writeln!(f, "{}\n{nx} x {ny} points, cell {lx:.6e} x {ly:.6e}", self.surface)?;
+        if let Some(slice) = self.slice {
+            writeln!(f, "slice at {slice}")?;
+        }
+        writeln!(f, "\n{:>13} {:>13} {:>13} {:>13}", "depth", "max |u|", "max Mises", "mean energy")?;
+        for level in &self.levels {
+            let Level { depth, max_displacement, max_von_mises, mean_energy_density } = level;
+            write!(f, "{depth:>13.6e}")?;
+            for value in [max_displacement, max_von_mises, mean_energy_density] {
+                if value.is_nan() { write!(f, " {:>13}", "-")? } else { write!(f, " {value:>13.6e}")? }
+            }
+            writeln!(f)?;
+        }
+        list_files(f, self.out.as_deref(), &self.plots)
+    }
+}

@@ -1,0 +1,127 @@
+//! The displacement of a surface, from a file.
+
+use gfmd_field::Grid;
+use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
+
+use crate::failure::Failure;
+
+/// Which components a file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// x, y, z, or x, z on a line.
+    Full,
+    /// z alone, of a surface without friction.
+    Normal,
+}
+
+/// A displacement of a surface.
+#[derive(Debug)]
+pub(super) struct Surface {
+    pub(super) grid: Grid,
+    pub(super) kind: Kind,
+    /// Component after component.
+    pub(super) displacement: Vec<f64>,
+    /// The configuration of the run that made it; empty if there is none.
+    pub(super) record: toml::Table,
+    pub(super) load: Option<usize>,
+    pub(super) unit: String,
+    pub(super) description: String,
+}
+
+/// The places in our own files, in the order of preference.
+const FULL: &str = "/fields/displacement";
+const NORMAL: &str = "/fields/displacement_z";
+
+/// An array of a file as it is, before it is told what it means.
+struct Found {
+    shape: Vec<usize>,
+    values: Vec<f64>,
+    kind: Kind,
+    lengths: Option<[f64; 2]>,
+    unit: Option<String>,
+    record: toml::Table,
+    load: Option<usize>,
+}
+
+impl Surface {
+    /// Reads `FILE.npy` or `FILE.h5[:/dataset]`.
+    pub(super) fn read(name: &str, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
+        let refuse = |reason: String| Failure::input(name, reason);
+        let found = match split_dataset(name) {
+            Some((path, dataset)) => archive(path, dataset, load).map_err(refuse)?,
+            None => array(name).map_err(refuse)?,
+        };
+        if let (Some(_), None) = (load, found.load) {
+            return Err(Failure::input("--load", format!("{name} has no loads")));
+        }
+        let allowed = "the shape [nx, ny, 3], or [n, 2] of a line, is allowed";
+        let (points, components) = match (found.kind, &found.shape[..]) {
+            (Kind::Normal, &[nx, ny]) => ([nx, ny], 1),
+            (Kind::Full, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
+            (Kind::Full, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
+            (_, shape) => return Err(refuse(format!("{allowed}, found {shape:?}"))),
+        };
+        let [nx, ny] = points;
+        let lengths = match (length, found.lengths) {
+            ([], lengths) => lengths.unwrap_or([1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]),
+            // A single length is that along x; the points are as far apart along y.
+            ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
+            ([x, y, ..], _) => [*x, *y],
+        };
+        let grid = Grid::new(points, lengths);
+        let grid = grid.map_err(|error| Failure::input(if length.is_empty() { name } else { "--length" }, error))?;
+        let displacement =
+            (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
+        let description = match (found.load, found.kind) {
+            (Some(load), _) => format!("{name}, load {load}, with the lateral displacement of a frictionless surface"),
+            (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
+            (None, Kind::Full) => name.into(),
+        };
+        Ok(Self {
+            grid,
+            kind: found.kind,
+            displacement,
+            record: found.record,
+            load: found.load,
+            unit: found.unit.unwrap_or_else(|| "length".into()),
+            description,
+        })
+    }
+}
+
+fn array(path: &str) -> Result<Found, String> {
+    let array = npy::read(path)?;
+    let shape = array.shape().to_vec();
+    let (values, kind) = (array.into_iter().collect(), Kind::Full);
+    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None })
+}
+
+fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
+    let words = |error: gfmd_files::FileError| error.to_string();
+    let reader = Reader::open(path).map_err(words)?;
+    let dataset = match dataset {
+        "" if reader.contains(FULL) || !reader.contains(NORMAL) => FULL,
+        "" => NORMAL,
+        given => given,
+    };
+    let mut shape = reader.shape(dataset).map_err(words)?;
+    let unit = reader.text(dataset, "units").ok();
+    let record = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
+    let normal = dataset.ends_with("displacement_z");
+    let (values, load) = match (normal, shape.len()) {
+        (true, 3) => {
+            let loads = shape.remove(0);
+            let load = load.unwrap_or(loads.saturating_sub(1));
+            if load >= loads {
+                return Err(format!("--load: 0 to {} is allowed, found {load}", loads.saturating_sub(1)));
+            }
+            (reader.slab(dataset, load).map_err(words)?, Some(load))
+        }
+        _ => (reader.values(dataset).map_err(words)?, None),
+    };
+    let points = [shape.first().copied().unwrap_or(0), if shape.len() > 1 { shape[1] } else { 1 }];
+    let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
+    let lengths = cell_lengths(&reader, dataset, points)?;
+    let kind = if normal { Kind::Normal } else { Kind::Full };
+    Ok(Found { shape, values, kind, lengths, unit, record, load })
+}

@@ -1,0 +1,169 @@
+//! The file that takes the fields, plane by plane.
+
+use std::path::PathBuf;
+
+use gfmd_field::Grid;
+use gfmd_files::vti::{Image, Lattice, PointArray};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+
+use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
+use super::rows::Rows;
+use crate::contact::axes;
+use crate::failure::Failure;
+
+/// Where the values lie.
+pub(super) struct Planes<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) rows: &'a Rows,
+    pub(super) depths: &'a [f64],
+    /// Whether the depths are evenly spaced, from the surface downwards.
+    pub(super) even: bool,
+    /// Of a slab.
+    pub(super) height: Option<f64>,
+    pub(super) unit: &'a str,
+}
+
+/// A file of fields being written: HDF5 by depth, or VTK image data upwards.
+pub(super) struct Volume<'a> {
+    sink: Sink<'a>,
+    arrays: Vec<(Quantity, &'static [usize])>,
+    points: Vec<usize>,
+    buffer: Vec<f64>,
+}
+
+enum Sink<'a> {
+    Archive(Archive<'a>),
+    Image { image: Box<Image<'a>>, top: usize },
+}
+
+impl<'a> Volume<'a> {
+    pub(super) fn create(
+        output: &'a Output,
+        planes: &Planes,
+        quantities: &[Quantity],
+        provenance: &Provenance,
+    ) -> Result<Self, Failure> {
+        let extension = output.path().extension().map(|extension| extension.to_ascii_lowercase());
+        let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
+            Some("vti") => image(output, planes, quantities)?,
+            Some("h5" | "hdf5") => archive(output, planes, quantities, provenance)?,
+            _ => return Err(Failure::input("--out", "a name that ends with .h5 or .vti is allowed")),
+        };
+        let components = |quantity| match sink {
+            Sink::Archive(_) => archive_components(quantity, planes.grid.is_line()),
+            Sink::Image { .. } => image_components(quantity),
+        };
+        let arrays = quantities.iter().map(|&quantity| (quantity, components(quantity))).collect();
+        Ok(Self { sink, arrays, points: planes.rows.points.clone(), buffer: Vec::new() })
+    }
+
+    /// Writes quantity number `array` at depth number `level`.
+    pub(super) fn write(&mut self, array: usize, level: usize, fields: &Fields) -> Result<(), Failure> {
+        let (quantity, components) = self.arrays[array];
+        fields.values(quantity, components, &self.points, &mut self.buffer);
+        match &mut self.sink {
+            Sink::Archive(archive) => archive.write_slab(&path(quantity), level, &self.buffer)?,
+            Sink::Image { image, top } => image.write_plane(array, *top - level, &self.buffer)?,
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> Result<PathBuf, Failure> {
+        Ok(match self.sink {
+            Sink::Archive(archive) => archive.finish()?,
+            Sink::Image { image, .. } => image.finish()?,
+        })
+    }
+}
+
+fn path(quantity: Quantity) -> String {
+    format!("/fields/{}", quantity.name())
+}
+
+fn archive_components(quantity: Quantity, line: bool) -> &'static [usize] {
+    match (quantity, line) {
+        (Quantity::Displacement, false) => &[0, 1, 2],
+        (Quantity::Displacement, true) => &AXES_OF_A_LINE,
+        (Quantity::Strain | Quantity::Stress, false) => &[0, 1, 2, 3, 4, 5],
+        (Quantity::Strain | Quantity::Stress, true) => &TENSOR_OF_A_LINE,
+        (Quantity::VonMises | Quantity::EnergyDensity, _) => &[0],
+    }
+}
+
+/// `/fields/<quantity>[depth, x, y, component]`, with `/fields/z[depth]` of a slab.
+fn archive<'a>(
+    output: &'a Output,
+    planes: &Planes,
+    quantities: &[Quantity],
+    provenance: &Provenance,
+) -> Result<Sink<'a>, Failure> {
+    let (grid, unit) = (planes.grid, planes.unit);
+    let mut archive = Archive::create(output, provenance)?;
+    let depth = Dimension::values("depth", planes.depths.to_vec(), unit, "depth below the surface");
+    if let Some(height) = planes.height {
+        let z: Vec<f64> = planes.depths.iter().map(|depth| height - depth).collect();
+        let variable = Variable { dimensions: &[&depth], units: unit, long_name: "height above the base" };
+        archive.write("/fields/z", &variable, &z)?;
+    }
+    let lateral = axes(grid, unit);
+    let labels = |quantity, names: &[&'static str]| -> Vec<&'static str> {
+        archive_components(quantity, grid.is_line()).iter().map(|&component| names[component]).collect()
+    };
+    let vector = Dimension::labels("component", &labels(Quantity::Displacement, &AXES), "component of a vector");
+    let tensor = Dimension::labels("tensor", &labels(Quantity::Stress, &TENSOR), "component of a symmetric tensor");
+    for &quantity in quantities {
+        let (units, last) = match quantity {
+            Quantity::Displacement => (unit, Some(&vector)),
+            Quantity::Strain => ("1", Some(&tensor)),
+            Quantity::Stress => ("stress", Some(&tensor)),
+            Quantity::VonMises | Quantity::EnergyDensity => ("stress", None),
+        };
+        let mut dimensions = vec![&depth];
+        dimensions.extend(planes.rows.axes.iter().map(|&axis| &lateral[axis]));
+        dimensions.extend(last);
+        archive
+            .define(&path(quantity), &Variable { dimensions: &dimensions, units, long_name: quantity.long_name() })?;
+    }
+    if let Some(slice) = planes.rows.slice {
+        archive.attribute("/fields", "slice", slice.to_string())?;
+    }
+    Ok(Sink::Archive(archive))
+}
+
+/// In the order of ParaView's symmetric tensors.
+fn image_components(quantity: Quantity) -> &'static [usize] {
+    match quantity {
+        Quantity::Displacement => &[0, 1, 2],
+        Quantity::Strain | Quantity::Stress => &[0, 1, 2, 5, 3, 4],
+        Quantity::VonMises | Quantity::EnergyDensity => &[0],
+    }
+}
+
+/// z is the height above the base of a slab; of a half-space, the surface is at zero.
+fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Result<Sink<'a>, Failure> {
+    let &[first, second, ..] = planes.depths else {
+        return Err(Failure::input("--out", "image data needs two depths or more"));
+    };
+    if !planes.even {
+        return Err(Failure::input("--out", "image data needs evenly spaced depths: --levels instead of --depths"));
+    }
+    let ([nx, ny], [x, y], [dx, dy]) = (planes.rows.shape(planes.grid), planes.rows.origin(), planes.grid.spacing());
+    let top = planes.depths.len() - 1;
+    let lattice = Lattice {
+        points: [nx, ny, top + 1],
+        origin: [x, y, planes.height.unwrap_or(0.0) - planes.depths[top]],
+        spacing: [dx, dy, second - first],
+    };
+    let arrays: Vec<PointArray> = quantities
+        .iter()
+        .map(|quantity| {
+            let components: &[&str] = match image_components(*quantity).len() {
+                3 => &["X", "Y", "Z"],
+                6 => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
+                _ => &[],
+            };
+            PointArray { name: quantity.name(), components }
+        })
+        .collect();
+    Ok(Sink::Image { image: Box::new(Image::create(output, lattice, &arrays)?), top })
+}

@@ -1,0 +1,449 @@
+//! `contact`: one contact problem, one or more loads.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_contact::{Budget, Load, Solver};
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Variable};
+use gfmd_green::Body;
+use gfmd_law::{Kind, Law};
+use gfmd_response::NormalResponse;
+use ndarray::Array2;
+use serde::Serialize;
+
+use crate::elastic::BodyArgs;
+use crate::equilibrium::{Measures, Problem, Rest};
+use crate::failure::Failure;
+use crate::figures::parse_prefix;
+use crate::law::LawArgs;
+use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
+use crate::progress::Progress;
+use crate::session::{Session, available_bytes, list_files, peak_bytes};
+use crate::source::{SourceArgs, Surface};
+
+/// Flags of `contact`.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[command(after_help = "Examples:
+  gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
+  gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
+  gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
+  gfmd contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
+pub struct Args {
+    #[command(flatten)]
+    #[serde(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    body: BodyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    control: ControlArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    solver: SolverArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    law: LawArgs,
+    /// Write fields and scalars to this HDF5 file
+    #[arg(long, value_name = "FILE.h5")]
+    #[serde(skip)]
+    out: Option<PathBuf>,
+    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[serde(skip)]
+    plots: Option<PathBuf>,
+}
+
+/// What presses: exactly one of the three.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[group(required = true, multiple = false)]
+struct ControlArgs {
+    /// Mean pressures, stress
+    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pressure: Vec<f64>,
+    /// Reduced pressures p/(E* g)
+    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    p_star: Vec<f64>,
+    /// Rigid approaches beyond first touch, length
+    #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    displacement: Vec<f64>,
+}
+
+/// How to solve.
+#[derive(ClapArgs, Clone, Copy, Debug, Serialize)]
+pub struct SolverArgs {
+    /// The method (docs/solvers.md)
+    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
+    pub solver: SolverName,
+    /// Largest residual of a converged state
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    pub tol: f64,
+    /// Iterations, or time steps, after which a load is given up
+    #[arg(long, default_value_t = 100_000, value_name = "N")]
+    pub max_iter: u64,
+}
+
+/// The names of the methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverName {
+    /// The fastest that is safe
+    Auto,
+    /// Polonsky-Keer constrained conjugate gradients
+    Cg,
+    /// Conjugate gradients without restarts
+    ProjectedCg,
+    /// The same, preconditioned on the contact
+    PreconditionedCg,
+    /// Position Verlet with the best scalar damping
+    Verlet,
+    /// Position Verlet with the softest mode critically damped
+    VerletCritical,
+    /// Fast inertial relaxation engine
+    Fire,
+    /// The same, version 2.0
+    Fire2,
+    /// Dynamics with inertia that follows the stiffness
+    AugmentedLagrangian,
+}
+
+impl From<SolverName> for Solver {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Auto => Self::Auto,
+            SolverName::Cg => Self::PolonskyKeer,
+            SolverName::ProjectedCg => Self::ProjectedCg,
+            SolverName::PreconditionedCg => Self::PreconditionedCg,
+            SolverName::Verlet => Self::Verlet,
+            SolverName::VerletCritical => Self::VerletCritical,
+            SolverName::Fire => Self::Fire,
+            SolverName::Fire2 => Self::Fire2,
+            SolverName::AugmentedLagrangian => Self::AugmentedLagrangian,
+        }
+    }
+}
+
+impl SolverArgs {
+    /// Tolerance and iterations.
+    pub fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+    }
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    pub surface: String,
+    pub rms_gradient: f64,
+    pub rms_height: f64,
+    pub e_star: f64,
+    pub loads: Vec<LoadRecord>,
+    pub peak_bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out: Option<PathBuf>,
+    pub plots: Vec<PathBuf>,
+}
+
+/// Fields of doubles that a solve holds at its peak, with some room.
+const FIELDS_IN_MEMORY: u64 = 13;
+
+/// The same of a law that reaches across the gap.
+const FIELDS_WITH_LAW: u64 = 27;
+
+/// Memory that a contact on so many points takes at its peak, in bytes.
+pub fn memory_bytes(points: [usize; 2]) -> u64 {
+    points[0] as u64 * points[1] as u64 * 8 * FIELDS_IN_MEMORY
+}
+
+/// Refuses a grid that does not fit into memory.
+///
+/// # Errors
+/// More memory needed than available.
+pub fn check_memory(points: [usize; 2]) -> Result<(), Failure> {
+    check_available(points, memory_bytes(points))
+}
+
+/// Refuses a grid that needs more bytes than there are.
+///
+/// # Errors
+/// More memory needed than available.
+pub fn check_available(points: [usize; 2], needed: u64) -> Result<(), Failure> {
+    match available_bytes() {
+        Some(available) if needed > available => Err(Failure::input(
+            "the grid",
+            format!(
+                "{} x {} points need about {:.1} GiB, {:.1} GiB are available",
+                points[0],
+                points[1],
+                gibibytes(needed),
+                gibibytes(available)
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn gibibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
+}
+
+/// What was computed, and why it ended early if it did.
+pub struct Outcome {
+    /// The loads that were computed; the last one has not converged if there is a failure.
+    pub report: Report,
+    /// A load that did not converge, or an interruption.
+    pub failure: Option<Failure>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Unusable input; a file that could not be written.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    Prepared::new(args)?.run(args, session)
+}
+
+/// Everything that can be refused is refused before the first solve.
+struct Prepared {
+    surface: Surface,
+    grid: Grid,
+    body: Body,
+    law: Box<dyn Law>,
+    controls: Vec<Load>,
+    output: Option<Output>,
+}
+
+impl Prepared {
+    fn new(args: &Args) -> Result<Self, Failure> {
+        let body = args.body.body()?;
+        let tolerance = args.solver.tol;
+        if !(1e-15..=0.1).contains(&tolerance) {
+            return Err(Failure::input("--tol", format!("1e-15 to 0.1 is allowed, found {tolerance}")));
+        }
+        let law = args.law.build()?;
+        let flags = [
+            ("--pressure", &args.control.pressure),
+            ("--p-star", &args.control.p_star),
+            ("--displacement", &args.control.displacement),
+        ];
+        // Only what attracts can be pulled.
+        let pulls = args.law.law != Kind::HardWall;
+        let allowed = if pulls { "a finite number" } else { "a positive, finite number" };
+        for (flag, values) in flags {
+            if let Some(bad) = values.iter().find(|v| !(v.is_finite() && (pulls || **v > 0.0))) {
+                return Err(Failure::input(flag, format!("{allowed} is allowed, found {bad}")));
+            }
+        }
+        let surface = args.source.surface()?;
+        let [nx, ny] = surface.heights.dim().into();
+        let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
+        match args.law.law {
+            Kind::HardWall => check_memory([nx, ny])?,
+            _ => check_available([nx, ny], 8 * FIELDS_WITH_LAW * grid.len() as u64)?,
+        }
+        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
+        let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
+            .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
+            .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
+            .collect();
+        let output =
+            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        Ok(Self { surface, grid, body, law, controls, output })
+    }
+
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+        let name = args.source.name();
+        let response = Arc::new(NormalResponse::new(self.grid, &self.body));
+        let heights = self.surface.heights.view();
+        let problem = Problem::new(&response, heights, args.law.law, self.law.as_ref(), args.solver.solver, &name)?;
+        let mut report = Report {
+            n: self.grid.points(),
+            length: self.grid.lengths(),
+            unit: self.surface.unit.clone(),
+            surface: self.surface.description.clone(),
+            rms_gradient: self.surface.rms_gradient,
+            rms_height: problem.rms_height(),
+            e_star: response.contact_modulus(),
+            loads: Vec::new(),
+            peak_bytes: 0,
+            out: None,
+            plots: Vec::new(),
+        };
+        let file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
+        let mut file = file.transpose()?;
+        let budget = args.solver.budget();
+        let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
+        let measures = Measures { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let mut last: Option<Rest> = None;
+        let mut failure = None;
+        for (index, control) in self.controls.iter().enumerate() {
+            let mut watch = |iteration: u64, residual: f64| {
+                progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
+                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let (rest, stopped) = problem.solve(*control, &budget, &measures, last.as_ref(), &mut watch)?;
+            if let Some(file) = &mut file {
+                file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
+            }
+            let record = rest.record;
+            progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
+            report.loads.push(record);
+            last = Some(rest);
+            if let Some(stopped) = stopped {
+                failure = Some(stopped.at(&format!("load {index}")));
+                break;
+            }
+        }
+        progress.finish();
+        if let Some(file) = file {
+            report.out = Some(file.finish(&report.loads, self.controls.len())?);
+        }
+        report.peak_bytes = peak_bytes();
+        if let (None, Some(prefix), Some(rest)) = (&failure, &args.plots, &last) {
+            let pressure = rest.pressure.mapv(|p| p.max(0.0));
+            report.plots = crate::figures::contact(prefix, &report, &self.grid, &pressure)?;
+        }
+        let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
+        let failure = failure.map(|failure| failure.with(&kept));
+        Ok(Outcome { report, failure })
+    }
+}
+
+/// The HDF5 file of a contact: surface at once, fields load by load, scalars at the end.
+struct FieldFile<'a> {
+    archive: Archive<'a>,
+    with_law: bool,
+}
+
+const FIELDS: [(&str, &str, &str); 3] = [
+    ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
+    ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
+    ("/fields/gap", "length", "distance between the surfaces"),
+];
+
+impl<'a> FieldFile<'a> {
+    fn create(output: &'a Output, prepared: &Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let mut archive = Archive::create(output, &session.provenance(config))?;
+        let load = Dimension::index("load", prepared.controls.len(), "load step");
+        let unit = prepared.surface.unit.as_deref().unwrap_or("length");
+        let [x, y] = axes(&prepared.grid, unit);
+        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
+        for (path, units, long_name) in FIELDS {
+            let units = if units == "length" { unit } else { units };
+            archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
+        }
+        Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
+    }
+
+    fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
+        for ((path, ..), field) in FIELDS.iter().zip(fields) {
+            self.archive.write_slab(path, index, &contiguous(field))?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
+        let load = Dimension::index("load", count, "load step");
+        let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
+        for scalar in scalars {
+            let values: Vec<f64> =
+                (0..count).map(|i| loads.get(i).map_or(f64::NAN, |record| (scalar.value)(record))).collect();
+            let variable = Variable { dimensions: &[&load], units: scalar.units, long_name: scalar.long_name };
+            self.archive.write(&format!("/loads/{}", scalar.name), &variable, &values)?;
+        }
+        Ok(self.archive.finish()?)
+    }
+}
+
+/// The rigid surface of a file, with what is said of it.
+pub(crate) fn write_surface(
+    archive: &mut Archive,
+    surface: &Surface,
+    axes: [&Dimension; 2],
+    unit: &str,
+) -> Result<(), Failure> {
+    let long_name = "height of the rigid surface, peaks towards the elastic body";
+    let height = Variable { dimensions: &axes, units: unit, long_name };
+    archive.write("/surface/height", &height, &contiguous(&surface.heights))?;
+    archive.attribute("/surface", "description", surface.description.as_str())?;
+    archive.attribute("/surface", "rms_gradient", surface.rms_gradient)?;
+    Ok(())
+}
+
+/// The dimensions x and y of the fields on a grid.
+pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
+    let positions = |axis: usize| (0..grid.points()[axis]).map(|i| i as f64 * grid.spacing()[axis]).collect();
+    [
+        Dimension::values("x", positions(0), unit, "position along x"),
+        Dimension::values("y", positions(1), unit, "position along y"),
+    ]
+}
+
+/// The values of a field in storage order.
+pub fn contiguous(field: &Array2<f64>) -> std::borrow::Cow<'_, [f64]> {
+    field.as_slice().map_or_else(|| field.iter().copied().collect::<Vec<_>>().into(), Into::into)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [nx, ny] = self.n;
+        let unit = self.unit.as_deref().unwrap_or("length units");
+        writeln!(f, "{}", self.surface)?;
+        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
+        writeln!(
+            f,
+            "rms gradient {:.6} (spectral), rms height {:.6e} {unit}, E* = {:.6e}\n",
+            self.rms_gradient, self.rms_height, self.e_star
+        )?;
+        writeln!(
+            f,
+            "{:>11} {:>11} {:>11} {:>9} {:>9} {:>7} {:>11} {:>11} {:>7} {:>8} {:>9}",
+            "pressure",
+            "p*",
+            "approach",
+            "area",
+            "corrected",
+            "kappa",
+            "mean gap",
+            "peak p",
+            "steps",
+            "pairs",
+            "residual"
+        )?;
+        for load in &self.loads {
+            let r = load.residual;
+            let worst = r.complementarity.max(r.penetration).max(r.negative_pressure).max(r.load);
+            writeln!(
+                f,
+                "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",
+                load.mean_pressure,
+                load.p_star,
+                load.displacement,
+                load.area_fraction,
+                load.area_fraction_corrected,
+                load.kappa,
+                load.mean_gap,
+                load.max_pressure,
+                load.iterations,
+                load.transform_pairs,
+                worst,
+                if load.converged { "" } else { "  NOT CONVERGED" }
+            )?;
+        }
+        list_files(f, self.out.as_deref(), &self.plots)
+    }
+}

@@ -1,0 +1,62 @@
+//! How a command fails, and the exit status that goes with it.
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use gfmd_files::FileError;
+
+/// Why a command did not do what it was asked. Each is one clear line.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The input cannot be used: the flag, field or file, what was found, what is allowed. Nothing was written.
+    #[error("{0}")]
+    Input(String),
+    /// The computation failed. What was computed so far is kept and named.
+    #[error("{0}")]
+    Computation(String),
+    /// Stopped by the user; the state is saved and named.
+    #[error("{0}")]
+    Interrupted(String),
+}
+
+impl Failure {
+    /// An unusable value of a flag or field.
+    pub fn input(name: &str, reason: impl Display) -> Self {
+        Self::Input(format!("{name}: {reason}"))
+    }
+
+    /// The same with a remark at its end, such as where the work done so far is kept. Unusable input left none.
+    #[must_use]
+    pub fn with(self, remark: &str) -> Self {
+        match self {
+            Self::Input(text) => Self::Input(text),
+            Self::Computation(text) => Self::Computation(text + remark),
+            Self::Interrupted(text) => Self::Interrupted(text + remark),
+        }
+    }
+
+    /// The same, with where it happened in front. Unusable input happens nowhere.
+    #[must_use]
+    pub fn at(self, place: &str) -> Self {
+        match self {
+            Self::Input(text) => Self::Input(text),
+            Self::Computation(text) => Self::Computation(format!("{place}: {text}")),
+            Self::Interrupted(text) => Self::Interrupted(format!("{place}: {text}")),
+        }
+    }
+
+    /// The exit status (docs/interface.md).
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Computation(_) => 1,
+            Self::Input(_) => 2,
+            Self::Interrupted(_) => 130,
+        })
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::Computation(error.to_string())
+    }
+}

@@ -1,0 +1,341 @@
+//! `green`: look up the elasticity of one wave vector.
+
+use std::fmt::{self, Display};
+
+use clap::ValueEnum;
+use gfmd_green::{Base, Body, Complex64, GreenError, Height, Material, Section};
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Flags of `green`.
+#[derive(clap::Args, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd green --qx 3 --qy 4 --height 0.3 --young 1 --poisson 0.33
+  gfmd green --dim 2 --qx 2 --height inf --poisson 0.5 --depth 0.1 --json
+  gfmd green --qx 1 --height 0.5 --base half-space --base-young 10 --base-poisson 0.2 --z 0.25")]
+pub struct Args {
+    /// 3: components x, y, z; 2: plane strain, components x, z
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    dim: u8,
+    /// Wave vector along x, rad/length; fields go like exp(+i q r)
+    #[arg(long, value_name = "QX", allow_negative_numbers = true)]
+    qx: f64,
+    /// Wave vector along y, rad/length; 0 in 2-D
+    #[arg(long, default_value_t = 0.0, value_name = "QY", allow_negative_numbers = true)]
+    qy: f64,
+    /// Height of the slab, or inf for a half-space
+    #[arg(long, default_value = "inf", value_name = "ZM", value_parser = height, allow_negative_numbers = true)]
+    height: Height,
+    /// Young's modulus, stress
+    #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
+    young: f64,
+    /// Poisson's ratio, above -1 and up to 0.5
+    #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
+    poisson: f64,
+    /// What a slab stands on
+    #[arg(long, value_enum, default_value_t = BaseName::Bonded)]
+    base: BaseName,
+    /// Young's modulus of the half-space below, with --base half-space
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    base_young: Option<f64>,
+    /// Poisson's ratio of the half-space below, with --base half-space
+    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    base_poisson: Option<f64>,
+    /// Also displacement and stress at this height above the base of the slab
+    #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
+    z: Option<f64>,
+    /// Also displacement and stress at this depth below the surface
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    depth: Option<f64>,
+}
+
+/// Names of the bases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum BaseName {
+    /// Bonded to a rigid base
+    Bonded,
+    /// On a rigid base without friction
+    Sliding,
+    /// No base: a plate
+    Free,
+    /// Bonded to an elastic half-space: a coating
+    HalfSpace,
+}
+
+/// A matrix as JSON has it: rows of pairs [re, im].
+type Rows = Vec<Vec<[f64; 2]>>;
+
+/// The result, as printed. Infinite entries (q = 0 where nothing holds the body, or where it is incompressible) are
+/// `null` in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Components: x, y, z, or x, z in 2-D.
+    pub components: Vec<&'static str>,
+    /// Wave vector (qx, qy) in rad/length.
+    pub q: [f64; 2],
+    /// Stiffness K, traction = K u, in stress/length.
+    pub stiffness: Rows,
+    /// Compliance G = K⁻¹, in length/stress.
+    pub compliance: Rows,
+    /// Frictionless normal compliance G_zz, in length/stress.
+    pub normal_compliance: f64,
+    /// Frictionless normal stiffness 1/G_zz, in stress/length.
+    pub normal_stiffness: f64,
+    /// Inside the body, where asked for.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub inside: Option<Inside>,
+}
+
+/// What a displacement of the surface causes inside the body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Inside {
+    /// Displacement there per displacement of the surface.
+    pub displacement_transfer: Rows,
+    /// Stress there per displacement of the surface, in stress/length.
+    pub stress_transfer: Rows,
+    /// Names of the rows of `stress_transfer`.
+    pub stress_components: Vec<&'static str>,
+}
+
+/// Evaluates the flags.
+///
+/// # Errors
+/// A flag whose value cannot be used: one line with the flag, what was found and what is allowed.
+pub fn run(args: &Args) -> Result<Report, Failure> {
+    for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
+        if !value.is_finite() {
+            return Err(invalid(flag, value, "a finite number"));
+        }
+    }
+    if args.dim == 2 && args.qy != 0.0 {
+        return Err(invalid("--qy", args.qy, "0 with --dim 2"));
+    }
+    let body = body(args)?;
+    let section = section(args, &body)?;
+    let q = [args.qx, args.qy];
+    let normal_compliance = body.normal_compliance(q[0].hypot(q[1]));
+    let (components, stiffness, compliance) = if args.dim == 2 {
+        (vec!["x", "z"], rows(&body.plane_stiffness(q[0])), rows(&body.plane_compliance(q[0])))
+    } else {
+        (vec!["x", "y", "z"], rows(&body.stiffness(q)), rows(&body.compliance(q)))
+    };
+    let inside = section.map(|section| {
+        if args.dim == 2 {
+            Inside {
+                displacement_transfer: rows(&section.plane_displacement_transfer(q[0])),
+                stress_transfer: rows(&section.plane_stress_transfer(q[0])),
+                stress_components: vec!["xx", "zz", "xz"],
+            }
+        } else {
+            Inside {
+                displacement_transfer: rows(&section.displacement_transfer(q)),
+                stress_transfer: rows(&section.stress_transfer(q)),
+                stress_components: vec!["xx", "yy", "zz", "yz", "xz", "xy"],
+            }
+        }
+    });
+    let normal_stiffness = normal_compliance.recip();
+    Ok(Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside })
+}
+
+fn body(args: &Args) -> Result<Body, Failure> {
+    let material = material(["--young", "--poisson"], args.young, args.poisson)?;
+    let body = match (args.height, Body::new(material, args.height)) {
+        (_, Ok(body)) => body,
+        (Height::Finite(height), Err(_)) => return Err(invalid("--height", height, "a positive length, or inf")),
+        (Height::Infinite, Err(error)) => return Err(Failure::Input(error.to_string())),
+    };
+    if args.base != BaseName::HalfSpace {
+        for (flag, value) in [("--base-young", args.base_young), ("--base-poisson", args.base_poisson)] {
+            if let Some(value) = value {
+                return Err(invalid(flag, value, "nothing without --base half-space"));
+            }
+        }
+    }
+    let base = match args.base {
+        BaseName::Bonded => return Ok(body),
+        BaseName::Sliding => Base::Sliding,
+        BaseName::Free => Base::Free,
+        BaseName::HalfSpace => {
+            let young =
+                args.base_young.ok_or_else(|| invalid("--base-young", "nothing", "Young's modulus of the base"))?;
+            let poisson =
+                args.base_poisson.ok_or_else(|| invalid("--base-poisson", "nothing", "Poisson's ratio of the base"))?;
+            let material = self::material(["--base-young", "--base-poisson"], young, poisson)?;
+            Base::Elastic(Box::new(Body::half_space(material)))
+        }
+    };
+    let name = args.base.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    body.on(base).map_err(|_| invalid("--base", name, "bonded with --height inf (a half-space has no base)"))
+}
+
+fn material(flags: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
+    Material::from_young(young, poisson).map_err(|error| match error {
+        GreenError::Young(found) => invalid(flags[0], found, "a positive, finite number"),
+        GreenError::Poisson(found) => invalid(flags[1], found, "above -1 and up to 0.5"),
+        other => Failure::Input(other.to_string()),
+    })
+}
+
+fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {
+    let (flag, place, section) = match (args.z, args.depth) {
+        (Some(z), _) => ("--z", z, body.at_height(z)),
+        (None, Some(depth)) => ("--depth", depth, body.at_depth(depth)),
+        (None, None) => return Ok(None),
+    };
+    section.map(Some).map_err(|error| match error {
+        GreenError::Outside { largest, .. } if largest.is_finite() => invalid(flag, place, format!("0 to {largest}")),
+        GreenError::Outside { .. } => invalid(flag, place, "a finite depth of 0 or more"),
+        GreenError::HalfSpaceHeight(_) => invalid(flag, place, "a finite --height, or --depth in a half-space"),
+        other => Failure::Input(other.to_string()),
+    })
+}
+
+/// An unusable value of a flag.
+fn invalid(flag: &str, found: impl Display, allowed: impl Display) -> Failure {
+    Failure::input(flag, format!("found {found}, allowed: {allowed}"))
+}
+
+/// A length, or `inf`.
+fn height(text: &str) -> Result<Height, String> {
+    match text {
+        "inf" => Ok(Height::Infinite),
+        _ => text.parse().map(Height::Finite).map_err(|_| "allowed: a length, or inf".into()),
+    }
+}
+
+fn rows<const ROWS: usize, const COLUMNS: usize>(matrix: &[[Complex64; COLUMNS]; ROWS]) -> Rows {
+    matrix.iter().map(|row| row.iter().map(|entry| [entry.re, entry.im]).collect()).collect()
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write_matrix(
+            f,
+            "stiffness K (traction = K u), stress/length",
+            &self.components,
+            &self.components,
+            &self.stiffness,
+        )?;
+        write_matrix(
+            f,
+            "compliance G (u = G traction), length/stress",
+            &self.components,
+            &self.components,
+            &self.compliance,
+        )?;
+        writeln!(f, "frictionless normal compliance G_zz   {:.10e} length/stress", self.normal_compliance)?;
+        write!(f, "frictionless normal stiffness 1/G_zz  {:.10e} stress/length", self.normal_stiffness)?;
+        if let Some(inside) = &self.inside {
+            writeln!(f, "\n")?;
+            let title = "displacement inside per displacement of the surface";
+            write_matrix(f, title, &self.components, &self.components, &inside.displacement_transfer)?;
+            let title = "stress inside per displacement of the surface, stress/length";
+            write_matrix(f, title, &inside.stress_components, &self.components, &inside.stress_transfer)?;
+        }
+        Ok(())
+    }
+}
+
+/// One row a line: its name, then real and imaginary part of each column.
+fn write_matrix(f: &mut fmt::Formatter, title: &str, names: &[&str], columns: &[&str], matrix: &Rows) -> fmt::Result {
+    writeln!(f, "{title}")?;
+    write!(f, "    ")?;
+    for column in columns {
+        write!(f, "  {column:>37}")?;
+    }
+    writeln!(f)?;
+    for (name, row) in names.iter().zip(matrix) {
+        write!(f, "  {name:<2}")?;
+        for [re, im] in row {
+            write!(f, "  {re:>17.10e} {im:>+17.10e} i")?;
+        }
+        writeln!(f)?;
+    }
+    writeln!(f)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn evaluate(flags: &str) -> Result<Report, Failure> {
+        let flags = std::iter::once("green").chain(flags.split_whitespace());
+        let command = Command::try_parse_from(flags).map_err(|error| Failure::Input(error.to_string()))?;
+        run(&command.args)
+    }
+
+    #[test]
+    fn a_slab_in_space_has_the_numbers_of_the_theory_note() {
+        let report = evaluate("--qx 1.5 --qy -0.5 --height 0.9 --young 1 --poisson 0.33 --z 0.9").unwrap();
+        let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+        near(report.stiffness[0][0][0], 1.014_103_833);
+        near(report.stiffness[0][1][0], -0.115_465_070_5);
+        near(report.stiffness[1][2][1], -0.006_726_841_479);
+        near(report.stiffness[2][0][1], -0.020_180_524_44);
+        near(report.compliance[2][2][0], report.normal_compliance);
+        let inside = report.inside.as_ref().unwrap();
+        near(inside.displacement_transfer[1][1][0], 1.0);
+        near(inside.stress_transfer[2][2][0], report.stiffness[2][2][0]);
+        assert_eq!(inside.stress_transfer.len(), inside.stress_components.len());
+        for text in ["1.0141038331e0", "stress inside", "  xy  "] {
+            assert!(report.to_string().contains(text), "{report}");
+        }
+    }
+
+    #[test]
+    fn a_plane_has_two_components() {
+        let report = evaluate("--dim 2 --qx -2 --poisson 0.25 --depth 0.1").unwrap();
+        assert_eq!(report.stiffness.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
+        assert_eq!(report.inside.as_ref().unwrap().stress_transfer.len(), 3);
+        let space = evaluate("--dim 3 --qx -2 --poisson 0.25 --depth 0.1").unwrap();
+        assert_eq!(report.stiffness[0][1], space.stiffness[0][2]);
+        let json = serde_json::to_value(&report).unwrap();
+        for key in ["stiffness", "compliance", "normal_compliance", "displacement_transfer", "stress_transfer"] {
+            assert!(!json[key].is_null(), "{key}");
+        }
+    }
+
+    #[test]
+    fn bases_change_the_answer() {
+        let normal = |flags: &str| evaluate(&format!("--qx 1 --height 0.5 {flags}")).unwrap().normal_stiffness;
+        let coated = normal("--base half-space --base-young 3 --base-poisson 0.2");
+        assert!(normal("") > normal("--base sliding") && normal("--base sliding") > coated);
+        assert!(coated > normal("--base free"));
+    }
+
+    #[test]
+    fn unusable_flags_are_named_with_what_was_found_and_what_is_allowed() {
+        for (flags, message) in [
+            ("--qx nan", "--qx: found NaN, allowed: a finite number"),
+            ("--dim 2 --qx 1 --qy 2", "--qy: found 2, allowed: 0 with --dim 2"),
+            ("--qx 1 --young 0", "--young: found 0, allowed: a positive, finite number"),
+            ("--qx 1 --poisson 0.6", "--poisson: found 0.6, allowed: above -1 and up to 0.5"),
+            ("--qx 1 --height -1", "--height: found -1, allowed: a positive length, or inf"),
+            ("--qx 1 --base free", "--base: found free, allowed: bonded with --height inf (a half-space has no base)"),
+            (
+                "--qx 1 --height 1 --base half-space",
+                "--base-young: found nothing, allowed: Young's modulus of the base",
+            ),
+            ("--qx 1 --base-young 2", "--base-young: found 2, allowed: nothing without --base half-space"),
+            ("--qx 1 --height 1 --z 1.5", "--z: found 1.5, allowed: 0 to 1"),
+            ("--qx 1 --z 0.5", "--z: found 0.5, allowed: a finite --height, or --depth in a half-space"),
+            ("--qx 1 --depth -0.5", "--depth: found -0.5, allowed: a finite depth of 0 or more"),
+        ] {
+            assert_eq!(evaluate(flags).unwrap_err().to_string(), message);
+        }
+        for flags in ["", "--qx one", "--qx 1 --dim 4", "--qx 1 --height tall", "--qx 1 --base loose"] {
+            assert!(evaluate(flags).is_err(), "{flags}");
+        }
+    }
+}

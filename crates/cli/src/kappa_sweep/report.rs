@@ -1,0 +1,465 @@
+//! What a sweep found, as numbers, as JSON and as a table.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+use gfmd_fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
+use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
+use serde::Serialize;
+
+use super::config::Config;
+use super::plan::{Plan, PlannedPoint};
+use crate::failure::Failure;
+use crate::load::LoadRecord;
+use crate::session::list_files;
+
+/// How contact area was counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Area {
+    /// Points in contact over all points.
+    Raw,
+    /// The same less the pixels' excess along the perimeter.
+    Corrected,
+}
+
+impl Area {
+    fn kappa(self, record: &LoadRecord) -> f64 {
+        match self {
+            Self::Raw => record.kappa,
+            Self::Corrected => record.kappa_corrected,
+        }
+    }
+}
+
+/// kappa of one point at one load.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Index of the point.
+    pub point: usize,
+    /// Index of the load.
+    pub load: usize,
+    /// By seed, for the areas of [`Analysis::areas`] in turn.
+    pub kappa: Vec<BTreeMap<u64, f64>>,
+}
+
+impl Measured {
+    /// Mean and standard error of the mean, for one way of counting; no error from a single value.
+    pub fn mean_and_error(&self, way: usize) -> (f64, Option<f64>) {
+        let Some(values) = self.kappa.get(way) else { return (f64::NAN, None) };
+        let n = values.len() as f64;
+        let mean = values.values().sum::<f64>() / n;
+        let squares: f64 = values.values().map(|value| (value - mean).powi(2)).sum();
+        (mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt()))
+    }
+}
+
+/// One extrapolation.
+#[derive(Clone, Debug)]
+pub struct Extrapolation {
+    /// Hurst exponent of its surfaces.
+    pub hurst: f64,
+    /// Load.
+    pub p_star: f64,
+    /// Area.
+    pub area: Area,
+    /// Its cells, in the order of the fit.
+    pub cells: Vec<Cell>,
+    /// The fit.
+    pub fit: Fit,
+}
+
+/// All that is derived from the records.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// Ways of counting: raw, and corrected for surfaces.
+    pub areas: Vec<Area>,
+    /// Points times loads.
+    pub measured: Vec<Measured>,
+    /// Families times loads times areas; the first one is the result.
+    pub extrapolations: Vec<Extrapolation>,
+}
+
+impl Analysis {
+    /// Groups the records and fits every load of every family.
+    ///
+    /// # Errors
+    /// A model that the points cannot determine.
+    pub fn new(config: &Config, plan: &Plan, records: &[Vec<LoadRecord>]) -> Result<Self, Failure> {
+        // No correction is known for the ends of line contacts.
+        let areas = if config.surface.dim == 2 { vec![Area::Raw] } else { vec![Area::Raw, Area::Corrected] };
+        let mut measured = Vec::new();
+        for point in 0..plan.points.len() {
+            for load in 0..config.loads.p_star.len() {
+                let of_point = || plan.runs.iter().zip(records).filter(|(run, _)| run.point == point);
+                let kappa = |area: &Area| of_point().map(|(run, loads)| (run.seed, area.kappa(&loads[load]))).collect();
+                measured.push(Measured { point, load, kappa: areas.iter().map(kappa).collect() });
+            }
+        }
+        let settings = |area: Area| -> Result<Settings, Failure> {
+            let mut model = config.model()?;
+            // What the correction leaves of the perimeter term is too small to say with which power it vanishes.
+            if area == Area::Corrected && matches!(model.c, Some(Exponent::Free { .. })) {
+                model.c = Some(Exponent::Fixed(1.0));
+            }
+            Ok(Settings { model, resamples: config.fit.resamples, ..Settings::default() })
+        };
+        let mut extrapolations = Vec::new();
+        for &hurst in &config.surface.hurst {
+            for (load, &p_star) in config.loads.p_star.iter().enumerate() {
+                for (way, &area) in areas.iter().enumerate() {
+                    let family = measured.iter().filter(|m| m.load == load && plan.points[m.point].hurst == hurst);
+                    let cells: Vec<Cell> = family
+                        .map(|m| {
+                            let d = plan.points[m.point].discretisation;
+                            Cell {
+                                eps_t: 1.0 / d.eps_t_inv,
+                                eps_f: 1.0 / d.eps_f_inv,
+                                eps_c: 1.0 / d.eps_c_inv,
+                                kappa: m.kappa[way].clone(),
+                            }
+                        })
+                        .collect();
+                    let fit = fit(&cells, &settings(area)?).map_err(|error| Failure::input("fit", error))?;
+                    extrapolations.push(Extrapolation { hurst, p_star, area, cells, fit });
+                }
+            }
+        }
+        // The result first: the load that was asked for, of the first family, raw.
+        let is_result = |e: &Extrapolation| e.p_star == config.fit.p_star && e.area == Area::Raw;
+        if let Some(position) = extrapolations.iter().position(is_result) {
+            extrapolations[..=position].rotate_right(1);
+        }
+        Ok(Self { areas, measured, extrapolations })
+    }
+}
+
+/// The result of a sweep, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub points: Vec<PointReport>,
+    pub fit: FitReport,
+    pub fits: Vec<FitReport>,
+    pub theory: TheoryReport,
+    pub out: PathBuf,
+    pub plots: Vec<PathBuf>,
+    pub seconds: f64,
+    pub peak_bytes: u64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct PointReport {
+    pub dim: u8,
+    pub hurst: f64,
+    pub eps_t_inv: f64,
+    pub eps_f_inv: f64,
+    pub eps_c_inv: f64,
+    pub n: usize,
+    pub p_star: f64,
+    pub realisations: usize,
+    pub kappa: f64,
+    pub kappa_sem: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_corrected: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_corrected_sem: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct FitReport {
+    pub hurst: f64,
+    pub p_star: f64,
+    pub area: Area,
+    pub kappa_tfc: f64,
+    pub kappa_tfc_standard_error: Option<f64>,
+    pub ci95: Option<[f64; 2]>,
+    pub uncertainty: String,
+    pub terms: Vec<TermReport>,
+    pub chi_squared: f64,
+    pub degrees_of_freedom: usize,
+    pub checks: Vec<Check>,
+    pub warnings: Vec<String>,
+}
+
+/// Three levels of one axis at a constant ratio determine an exponent on their own: a check on the one that is
+/// held.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Check {
+    pub axis: char,
+    pub eps_inv: [f64; 3],
+    pub kappa: Option<f64>,
+    pub exponent: Option<f64>,
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { axis, eps_inv: [coarse, middle, fine], kappa, exponent } = self;
+        let levels = format!("1/eps_{axis} = {coarse}, {middle}, {fine}");
+        match (kappa, exponent) {
+            (Some(kappa), Some(exponent)) => {
+                write!(f, "{levels} alone give alpha_{axis} = {exponent:.2}, limit {kappa:.4}")
+            }
+            _ => write!(f, "{levels} alone do not determine a limit"),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct TermReport {
+    pub axis: char,
+    pub coefficient: f64,
+    pub coefficient_ci95: Option<[f64; 2]>,
+    pub exponent: f64,
+    pub exponent_ci95: Option<[f64; 2]>,
+    pub exponent_fitted: bool,
+    pub levels: usize,
+}
+
+/// Limits of comparison theories at vanishing load, for surfaces.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct TheoryReport {
+    pub persson: f64,
+    pub bush_gibson_thomas: f64,
+}
+
+impl FitReport {
+    fn new(extrapolation: &Extrapolation) -> Self {
+        let Extrapolation { hurst, p_star, area, fit, .. } = extrapolation;
+        let terms = fit.terms.iter().map(|term| TermReport {
+            axis: term.axis.letter(),
+            coefficient: term.coefficient.value,
+            coefficient_ci95: term.coefficient.ci95,
+            exponent: term.exponent.value,
+            exponent_ci95: term.exponent.ci95,
+            exponent_fitted: term.free,
+            levels: term.levels,
+        });
+        Self {
+            hurst: *hurst,
+            p_star: *p_star,
+            area: *area,
+            kappa_tfc: fit.kappa_tfc.value,
+            kappa_tfc_standard_error: fit.kappa_tfc.standard_error,
+            ci95: fit.kappa_tfc.ci95,
+            uncertainty: fit.uncertainty.to_string(),
+            terms: terms.collect(),
+            chi_squared: fit.chi_squared.max(0.0),
+            degrees_of_freedom: fit.degrees_of_freedom,
+            // Only along eps_c do the levels share their surfaces: along the others noise would be read as an exponent.
+            checks: (fit.richardson.iter())
+                .filter(|three| three.axis == Axis::Continuum)
+                .map(|three| Check {
+                    axis: three.axis.letter(),
+                    eps_inv: three.cells.map(|cell| 1.0 / extrapolation.cells[cell].eps_c),
+                    kappa: three.limit.map(|limit| limit.kappa),
+                    exponent: three.limit.map(|limit| limit.exponent),
+                })
+                .collect(),
+            warnings: fit.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+impl Report {
+    /// Collects what is printed.
+    pub fn new(
+        config: &Config,
+        plan: &Plan,
+        analysis: Analysis,
+        out: PathBuf,
+        plots: Vec<PathBuf>,
+        seconds: f64,
+        peak_bytes: u64,
+    ) -> Self {
+        let points = analysis.measured.iter().map(|measured| {
+            let point = plan.points[measured.point];
+            let d = point.discretisation;
+            let (kappa, kappa_sem) = measured.mean_and_error(0);
+            let corrected = measured.kappa.get(1).map(|_| measured.mean_and_error(1));
+            PointReport {
+                dim: config.surface.dim,
+                hurst: point.hurst,
+                eps_t_inv: d.eps_t_inv,
+                eps_f_inv: d.eps_f_inv,
+                eps_c_inv: d.eps_c_inv,
+                n: point.n,
+                p_star: config.loads.p_star[measured.load],
+                realisations: measured.kappa[0].len(),
+                kappa,
+                kappa_sem,
+                kappa_corrected: corrected.map(|(mean, _)| mean),
+                kappa_corrected_sem: corrected.and_then(|(_, error)| error),
+            }
+        });
+        let points = points.collect();
+        let fits: Vec<FitReport> = analysis.extrapolations.iter().map(FitReport::new).collect();
+        let theory = TheoryReport { persson: PERSSON_KAPPA, bush_gibson_thomas: BUSH_GIBSON_THOMAS_KAPPA };
+        Self { points, fit: fits[0].clone(), fits, theory, out, plots, seconds, peak_bytes }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let with_error = |value: f64, error: Option<f64>| match error {
+            Some(error) => format!("{value:.4} ± {error:.4}"),
+            None => format!("{value:.4}"),
+        };
+        writeln!(
+            f,
+            "{:>4} {:>7} {:>7} {:>7} {:>6} {:>9} {:>5}  {:>17}  {:>17}",
+            "H", "1/eps_t", "1/eps_f", "1/eps_c", "n", "p*", "runs", "kappa", "corrected"
+        )?;
+        for p in &self.points {
+            let corrected = p.kappa_corrected.map_or_else(|| "-".into(), |k| with_error(k, p.kappa_corrected_sem));
+            writeln!(
+                f,
+                "{:>4} {:>7} {:>7} {:>7} {:>6} {:>9} {:>5}  {:>17}  {:>17}",
+                p.hurst,
+                p.eps_t_inv,
+                p.eps_f_inv,
+                p.eps_c_inv,
+                p.n,
+                p.p_star,
+                p.realisations,
+                with_error(p.kappa, p.kappa_sem),
+                corrected
+            )?;
+        }
+        for fit in &self.fits {
+            let area = if fit.area == Area::Raw { "raw area" } else { "corrected area" };
+            writeln!(f, "\nH = {}, p* = {}, {area}: {}", fit.hurst, fit.p_star, Headline(fit))?;
+            for term in &fit.terms {
+                writeln!(
+                    f,
+                    "  C_{0} = {1}, alpha_{0} = {2}{3}",
+                    term.axis,
+                    Interval(term.coefficient, term.coefficient_ci95),
+                    Interval(term.exponent, term.exponent_ci95),
+                    if term.exponent_fitted { "" } else { " (held)" }
+                )?;
+            }
+            for check in &fit.checks {
+                writeln!(f, "  check: {check}")?;
+            }
+            writeln!(f, "  chi^2 = {:.2} with {} degrees of freedom", fit.chi_squared, fit.degrees_of_freedom)?;
+            for warning in &fit.warnings {
+                writeln!(f, "  note: {warning}")?;
+            }
+        }
+        let result = &self.fit;
+        writeln!(f, "\nResult: H = {}, p* = {}: {}", result.hurst, result.p_star, Headline(result))?;
+        writeln!(f, "95 % interval: {}", result.uncertainty)?;
+        writeln!(
+            f,
+            "Theory at vanishing load, surfaces: Persson {:.4}, Bush-Gibson-Thomas {:.4}",
+            self.theory.persson, self.theory.bush_gibson_thomas
+        )?;
+        writeln!(f, "{:.0} s, {:.2} GiB at the peak", self.seconds, self.peak_bytes as f64 / f64::from(1 << 30))?;
+        list_files(f, Some(&self.out), &self.plots)
+    }
+}
+
+struct Interval(f64, Option<[f64; 2]>);
+
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.1 {
+            Some([low, high]) => write!(f, "{:.4} [{low:.4}, {high:.4}]", self.0),
+            None => write!(f, "{:.4}", self.0),
+        }
+    }
+}
+
+struct Headline<'a>(&'a FitReport);
+
+impl fmt::Display for Headline<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "kappa_TFC = {}", Interval(self.0.kappa_tfc, self.0.ci95))
+    }
+}
+
+/// What `--dry-run` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanReport {
+    pub points: Vec<PlannedPoint>,
+    pub loads: Vec<f64>,
+    pub runs: usize,
+    pub seconds: f64,
+    pub memory_bytes: u64,
+}
+
+impl PlanReport {
+    /// Estimates memory and time of a plan on this machine.
+    ///
+    /// # Errors
+    /// Never for a plan that was made.
+    pub fn new(config: &Config, plan: &Plan) -> Result<Self, Failure> {
+        let pair = Plan::calibrate()?;
+        let points: Vec<PlannedPoint> = (plan.points.iter().enumerate())
+            .map(|(index, point)| PlannedPoint {
+                dim: config.surface.dim,
+                hurst: point.hurst,
+                eps_t_inv: point.discretisation.eps_t_inv,
+                eps_f_inv: point.discretisation.eps_f_inv,
+                eps_c_inv: point.discretisation.eps_c_inv,
+                n: point.n,
+                realisations: plan.realisations(index),
+                memory_bytes: plan.memory(point),
+                seconds: plan.cost(point, pair) * plan.realisations(index) as f64,
+            })
+            .collect();
+        Ok(Self {
+            loads: config.loads.p_star.clone(),
+            runs: plan.runs.len(),
+            seconds: points.iter().map(|point| point.seconds).sum(),
+            memory_bytes: points.iter().map(|point| point.memory_bytes).max().unwrap_or(0),
+            points,
+        })
+    }
+}
+
+impl fmt::Display for PlanReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+        writeln!(
+            f,
+            "{:>4} {:>7} {:>7} {:>7} {:>6} {:>5} {:>11} {:>9}",
+            "H", "1/eps_t", "1/eps_f", "1/eps_c", "n", "runs", "memory/MiB", "time/s"
+        )?;
+        for p in &self.points {
+            writeln!(
+                f,
+                "{:>4} {:>7} {:>7} {:>7} {:>6} {:>5} {:>11.1} {:>9.1}",
+                p.hurst,
+                p.eps_t_inv,
+                p.eps_f_inv,
+                p.eps_c_inv,
+                p.n,
+                p.realisations,
+                mebibytes(p.memory_bytes),
+                p.seconds
+            )?;
+        }
+        writeln!(
+            f,
+            "\n{} runs with {} loads each, about {:.0} s here, at most {:.0} MiB",
+            self.runs,
+            self.loads.len(),
+            self.seconds,
+            mebibytes(self.memory_bytes)
+        )
+    }
+}
+
+/// The parts of an estimate as a file stores them; NaN where there is none.
+pub(super) fn numbers(estimate: &Estimate) -> [f64; 4] {
+    let [low, high] = estimate.ci95.unwrap_or([f64::NAN; 2]);
+    [estimate.value, estimate.standard_error.unwrap_or(f64::NAN), low, high]
+}
+
+/// The term of an axis: coefficient and exponent.
+pub(super) fn term(fit: &Fit, axis: Axis) -> Option<(&Estimate, &Estimate)> {
+    fit.terms.iter().find(|term| term.axis == axis).map(|term| (&term.coefficient, &term.exponent))
+}

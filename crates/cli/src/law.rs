@@ -1,0 +1,200 @@
+//! `law`: evaluate a contact law, and the flags that name one.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_law::{Kind, Law, LawError, MixedMode};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::figures::parse_prefix;
+
+/// Flags that name a law.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+pub struct LawArgs {
+    /// What acts across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential, harmonic-cosine,
+    /// dugdale (docs/laws)
+    #[arg(long, default_value = "hard-wall", value_parser = parse_kind, value_name = "NAME")]
+    #[serde(serialize_with = "serialize_kind")]
+    pub law: Kind,
+    /// A parameter of the law, NAME=VALUE; once for each
+    #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub param: Vec<(String, f64)>,
+}
+
+impl LawArgs {
+    /// The law.
+    ///
+    /// # Errors
+    /// Parameters that it does not know, needs, or cannot use.
+    pub fn build(&self) -> Result<Box<dyn Law>, Failure> {
+        self.law.with(&self.param).map_err(|error| Failure::input("--param", error))
+    }
+}
+
+fn parse_kind(name: &str) -> Result<Kind, LawError> {
+    name.parse()
+}
+
+fn parse_parameter(text: &str) -> Result<(String, f64), String> {
+    let wrong = || format!("NAME=VALUE is allowed, found {text:?}");
+    let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+    Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn serialize_kind<S: serde::Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.name())
+}
+
+/// Flags of `law`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd law --law morse --param gamma=1 --param range=0.2 --normal 0,0.1,0.4
+  gfmd law --law npb --param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3 \\
+    --normal=-0.1,0.1 --tangential 0.15,0.15 --json
+  gfmd law --law exponential --param gamma=1,range=0.1 --normal 0,0.5 --plot exponential")]
+pub struct Args {
+    #[command(flatten)]
+    law: LawArgs,
+    /// Normal separations, open > 0, length
+    #[arg(long, required = true, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    normal: Vec<f64>,
+    /// Tangential separations along one direction, one for each normal one; default 0
+    #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    tangential: Vec<f64>,
+    /// Draw T_n over the span of --normal and T_t over that of --tangential, one curve for each value of the other:
+    /// PREFIX.svg, .png
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    plot: Option<PathBuf>,
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the law.
+    pub law: &'static str,
+    /// Whether penetration is forbidden.
+    pub wall: bool,
+    /// The requirements R1 to R6 of docs/theory.md, section 8; `null` of a law without tangential traction.
+    pub mixed_mode: Option<MixedModeRecord>,
+    /// One for each separation.
+    pub points: Vec<Point>,
+    /// Names of the figures.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plots: Vec<PathBuf>,
+}
+
+/// [`MixedMode`], as printed.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are those of `MixedMode`")]
+pub struct MixedModeRecord {
+    pub independent_works: bool,
+    pub resists_sliding: bool,
+    pub keeps_repulsion: bool,
+    pub holds_under_pressure: bool,
+    pub vanishes: bool,
+    pub continuous: bool,
+}
+
+impl From<MixedMode> for MixedModeRecord {
+    fn from(properties: MixedMode) -> Self {
+        let MixedMode {
+            independent_works,
+            resists_sliding,
+            keeps_repulsion,
+            holds_under_pressure,
+            vanishes,
+            continuous,
+        } = properties;
+        Self { independent_works, resists_sliding, keeps_repulsion, holds_under_pressure, vanishes, continuous }
+    }
+}
+
+/// The law at one separation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Normal separation, open > 0.
+    pub normal: f64,
+    /// Tangential separation.
+    pub tangential: f64,
+    /// T_n, T_t: attraction and drag on the elastic surface.
+    pub traction: [f64; 2],
+    /// Derivatives of T_n, T_t (rows) by the normal and tangential separation (columns).
+    pub jacobian: [[f64; 2]; 2],
+    /// Energy per area, where there is one.
+    pub energy: Option<f64>,
+}
+
+/// Evaluates the flags.
+///
+/// # Errors
+/// A flag whose value cannot be used; figures that cannot be written.
+pub fn run(args: &Args) -> Result<Report, Failure> {
+    let law = args.law.build()?;
+    let zeros = vec![0.0; args.normal.len()];
+    let tangential = if args.tangential.is_empty() { &zeros } else { &args.tangential };
+    if tangential.len() != args.normal.len() {
+        let (found, wanted) = (tangential.len(), args.normal.len());
+        return Err(Failure::input(
+            "--tangential",
+            format!("found {found} values, allowed: as many as --normal, {wanted}"),
+        ));
+    }
+    for (flag, values) in [("--normal", &args.normal), ("--tangential", tangential)] {
+        if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
+            return Err(Failure::input(flag, format!("found {bad}, allowed: finite numbers")));
+        }
+    }
+    if let Some(bad) = args.normal.iter().find(|normal| law.has_wall() && **normal < 0.0) {
+        let name = args.law.law.name();
+        return Err(Failure::input("--normal", format!("found {bad}, allowed: 0 or more ({name} has a hard wall)")));
+    }
+    let points = args.normal.iter().zip(tangential).map(|(&normal, &tangential)| {
+        let response = law.response(normal, tangential);
+        let energy = law.energy(normal, tangential);
+        Point { normal, tangential, traction: response.traction, jacobian: response.jacobian, energy }
+    });
+    let mut report = Report {
+        law: args.law.law.name(),
+        wall: law.has_wall(),
+        mixed_mode: law.mixed_mode().map(Into::into),
+        points: points.collect(),
+        plots: Vec::new(),
+    };
+    if let Some(stem) = &args.plot {
+        report.plots = crate::figures::law(stem, law.as_ref(), &args.normal, tangential)?;
+    }
+    Ok(report)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "{}{}", self.law, if self.wall { ", with a hard wall" } else { "" })?;
+        if let Some(properties) = self.mixed_mode {
+            let MixedModeRecord {
+                independent_works: r1,
+                resists_sliding: r2,
+                keeps_repulsion: r3,
+                holds_under_pressure: r4,
+                vanishes: r5,
+                continuous: r6,
+            } = properties;
+            let [r1, r2, r3, r4, r5, r6] = [r1, r2, r3, r4, r5, r6].map(|holds| if holds { "yes" } else { "no" });
+            writeln!(f, "R1 independent works: {r1}; R2 resists sliding: {r2}; R3 keeps repulsion: {r3};")?;
+            writeln!(f, "R4 holds under pressure: {r4}; R5 vanishes: {r5}; R6 continuous: {r6}")?;
+        }
+        let heads =
+            ["normal", "tangential", "T_n", "T_t", "dT_n/dD_n", "dT_n/dD_t", "dT_t/dD_n", "dT_t/dD_t", "energy"];
+        writeln!(f, "{}", heads.map(|head| format!("{head:>13}")).concat())?;
+        for Point { normal, tangential, traction: [tn, tt], jacobian: [[nn, nt], [tn_n, tt_t]], energy } in &self.points
+        {
+            let numbers = [normal, tangential, tn, tt, nn, nt, tn_n, tt_t].map(|number| format!("{number:>13.5e}"));
+            let energy = energy.map_or_else(|| "none".into(), |energy| format!("{energy:.5e}"));
+            writeln!(f, "{}{energy:>13}", numbers.concat())?;
+        }
+        self.plots.iter().try_for_each(|file| writeln!(f, "wrote {}", file.display()))
+    }
+}

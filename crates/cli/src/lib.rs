@@ -1,0 +1,39 @@
+//! The commands of the program `gfmd`, as a library. One module per command: flags in, one function, a report out that
+//! prints itself as a table or as JSON (docs/interface.md).
+//!
+//! ```
+//! use clap::Parser;
+//! use gfmd_cli::green;
+//!
+//! #[derive(Parser)]
+//! struct Line {
+//!     #[command(flatten)]
+//!     args: green::Args,
+//! }
+//!
+//! let line = Line::parse_from("green --qx 3 --qy 4 --height inf --young 1 --poisson 0".split(' '));
+//! let report = green::run(&line.args)?;
+//! assert!(report.to_string().contains("stiffness"));
+//! # Ok::<(), gfmd_cli::failure::Failure>(())
+//! ```
+
+pub mod body;
+pub mod contact;
+pub mod damping;
+pub mod elastic;
+pub mod equilibrium;
+pub mod failure;
+pub mod figures;
+pub mod generator;
+pub mod green;
+pub mod json;
+pub mod kappa_sweep;
+pub mod law;
+pub mod load;
+pub mod path;
+pub mod program;
+pub mod progress;
+pub mod punch;
+pub mod session;
+pub mod source;
+pub mod surface;

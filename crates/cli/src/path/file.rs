@@ -1,0 +1,73 @@
+//! The HDF5 file of a path.
+
+use std::path::PathBuf;
+
+use gfmd_files::{Archive, Dimension, Output, Variable};
+
+use super::mechanics::Mechanics;
+use super::record::SCALARS;
+use super::{Args, Prepared, StepRecord};
+use crate::contact::{axes, contiguous, write_surface};
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Fields waypoint by waypoint, scalars at the end.
+pub(super) struct PathFile<'a> {
+    archive: Archive<'a>,
+    shears: &'static [&'static str],
+}
+
+impl<'a> PathFile<'a> {
+    pub(super) fn create(
+        output: &'a Output,
+        prepared: &Prepared,
+        args: &Args,
+        all: bool,
+        session: &Session,
+    ) -> Result<Self, Failure> {
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let mut archive = Archive::create(output, &session.provenance(config))?;
+        let unit = prepared.surface.unit.as_deref().unwrap_or("length");
+        let [x, y] = axes(&prepared.grid, unit);
+        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
+        let steps = args.steps as usize;
+        let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "where the path turns");
+        let shears: &[&str] = match (all, prepared.grid.is_line()) {
+            (false, _) => &[],
+            (true, true) => &["shear_x"],
+            (true, false) => &["shear_x", "shear_y"],
+        };
+        let fields = [
+            ("pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
+            ("gap", unit, "distance between the surfaces"),
+            ("shear_x", "stress", "shear traction on the elastic surface along x"),
+            ("shear_y", "stress", "shear traction on the elastic surface along y"),
+        ];
+        for (name, units, long_name) in fields.into_iter().take(2 + shears.len()) {
+            archive
+                .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
+        }
+        Ok(Self { archive, shears })
+    }
+
+    pub(super) fn write(&mut self, waypoint: usize, mechanics: &Mechanics) -> Result<(), Failure> {
+        let Some((tractions, gap)) = mechanics.fields() else { return Ok(()) };
+        self.archive.write_slab("/fields/pressure", waypoint, &contiguous(&mechanics.pressure()))?;
+        self.archive.write_slab("/fields/gap", waypoint, &contiguous(&gap.to_owned()))?;
+        for (name, shear) in self.shears.iter().zip(&tractions) {
+            self.archive.write_slab(&format!("/fields/{name}"), waypoint, &contiguous(&shear.to_owned()))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(mut self, steps: &[StepRecord], count: usize) -> Result<PathBuf, Failure> {
+        let step = Dimension::index("step", count, "step of the path");
+        for scalar in SCALARS {
+            let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
+            let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
+            self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;
+        }
+        Ok(self.archive.finish()?)
+    }
+}

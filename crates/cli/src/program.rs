@@ -1,0 +1,162 @@
+//! The program: parses the command line, runs the command, prints, and maps failures to exit codes.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is where results and errors are printed")]
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::session::{Common, Session};
+use crate::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+
+/// Contact mechanics of rough surfaces by Green's function molecular dynamics
+#[derive(Parser)]
+#[command(version, max_term_width = 110)]
+struct Line<C: Subcommand> {
+    #[command(subcommand)]
+    command: C,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The commands of `gfmd`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Press a rough surface on an elastic body, at one or more loads
+    Contact(Box<contact::Args>),
+    /// The main job: kappa in the thermodynamic, fractal and continuum limit, with its uncertainty
+    KappaSweep(Box<kappa_sweep::Args>),
+    /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
+    Punch(Box<punch::Args>),
+    /// Displacement, strain and stress below a surface, from its displacement
+    Body(Box<body::Args>),
+    /// Make a rough surface, or measure one
+    Surface(Box<surface::Args>),
+    /// What damping does to the relaxation of a surface, predicted and measured
+    Damping(Box<damping::Args>),
+    /// Look up stiffness, compliance and transfer matrices of one wave vector
+    Green(Box<green::Args>),
+    /// Follow a contact along a path: loading and unloading, adhesion, friction
+    Path(Box<path::Args>),
+    /// Evaluate a contact law: tractions, Jacobian, energy
+    Law(Box<law::Args>),
+}
+
+/// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
+pub fn start<C: Subcommand>(name: &'static str, run: impl FnOnce(&C, &Session) -> Result<(), Failure>) -> ExitCode {
+    keep_freed_memory();
+    let parsed = named(Line::<C>::command(), name).try_get_matches();
+    let line = match parsed.and_then(|mut matches| Line::<C>::from_arg_matches_mut(&mut matches)) {
+        Ok(line) => line,
+        Err(error) => return refuse(&error),
+    };
+    match Session::start(line.common).and_then(|session| run(&line.command, &session)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+/// One solve after the other takes and frees the same fields. Handed back to the system each time, and asked for again page
+/// by page, they cost a tenth of the time on one thread, and more of two. Other systems keep their ways.
+fn keep_freed_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: there is no other thread yet, and both are settings that any value suits.
+    unsafe {
+        use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
+        mallopt(M_MMAP_MAX, 0);
+        mallopt(M_TRIM_THRESHOLD, -1);
+    }
+}
+
+/// The help of a program under the name that it is called by; the examples are written for `gfmd`.
+fn named(command: clap::Command, name: &'static str) -> clap::Command {
+    let examples = |command: clap::Command| match command.get_after_help() {
+        Some(text) => {
+            let text = text.to_string().replace("\n  gfmd ", &format!("\n  {name} "));
+            command.after_help(text)
+        }
+        None => command,
+    };
+    command.name(name).bin_name(name).mut_subcommands(examples)
+}
+
+impl Command {
+    /// Runs the command and prints its report.
+    ///
+    /// # Errors
+    /// The reason why the command could not do what it was asked.
+    pub fn run(&self, session: &Session) -> Result<(), Failure> {
+        match self {
+            Self::Contact(args) => {
+                let contact::Outcome { report, failure } = contact::run(args, session)?;
+                print(&report, session)?;
+                failure.map_or(Ok(()), Err)
+            }
+            Self::KappaSweep(args) => match kappa_sweep::run(args, session)? {
+                kappa_sweep::Outcome::Done(report) => print(&*report, session),
+                kappa_sweep::Outcome::Planned(plan) => print(&plan, session),
+                kappa_sweep::Outcome::Config(text) => write(&text),
+            },
+            Self::Punch(args) => {
+                let punch::Outcome { report, failure } = punch::run(args, session)?;
+                print(&report, session)?;
+                failure.map_or(Ok(()), Err)
+            }
+            Self::Body(args) => print(&body::run(args, session)?, session),
+            Self::Surface(args) => print(&surface::run(args, session)?, session),
+            Self::Damping(args) => print(&damping::run(args, session)?, session),
+            Self::Green(args) => print(&green::run(args)?, session),
+            Self::Path(args) => {
+                let path::Outcome { report, failure } = path::run(args, session)?;
+                print(&report, session)?;
+                failure.map_or(Ok(()), Err)
+            }
+            Self::Law(args) => print(&law::run(args)?, session),
+        }
+    }
+}
+
+/// Prints a report as a table, or as JSON with `--json`.
+///
+/// # Errors
+/// A standard output that cannot be written.
+pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
+    if session.common.json {
+        let text = json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?;
+        return write(&(text + "\n"));
+    }
+    write(&report.to_string())
+}
+
+fn write(text: &str) -> Result<(), Failure> {
+    use std::io::Write;
+    let mut stdout = std::io::stdout().lock();
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    written.map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
+}
+
+/// Help and version are results; everything else that clap says is one line of unusable input.
+fn refuse(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            print!("{}", error.render());
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            eprint!("{}", error.render());
+            ExitCode::from(2)
+        }
+        _ => {
+            let text = error.render().to_string();
+            let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
+            eprintln!("{}", lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,409 @@
+//! `punch`: a flat rigid punch on an elastic body, all components of displacement and traction.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Variable};
+use gfmd_green::{Body, Height};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed, Settings};
+use gfmd_response::{Components, FullResponse};
+use ndarray::{Array2, Array3};
+use serde::Serialize;
+
+use crate::contact::{axes, check_available};
+use crate::elastic::{BodyArgs, parse_height, serialize_height};
+use crate::failure::Failure;
+use crate::figures::parse_prefix;
+use crate::progress::Progress;
+use crate::session::{Session, peak_bytes};
+
+mod comparison;
+mod refinement;
+mod report;
+
+use comparison::Reference;
+use report::scalars;
+
+pub use comparison::Comparison;
+pub use refinement::Refinement;
+pub use report::Report;
+
+/// Flags of `punch`. The defaults are the case of the source: lengths in micrometres, stress in GPa.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[command(
+    after_help = "Which points the punch holds: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < \
+(1 + f)/2 along x and, with --dim 3, y. A point on its edge belongs to it with --nodes inclusive, not with strict. N \
+points in a row act as a sharp-edged punch of about N - 1/3 spacings (effective_width), so that either way the \
+force differs from that of the continuum by the first order of the spacing; --refine takes that out.
+
+Examples:
+  gfmd punch --nodes inclusive --out punch.h5 --plots punch
+  gfmd punch --nodes inclusive --compare continuum_u_n128.npy
+  gfmd punch --dim 2 --n 256 --nodes inclusive --refine 4
+  gfmd punch --height inf --contact frictionless --poisson 0.5 --punch-fraction 0.5 --json"
+)]
+pub struct Args {
+    /// Side of the square cell, length
+    #[arg(long, default_value_t = 1.27, value_name = "L", allow_negative_numbers = true)]
+    length: f64,
+    /// Height of the slab, bonded to a rigid base; "inf" for a half-space; default: the length of the cell
+    #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[serde(serialize_with = "serialize_resolved")]
+    height: Option<Height>,
+    /// Young's modulus, stress
+    #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true)]
+    young: f64,
+    /// Poisson's ratio, above -1 and up to 0.5
+    #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true)]
+    poisson: f64,
+    /// 3: a square punch; 2: a strip, in plane strain
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    dim: u8,
+    /// Points along each axis
+    #[arg(long, default_value_t = 128, value_name = "N")]
+    n: usize,
+    /// Width of the punch over that of the cell
+    #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true)]
+    punch_fraction: f64,
+    /// How deep the punch is pressed, length; on a half-space below the mean level of the surface
+    #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true)]
+    depth: f64,
+    /// What holds under the punch
+    #[arg(long, value_enum, default_value_t = ContactName::Sticking)]
+    contact: ContactName,
+    /// Whether points on the edge of the punch belong to it
+    #[arg(long, value_enum, default_value_t = Nodes::Strict)]
+    nodes: Nodes,
+    /// The method (docs/solvers.md)
+    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
+    solver: SolverName,
+    /// Largest residual of a converged state
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    tol: f64,
+    /// Iterations, or time steps, after which the search is given up
+    #[arg(long, default_value_t = 100_000, value_name = "N")]
+    max_iter: u64,
+    /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
+    refine: u8,
+    /// Compare the displacement with this one: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or FILE.h5[:/dataset] of
+    /// another run; if m is another number of points than N, on the points that both grids have
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compare: Option<String>,
+    /// Write fields and scalars to this HDF5 file
+    #[arg(long, value_name = "FILE.h5")]
+    #[serde(skip)]
+    out: Option<PathBuf>,
+    /// Draw maps of displacement and pressure, and a cut along x: PREFIX-u_x.svg, .png, ... -pressure, -cut
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[serde(skip)]
+    plots: Option<PathBuf>,
+}
+
+/// What holds under the punch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactName {
+    /// No slip: all components are held
+    Sticking,
+    /// Only the normal displacement is held, lateral traction is zero
+    Frictionless,
+}
+
+/// Which points belong to the punch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Nodes {
+    /// Those strictly inside
+    Strict,
+    /// Those on its edge, too
+    Inclusive,
+}
+
+/// The names of the methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverName {
+    /// The fastest that is safe: cg
+    Auto,
+    /// Preconditioned conjugate gradients on the traction
+    Cg,
+    /// Position Verlet with the best scalar damping
+    Verlet,
+    /// Position Verlet with the softest mode critically damped
+    VerletCritical,
+    /// Fast inertial relaxation engine
+    Fire,
+}
+
+impl From<SolverName> for Method {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Auto | SolverName::Cg => Self::ConjugateGradients,
+            SolverName::Verlet => Self::Verlet,
+            SolverName::VerletCritical => Self::VerletCritical,
+            SolverName::Fire => Self::Fire,
+        }
+    }
+}
+
+fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer: S) -> Result<S::Ok, S::Error> {
+    match height {
+        Some(height) => serialize_height(height, serializer),
+        None => serializer.serialize_none(),
+    }
+}
+
+/// What was computed, and why it ended early if it did.
+pub struct Outcome {
+    /// The state that was reached.
+    pub report: Report,
+    /// It has not converged, or the user stopped.
+    pub failure: Option<Failure>,
+}
+
+/// Deeper than this part of the punch's width, or of the height of the slab, strain is not small.
+const SMALL: f64 = 0.1;
+
+/// Fields of doubles, one component each, that a solve holds at its peak, with some room.
+const FIELDS_IN_MEMORY: u64 = 48;
+
+/// Runs the command.
+///
+/// # Errors
+/// Unusable input; a file that could not be written.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    Prepared::new(args)?.run(args, session)
+}
+
+/// Everything that can be refused is refused before the first solve.
+struct Prepared {
+    body: Body,
+    height: Height,
+    punch: FlatPunch,
+    grids: Vec<Grid>,
+    reference: Option<Reference>,
+    output: Option<Output>,
+}
+
+impl Prepared {
+    fn new(args: &Args) -> Result<Self, Failure> {
+        if !(1e-15..=0.1).contains(&args.tol) {
+            return Err(Failure::input("--tol", format!("1e-15 to 0.1 is allowed, found {}", args.tol)));
+        }
+        if !(args.depth.is_finite() && args.depth > 0.0) {
+            let reason = format!("a positive, finite length is allowed, found {}", args.depth);
+            return Err(Failure::input("--depth", reason));
+        }
+        let grids = (0..args.refine)
+            .map(|level| grid(args, args.n.saturating_mul(1 << level)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let finest = grids[grids.len() - 1].points();
+        let bytes = finest.iter().fold(8 * FIELDS_IN_MEMORY, |bytes, points| bytes.saturating_mul(*points as u64));
+        check_available(finest, bytes)?;
+        let height = args.height.unwrap_or(Height::Finite(args.length));
+        let body = BodyArgs { young: args.young, poisson: args.poisson, e_star: None, height }.body()?;
+        let edge = match args.nodes {
+            Nodes::Strict => Edge::Strict,
+            Nodes::Inclusive => Edge::Inclusive,
+        };
+        let punch =
+            FlatPunch::new(args.punch_fraction, edge).map_err(|error| Failure::input("--punch-fraction", error))?;
+        if punch.points_across(&grids[0]) == 0 {
+            let reason =
+                format!("no point of {} across lies under a punch of {} of the cell", args.n, args.punch_fraction);
+            return Err(Failure::input("--punch-fraction", reason + "; more points or a wider punch are needed"));
+        }
+        let components = Components::of(&grids[0]).len();
+        let reference = args.compare.as_ref().map(|name| Reference::read(name, grids[0].points(), components));
+        let reference = reference.transpose()?;
+        let output =
+            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        Ok(Self { body, height, punch, grids, reference, output })
+    }
+
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+        self.warn_of_large_strain(args);
+        let progress = Progress::new(&session.common, "grids", self.grids.len() as f64);
+        let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
+        let reference = self.reference.as_ref();
+        if let Some((reference, name)) = reference.zip(args.compare.as_ref()) {
+            report.comparison = Some(reference.compare(name, &solution, args.depth));
+        }
+        let mut pressures = vec![report.mean_pressure];
+        for grid in &self.grids[1..] {
+            if failure.is_none() {
+                let (finer, _, stopped) = self.press(args, grid, session, &progress)?;
+                pressures.push(finer.mean_pressure);
+                failure = stopped;
+            }
+        }
+        progress.finish();
+        if self.grids.len() > 1 && failure.is_none() {
+            let n = self.grids.iter().map(|grid| grid.points()[0]).collect();
+            report.refinement = Some(Refinement::of(n, pressures));
+        }
+        report.peak_bytes = peak_bytes();
+        if let Some(output) = &self.output {
+            report.out = Some(self.write(output, args, session, &report, &solution)?);
+        }
+        if let (None, Some(prefix)) = (&failure, &args.plots) {
+            let reference = reference.map(|reference| &reference.displacement);
+            report.plots = crate::figures::punch(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
+        }
+        let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
+        Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })
+    }
+
+    fn warn_of_large_strain(&self, args: &Args) {
+        let width = args.punch_fraction * args.length;
+        let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
+        for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
+            let part = args.depth / length;
+            tracing::warn!("--depth: {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
+        }
+    }
+
+    fn finite_height(&self) -> f64 {
+        match self.height {
+            Height::Finite(height) => height,
+            Height::Infinite => f64::INFINITY,
+        }
+    }
+
+    fn press(
+        &self,
+        args: &Args,
+        grid: &Grid,
+        session: &Session,
+        progress: &Progress,
+    ) -> Result<(Report, MixedSolution, Option<Failure>), Failure> {
+        let started = Instant::now();
+        let points = self.punch.points(grid);
+        let refuse = |error: MixedError| Failure::Computation(error.to_string());
+        let prescribed = match args.contact {
+            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
+            ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
+        };
+        let response = FullResponse::new(*grid, &self.body);
+        let problem = prescribed.and_then(|prescribed| MixedProblem::new(&response, prescribed)).map_err(refuse)?;
+        let n = grid.points()[0];
+        let mut watch = |now: &gfmd_mixed::Progress| {
+            progress.advance(0.0, &format!("n = {n}, iteration {}, residual {:.1e}", now.iteration, now.residual));
+            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let settings = Settings { method: args.solver.into(), tolerance: args.tol, max_iterations: args.max_iter };
+        let (solution, failure) = match problem.solve(&settings, &mut watch) {
+            Ok(solution) => (solution, None),
+            Err(MixedError::NotConverged { solution, asked, reason }) => {
+                let text = format!(
+                    "n = {n} did not converge to {asked:e} in {} iterations ({reason}): residual {:.1e}",
+                    solution.iterations, solution.residual
+                );
+                (*solution, Some(Failure::Computation(text)))
+            }
+            Err(MixedError::Interrupted { solution }) => {
+                (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
+            }
+            Err(error) => return Err(refuse(error)),
+        };
+        progress.advance(1.0, &format!("n = {n}, residual {:.1e}", solution.residual));
+        let seconds = started.elapsed().as_secs_f64();
+        let report = self.measure(args, grid, &points, &solution, seconds);
+        Ok((report, solution, failure))
+    }
+
+    fn measure(
+        &self,
+        args: &Args,
+        grid: &Grid,
+        points: &Array2<bool>,
+        solution: &MixedSolution,
+        seconds: f64,
+    ) -> Report {
+        let components = Components::of(grid);
+        let mean_traction = solution.mean_traction();
+        let normal = solution.traction.index_axis(ndarray::Axis(0), components.normal());
+        Report {
+            dim: args.dim,
+            n: grid.points(),
+            length: grid.lengths(),
+            height: self.height,
+            young: args.young,
+            poisson: args.poisson,
+            contact: args.contact,
+            nodes: args.nodes,
+            punch_width: args.punch_fraction * args.length,
+            effective_width: self.punch.effective_width(grid),
+            depth: args.depth,
+            contact_nodes: points.iter().filter(|under| **under).count(),
+            components: names(components),
+            mean_pressure: -mean_traction[components.normal()],
+            mean_traction,
+            max_pressure: normal.iter().fold(0.0, |most, t| f64::max(most, -t)),
+            elastic_energy: solution.elastic_energy(),
+            residual: solution.residual,
+            converged: solution.residual <= args.tol,
+            iterations: solution.iterations,
+            transform_pairs: solution.transform_pairs,
+            seconds,
+            comparison: None,
+            refinement: None,
+            peak_bytes: 0,
+            out: None,
+            plots: Vec::new(),
+        }
+    }
+
+    fn write(
+        &self,
+        output: &Output,
+        args: &Args,
+        session: &Session,
+        report: &Report,
+        solution: &MixedSolution,
+    ) -> Result<PathBuf, Failure> {
+        let resolved = Args { height: Some(self.height), ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let mut archive = Archive::create(output, &session.provenance(config))?;
+        let [x, y] = axes(&self.grids[0], "length");
+        let component = Dimension::labels("component", &report.components, "component of the vector");
+        let fields = [
+            ("/fields/displacement", "length", "displacement of the surface", &solution.displacement),
+            ("/fields/traction", "stress", "traction on the surface, negative t_z presses", &solution.traction),
+        ];
+        for (path, units, long_name, field) in fields {
+            let variable = Variable { dimensions: &[&x, &y, &component], units, long_name };
+            archive.write(path, &variable, &by_point(field))?;
+        }
+        let under: Vec<u8> = self.punch.points(&self.grids[0]).iter().map(|under| u8::from(*under)).collect();
+        let held = Variable { dimensions: &[&x, &y], units: "1", long_name: "1 where the punch holds the surface" };
+        archive.write("/fields/under_punch", &held, &under)?;
+        for (name, units, long_name, value) in scalars(report) {
+            let variable = Variable { dimensions: &[], units, long_name };
+            archive.write(&format!("/punch/{name}"), &variable, &[value])?;
+        }
+        Ok(archive.finish()?)
+    }
+}
+
+fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
+    if n < 2 {
+        return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
+    }
+    let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
+    grid.map_err(|error| Failure::input("--length", error))
+}
+
+fn names(components: Components) -> Vec<&'static str> {
+    components.axes().iter().map(|axis| ["x", "y", "z"][*axis]).collect()
+}
+
+/// `[x, y, component]`, row-major.
+fn by_point(field: &Array3<f64>) -> Vec<f64> {
+    field.view().permuted_axes([1, 2, 0]).iter().copied().collect()
+}

@@ -1,0 +1,131 @@
+//! One run of the program: what the user asked of all commands alike, and what the machine is.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use gfmd_files::Provenance;
+
+use crate::failure::Failure;
+
+/// The commit that the program was built from, `unknown` if it is not known.
+pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
+
+/// Flags of every command.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Common {
+    /// Print exactly one JSON object on stdout instead of a table
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Number of threads; 0 takes all cores. Results do not depend on it
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+    /// No progress, no notes; errors only
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// More to read on stderr; twice for more still
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// A run of the program.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// The flags of every command.
+    pub common: Common,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl Session {
+    /// Sets up threads, log and the handler of Ctrl-C, once for the process.
+    ///
+    /// # Errors
+    /// More threads than can be had.
+    pub fn start(common: Common) -> Result<Self, Failure> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(common.threads)
+            .build_global()
+            .map_err(|error| Failure::input("--threads", error))?;
+        let level = match (common.quiet, common.verbose) {
+            (true, _) => tracing::Level::ERROR,
+            (_, 0) => tracing::Level::INFO,
+            (_, 1) => tracing::Level::DEBUG,
+            _ => tracing::Level::TRACE,
+        };
+        tracing_subscriber::fmt()
+            .with_writer(std::io::stderr)
+            .with_max_level(level)
+            .with_target(false)
+            .without_time()
+            .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
+            .init();
+        let session = Self::silent(common);
+        let flag = Arc::clone(&session.interrupted);
+        // The second Ctrl-C ends the process at once.
+        let handler = move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        };
+        ctrlc::set_handler(handler).map_err(|error| Failure::Computation(format!("cannot catch Ctrl-C: {error}")))?;
+        Ok(session)
+    }
+
+    /// A session without global effects, for callers in the same process.
+    pub fn silent(common: Common) -> Self {
+        Self { common, interrupted: Arc::new(AtomicBool::new(false)) }
+    }
+
+    /// Whether the user asked to stop.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// Where a file written now comes from; `config` is the resolved configuration.
+    pub fn provenance(&self, config: String) -> Provenance {
+        Provenance {
+            program: "gfmd".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            git_commit: GIT_COMMIT.into(),
+            command: std::env::args().collect::<Vec<_>>().join(" "),
+            created: jiff::Timestamp::now().to_string(),
+            config,
+            machine: machine(),
+            threads: rayon::current_num_threads(),
+        }
+    }
+}
+
+/// The end of a printed report: what was written and drawn, a line each.
+pub(crate) fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[PathBuf]) -> fmt::Result {
+    if let Some(out) = out {
+        writeln!(f, "\nwritten: {}", out.display())?;
+    }
+    plots.iter().try_for_each(|plot| writeln!(f, "drawn:   {}", plot.display()))
+}
+
+/// Processor, cores and operating system in words.
+pub fn machine() -> String {
+    let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    });
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let processor = processor.unwrap_or_else(|| std::env::consts::ARCH.into());
+    format!("{processor}, {cores} cores, {}", std::env::consts::OS)
+}
+
+/// Largest resident memory of this process so far, in bytes; 0 where the system does not tell.
+pub fn peak_bytes() -> u64 {
+    let usage = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF);
+    usage.map_or(0, |usage| usage.max_rss().unsigned_abs() * 1024)
+}
+
+/// Memory that a computation may use, in bytes: what the system says is available; `None` where it does not tell.
+pub fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}

@@ -1,0 +1,164 @@
+//! Where the rigid surface of a contact comes from: a file, prepared for a periodic cell, or the generator.
+
+use clap::{Args, ValueEnum};
+use gfmd_field::Grid;
+use gfmd_files::Topography;
+use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
+use ndarray::Array2;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::generator::GeneratorArgs;
+
+/// Flags that name or describe a surface.
+#[derive(Args, Clone, Debug, Serialize)]
+pub struct SourceArgs {
+    /// Heights, peaks towards the body: .npy, FILE.h5:/dataset, or a text matrix with or without an instrument's header
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
+        "method", "roll_off", "roll_off_shape", "amplitudes"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+    /// Cell size, L or Lx,Ly; default: that of the file, or 1
+    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub length: Vec<f64>,
+    /// What to take away from the heights of a file first
+    #[arg(long, value_enum, default_value_t = Detrend::None)]
+    pub detrend: Detrend,
+    /// How to make a file's heights periodic
+    #[arg(long, value_enum, default_value_t = Periodise::AsIs)]
+    pub periodise: Periodise,
+    /// The file's heights point away from the body: turn them over
+    #[arg(long)]
+    pub flip: bool,
+    /// The generator.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub generator: GeneratorArgs,
+}
+
+/// What to take away from measured heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Detrend {
+    /// Nothing
+    None,
+    /// The least-squares plane
+    Plane,
+    /// The plane of the mean slope, which joins opposite edges on average
+    Slope,
+    /// The least-squares paraboloid
+    Quadratic,
+}
+
+/// How to make measured heights periodic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Periodise {
+    /// Not at all: opposite edges meet in a step
+    AsIs,
+    /// By mirror images: no step, four times the points
+    Mirror,
+}
+
+/// Heights ready for a contact.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Heights `[x, y]`, peaks towards the body.
+    pub heights: Array2<f64>,
+    /// Cell size.
+    pub lengths: [f64; 2],
+    /// Unit of heights and lengths, if known.
+    pub unit: Option<String>,
+    /// Spectral rms gradient.
+    pub rms_gradient: f64,
+    /// Where it comes from and what was done to it.
+    pub description: String,
+}
+
+/// Steps across the periodic seam beyond this multiple of those inside are worth a warning.
+const ROUGH_SEAM: f64 = 2.0;
+
+impl SourceArgs {
+    /// The flag that an error about the heights belongs to.
+    pub fn name(&self) -> String {
+        self.surface.clone().unwrap_or_else(|| "the generated surface".into())
+    }
+
+    /// The same flags as they belong into the record of a run: every default filled in.
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        let generator = if self.surface.is_none() { self.generator.resolved()? } else { self.generator.clone() };
+        Ok(Self { generator, ..self.clone() })
+    }
+
+    /// Reads or generates the surface.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has points without a height; flags that do not fit.
+    pub fn surface(&self) -> Result<Surface, Failure> {
+        let (heights, grid, unit, mut description) = match &self.surface {
+            Some(file) => self.read(file)?,
+            None => {
+                let grid = self.generator.grid(&self.length)?;
+                (self.generator.heights(&grid)?, grid, None, self.generator.to_string())
+            }
+        };
+        let name = self.name();
+        let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
+        if self.surface.is_some() {
+            let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
+            description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
+            if ratio > ROUGH_SEAM {
+                tracing::warn!(
+                    "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
+                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
+                    statistics.moments.rms_gradient(),
+                    statistics.rms_gradient_inside
+                );
+            }
+        }
+        let rms_gradient = statistics.moments.rms_gradient();
+        Ok(Surface { heights, lengths: grid.lengths(), unit, rms_gradient, description })
+    }
+
+    fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {
+        let topography = Topography::read(file).map_err(|error| Failure::Input(error.to_string()))?;
+        let mut heights = topography.heights;
+        let [nx, ny] = heights.dim().into();
+        let lengths = match (&self.length[..], topography.lengths) {
+            ([], Some(lengths)) => lengths,
+            ([], None) => [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }],
+            // A single length is that along x; the points are as far apart along y.
+            ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
+            ([x, y, ..], _) => [*x, *y],
+        };
+        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
+        let mut description = topography.source;
+        if self.flip {
+            heights.mapv_inplace(|h| -h);
+            description += ", turned over";
+        }
+        let trend = match self.detrend {
+            Detrend::None => None,
+            Detrend::Plane => Some((Trend::Plane, "least-squares plane removed")),
+            Detrend::Slope => Some((Trend::Slope, "mean slope removed")),
+            Detrend::Quadratic => Some((Trend::Quadratic, "least-squares paraboloid removed")),
+        };
+        if let Some((trend, words)) = trend {
+            heights = remove(&heights, trend).map_err(|error| Failure::input(file, error))?;
+            description += &format!(", {words}");
+        }
+        let how = match self.periodise {
+            Periodise::AsIs => Periodisation::AsIs,
+            Periodise::Mirror => {
+                description += ", mirrored to a periodic cell of twice the size";
+                Periodisation::Mirror
+            }
+        };
+        let (heights, grid) = periodise(&heights, &grid, how).map_err(|error| Failure::input(file, error))?;
+        Ok((heights, grid, topography.unit, description))
+    }
+}

@@ -1,0 +1,456 @@
+//! `surface`: make a surface or measure one.
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args as ClapArgs;
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RadialBin, RollOff, Statistics};
+use ndarray::{Array2, Axis};
+use ndarray_npy::WriteNpyExt;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::generator::Method;
+use crate::session::Session;
+use crate::source::SourceArgs;
+
+/// Flags of `surface`.
+#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[command(after_help = "Examples:
+  gfmd surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
+  gfmd surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
+  gfmd surface --method rmd --n 1024 --hurst 0.3 --out h.h5
+  gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5")]
+pub struct Args {
+    #[command(flatten)]
+    #[serde(flatten)]
+    source: SourceArgs,
+    /// Wavelengths between which the Hurst exponent is fitted, length [default: those asked for; of a file, from half
+    /// of the cell to 4 grid spacings]
+    #[arg(long, value_delimiter = ',', value_name = "LONGEST,SHORTEST", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    fit_range: Vec<f64>,
+    /// Write the heights to this file, .npy or .h5; the latter with statistics and radially averaged spectrum
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
+    out: Option<PathBuf>,
+}
+
+/// What was made or measured, as printed. Lengths in the unit of the heights.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub source: String,
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    pub unit: Option<String>,
+    pub mean: f64,
+    pub rms_height: f64,
+    pub lowest: f64,
+    pub highest: f64,
+    pub peak_to_valley: f64,
+    pub rms_gradient: f64,
+    pub rms_gradient_central: f64,
+    pub rms_gradient_forward: f64,
+    pub rms_gradient_inside: f64,
+    pub rms_curvature: f64,
+    pub rms_laplacian: f64,
+    pub m0: f64,
+    pub m2: f64,
+    pub m4: f64,
+    pub nayak: Option<f64>,
+    pub hurst: Option<f64>,
+    pub hurst_error: Option<f64>,
+    pub hurst_range: [f64; 2],
+    pub longest_wavelength: Option<f64>,
+    pub shortest_wavelength: Option<f64>,
+    pub seam: [Option<f64>; 2],
+    pub asked: Option<Asked>,
+    pub out: Option<PathBuf>,
+}
+
+/// What a generated surface was asked to be; the numbers of the same names in the report are what it is.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Asked {
+    pub seed: u64,
+    pub hurst: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_gradient: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<f64>,
+    pub longest_wavelength: Option<f64>,
+    pub shortest_wavelength: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roll_off: Option<f64>,
+}
+
+/// Makes or reads the surface, measures it, and writes it if asked to.
+///
+/// # Errors
+/// Flags or a file that cannot be used; an output that cannot be written.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let out = args.out.as_deref().map(Target::claim).transpose()?;
+    let surface = args.source.surface()?;
+    let name = args.source.name();
+    let (nx, ny) = surface.heights.dim();
+    let unusable = |error| Failure::input(&name, error);
+    let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
+    let statistics = Statistics::of(&surface.heights, &grid).map_err(unusable)?;
+    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(unusable)?;
+    let (asked, range) = match &args.source.surface {
+        None => args.asked(&grid)?,
+        Some(_) => (None, whole_band(&grid)),
+    };
+    let range = match args.fit_range[..] {
+        [] => range,
+        [longest, shortest] => [longest, shortest],
+        ref found => {
+            return Err(Failure::input("--fit-range", format!("LONGEST,SHORTEST is allowed, found {found:?}")));
+        }
+    };
+    let fit = spectrum.fit_hurst(range[0], range[1]);
+    if !args.fit_range.is_empty() {
+        fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
+    }
+    let mut report = Report::new(&statistics, fit.ok(), &spectrum, &grid);
+    (report.source, report.unit) = (surface.description, surface.unit);
+    (report.asked, report.hurst_range) = (asked, range);
+    if let Some(target) = out {
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved)
+            .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
+        target.write(&surface.heights, &grid, &spectrum.radial(), &report, session.provenance(config))?;
+        report.out.clone_from(&args.out);
+    }
+    Ok(report)
+}
+
+impl Args {
+    /// What the generator was asked for, and the wavelengths between which its spectrum is a power law.
+    fn asked(&self, grid: &Grid) -> Result<(Option<Asked>, [f64; 2]), Failure> {
+        let generator = &self.source.generator;
+        let spectrum = match generator.method {
+            Method::Psd => Some(generator.spectrum(grid)?),
+            Method::Sra | Method::Rmd => None,
+        };
+        let (rms_gradient, rms_height) = match generator.normalisation() {
+            Normalisation::RmsGradient(gradient) => (Some(gradient), None),
+            Normalisation::RmsHeight(height) => (None, Some(height)),
+        };
+        let asked = Asked {
+            seed: generator.seed,
+            hurst: generator.hurst,
+            rms_gradient,
+            rms_height,
+            longest_wavelength: spectrum.map(|spectrum| spectrum.longest_wavelength),
+            shortest_wavelength: spectrum.map(|spectrum| spectrum.shortest_wavelength),
+            roll_off: generator.roll_off,
+        };
+        let range = spectrum.map_or_else(
+            || whole_band(grid),
+            |spectrum| match spectrum.roll_off {
+                RollOff::Plateau(wavelength) => [wavelength, spectrum.shortest_wavelength],
+                _ => [spectrum.longest_wavelength, spectrum.shortest_wavelength],
+            },
+        );
+        Ok((Some(asked), range))
+    }
+}
+
+/// From half of the (shorter) side to four (larger) grid spacings: away from both ends of what a grid can hold.
+fn whole_band(grid: &Grid) -> [f64; 2] {
+    let sides = if grid.is_line() { 1 } else { 2 };
+    let (lengths, spacing) = (grid.lengths(), grid.spacing());
+    let side = lengths[..sides].iter().copied().fold(f64::INFINITY, f64::min);
+    let step = spacing[..sides].iter().copied().fold(0.0, f64::max);
+    [0.5 * side, (4.0 * step).min(0.5 * side)]
+}
+
+impl Report {
+    fn new(found: &Statistics, fit: Option<HurstFit>, spectrum: &PowerSpectrum, grid: &Grid) -> Self {
+        let [m0, m2, m4] = found.moments.profile();
+        let cut_offs = spectrum.cut_offs();
+        Self {
+            source: String::new(),
+            n: grid.points(),
+            length: grid.lengths(),
+            unit: None,
+            mean: found.mean,
+            rms_height: found.moments.rms_height(),
+            lowest: found.lowest,
+            highest: found.highest,
+            peak_to_valley: found.peak_to_valley(),
+            rms_gradient: found.moments.rms_gradient(),
+            rms_gradient_central: found.rms_gradient_central,
+            rms_gradient_forward: found.rms_gradient_forward,
+            rms_gradient_inside: found.rms_gradient_inside,
+            rms_curvature: found.moments.rms_curvature(),
+            rms_laplacian: found.moments.laplacian.sqrt(),
+            m0,
+            m2,
+            m4,
+            nayak: found.moments.nayak(),
+            hurst: fit.map(|fit| fit.hurst),
+            hurst_error: fit.map(|fit| fit.standard_error),
+            hurst_range: fit.map_or([0.0; 2], |fit| fit.range),
+            longest_wavelength: cut_offs.map(|[longest, _]| longest),
+            shortest_wavelength: cut_offs.map(|[_, shortest]| shortest),
+            seam: found.seam.ratio(),
+            asked: None,
+            out: None,
+        }
+    }
+
+    /// The single numbers: name, value, kind of quantity as a power of length, meaning.
+    fn scalars(&self) -> [(&'static str, Option<f64>, i32, &'static str); 17] {
+        [
+            ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean"),
+            ("mean", Some(self.mean), 1, "mean height"),
+            ("lowest", Some(self.lowest), 1, "lowest height"),
+            ("highest", Some(self.highest), 1, "highest height"),
+            ("rms_gradient", Some(self.rms_gradient), 0, "rms of the full gradient, spectral"),
+            ("rms_gradient_central", Some(self.rms_gradient_central), 0, "the same by central differences"),
+            ("rms_gradient_forward", Some(self.rms_gradient_forward), 0, "the same by forward differences"),
+            ("rms_gradient_inside", Some(self.rms_gradient_inside), 0, "forward, without the periodic seam"),
+            ("rms_curvature", Some(self.rms_curvature), -1, "rms of the mean curvature (h'' of a profile)"),
+            ("rms_laplacian", Some(self.rms_laplacian), -1, "rms of the Laplacian"),
+            ("m0", Some(self.m0), 2, "zeroth profile moment"),
+            ("m2", Some(self.m2), 0, "second profile moment"),
+            ("m4", Some(self.m4), -2, "fourth profile moment"),
+            ("nayak", self.nayak, 0, "Nayak's parameter m0 m4/m2^2"),
+            ("hurst", self.hurst, 0, "fitted Hurst exponent"),
+            ("longest_wavelength", self.longest_wavelength, 1, "longest wavelength with power"),
+            ("shortest_wavelength", self.shortest_wavelength, 1, "shortest wavelength with power"),
+        ]
+    }
+
+    /// The unit of a quantity that is a power of length.
+    fn unit_of(&self, power: i32) -> String {
+        let unit = self.unit.as_deref().unwrap_or("length");
+        match power {
+            0 => "1".into(),
+            1 => unit.into(),
+            -1 => format!("1/{unit}"),
+            power if power < 0 => format!("1/{unit}^{}", -power),
+            power => format!("{unit}^{power}"),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let ([nx, ny], [lx, ly]) = (self.n, self.length);
+        writeln!(f, "{}", self.source)?;
+        match ny {
+            1 => writeln!(f, "{nx} points on a length of {lx:?} {}", self.unit_of(1))?,
+            _ => writeln!(f, "{nx} x {ny} points on {lx:?} x {ly:?} {}", self.unit_of(1))?,
+        }
+        let asked = |name: &str| {
+            let asked = self.asked.as_ref()?;
+            match name {
+                "rms_height" => asked.rms_height,
+                "rms_gradient" => asked.rms_gradient,
+                "hurst" => Some(asked.hurst),
+                "longest_wavelength" => asked.longest_wavelength,
+                "shortest_wavelength" => asked.shortest_wavelength,
+                _ => None,
+            }
+        };
+        for (name, value, power, meaning) in self.scalars() {
+            let Some(value) = value else { continue };
+            let (unit, number) = (self.unit_of(power), format!("{value:.6e}"));
+            write!(f, "{name:<22} {number:>14} {unit:<12} {meaning}")?;
+            if let (true, Some(error)) = (name == "hurst", self.hurst_error) {
+                let [longest, shortest] = self.hurst_range;
+                write!(f, ", +- {error:.1e}, wavelengths {longest:.4e} to {shortest:.4e}")?;
+            }
+            match asked(name) {
+                Some(asked) => writeln!(f, "; asked {asked:.6e}")?,
+                None => writeln!(f)?,
+            }
+        }
+        let steps: Vec<String> = self.seam.iter().flatten().map(|ratio| format!("{ratio:.2}")).collect();
+        write!(f, "steps across the periodic seam over those inside: {}", steps.join(" along x, "))?;
+        if steps.len() == 2 {
+            write!(f, " along y")?;
+        }
+        match &self.out {
+            Some(out) => write!(f, "\nwritten: {}", out.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Where the heights go, claimed before they are made.
+struct Target {
+    output: Output,
+    format: Format,
+}
+
+enum Format {
+    Npy,
+    Hdf5,
+}
+
+impl Target {
+    fn claim(path: &Path) -> Result<Self, Failure> {
+        let format = match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("npy") => Format::Npy,
+            Some("h5" | "hdf5") => Format::Hdf5,
+            _ => {
+                return Err(Failure::input(
+                    "--out",
+                    format!("NAME.npy or NAME.h5 is allowed, found {}", path.display()),
+                ));
+            }
+        };
+        let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
+        Ok(Self { output, format })
+    }
+
+    fn write(
+        &self,
+        heights: &Array2<f64>,
+        grid: &Grid,
+        spectrum: &[RadialBin],
+        report: &Report,
+        provenance: Provenance,
+    ) -> Result<(), Failure> {
+        match self.format {
+            Format::Npy => self.write_npy(heights).map_err(|error| {
+                let _ = fs::remove_file(self.output.part());
+                Failure::Computation(format!("cannot write {}: {error}", self.output.path().display()))
+            }),
+            Format::Hdf5 => self.write_hdf5(heights, grid, spectrum, report, &provenance),
+        }
+    }
+
+    /// Beside the target, synced, renamed. A profile is a one-dimensional array.
+    fn write_npy(&self, heights: &Array2<f64>) -> Result<(), Box<dyn std::error::Error>> {
+        let mut file = BufWriter::new(File::create(self.output.part())?);
+        match heights.ncols() {
+            1 => heights.index_axis(Axis(1), 0).write_npy(&mut file)?,
+            _ => heights.write_npy(&mut file)?,
+        }
+        file.flush()?;
+        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+        Ok(fs::rename(self.output.part(), self.output.path())?)
+    }
+
+    fn write_hdf5(
+        &self,
+        heights: &Array2<f64>,
+        grid: &Grid,
+        spectrum: &[RadialBin],
+        report: &Report,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let (unit, spacing) = (report.unit_of(1), grid.spacing());
+        let axis = |name: &str, index: usize| {
+            let positions = (0..grid.points()[index]).map(|i| i as f64 * spacing[index]).collect();
+            Dimension::values(name, positions, &unit, &format!("position along {name}"))
+        };
+        let mut archive = Archive::create(&self.output, provenance)?;
+        let (x, y) = (axis("x", 0), axis("y", 1));
+        let dimensions: &[&Dimension] = if grid.is_line() { &[&x] } else { &[&x, &y] };
+        let height =
+            Variable { dimensions, units: &unit, long_name: "height of the rigid surface, peaks towards the body" };
+        let values: Vec<f64> = heights.iter().copied().collect();
+        archive.write("/surface/height", &height, &values)?;
+        archive.attribute("/surface", "source", report.source.as_str())?;
+        for (name, value, power, meaning) in report.scalars() {
+            let units = report.unit_of(power);
+            let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };
+            archive.write(&format!("/statistics/{name}"), &scalar, &[value.unwrap_or(f64::NAN)])?;
+        }
+        let wavenumbers = spectrum.iter().map(|bin| bin.wavenumber).collect();
+        let per_length = report.unit_of(-1);
+        let q = Dimension::values("wavenumber", wavenumbers, &per_length, "mean wavenumber of the ring, rad/length");
+        let units = report.unit_of(if grid.is_line() { 3 } else { 4 });
+        let density =
+            Variable { dimensions: &[&q], units: &units, long_name: "radially averaged power spectral density" };
+        archive.write("/spectrum/density", &density, &spectrum.iter().map(|bin| bin.density).collect::<Vec<_>>())?;
+        let modes = Variable { dimensions: &[&q], units: "1", long_name: "modes in the ring, of the full spectrum" };
+        archive.write("/spectrum/modes", &modes, &spectrum.iter().map(|bin| bin.modes).collect::<Vec<_>>())?;
+        archive.finish()?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::session::Common;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn run_line(line: &str) -> Result<Report, Failure> {
+        let args = Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().args;
+        run(&args, &Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 }))
+    }
+
+    fn close(found: f64, expected: f64) -> bool {
+        (found / expected - 1.0).abs() < 1e-12
+    }
+
+    #[test]
+    fn a_generated_surface_is_what_it_was_asked_to_be() {
+        let report = run_line("--n 128 --eps-f-inv 16 --hurst 0.6 --rms-gradient 0.3 --seed 4 --length 2").unwrap();
+        let asked = report.asked.clone().unwrap();
+        assert!(close(report.rms_gradient, 0.3) && asked.rms_gradient == Some(0.3));
+        assert!(close(report.longest_wavelength.unwrap(), 1.0) && asked.longest_wavelength == Some(1.0));
+        assert!(close(report.shortest_wavelength.unwrap(), 1.0 / 16.0));
+        assert!((report.hurst.unwrap() - asked.hurst).abs() < 4.0 * report.hurst_error.unwrap());
+        assert_eq!((report.n, report.length), ([128, 128], [2.0, 2.0]));
+        assert!(report.to_string().contains("asked 3.000000e-1"), "{report}");
+    }
+
+    #[test]
+    fn written_heights_come_back_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        for (kind, name) in
+            [("--n 64,96 --length 1.3 --eps-f-inv 8", "h.npy"), ("--n 64 --dim 2 --eps-f-inv 8", "h.h5")]
+        {
+            let out = folder.path().join(name);
+            let made = run_line(&format!("{kind} --out {}", out.display())).unwrap();
+            assert_eq!(made.out.as_deref(), Some(out.as_path()));
+            let dataset = if name.ends_with("h5") { ":/surface/height" } else { "" };
+            let length = if name.ends_with("h5") { "" } else { "--length 1.3" };
+            let read = run_line(&format!("--surface {}{dataset} {length}", out.display())).unwrap();
+            assert_eq!((read.n, read.rms_height, read.highest), (made.n, made.rms_height, made.highest));
+            assert!(close(read.rms_gradient, made.rms_gradient) && close(read.length[0], made.length[0]));
+        }
+        let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(names.len(), 2, "{names:?}");
+        let archive = gfmd_files::Reader::open(folder.path().join("h.h5")).unwrap();
+        assert!(archive.text("/", "config").unwrap().contains("eps_t_inv = 2.0"));
+        assert_eq!(archive.shape("/spectrum/density").unwrap(), [32]);
+    }
+
+    #[test]
+    fn unusable_flags_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let says = |line: &str, words: &str| {
+            let failure = run_line(line).unwrap_err();
+            assert!(matches!(failure, Failure::Input(_)) && failure.to_string().contains(words), "{failure}");
+        };
+        says("--out h.txt", "--out: NAME.npy or NAME.h5 is allowed, found h.txt");
+        says("--out no/such/folder/h.npy", "--out: ");
+        says("--n 128 --fit-range 0.1", "--fit-range: LONGEST,SHORTEST is allowed, found [0.1]");
+        says("--n 128 --fit-range 0.1,0.2", "--fit-range: the wavelengths must satisfy 0 < shortest <= longest");
+        let out = folder.path().join("h.npy");
+        says(&format!("--hurst 3 --out {}", out.display()), "--hurst: ");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

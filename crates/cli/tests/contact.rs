@@ -1,0 +1,175 @@
+//! `contact` from end to end: files in, JSON and HDF5 out.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use approx::assert_relative_eq;
+use common::{gfmd, json};
+use gfmd_files::Reader;
+use ndarray::{Array1, Array2};
+use serde_json::Value;
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("no number {key} in {value}"))
+}
+
+/// The surface of the cross-code table.
+fn four_waves(n: usize) -> Array2<f64> {
+    Array2::from_shape_fn((n, n), |(i, j)| {
+        let [x, y] = [i, j].map(|k| TAU * k as f64 / n as f64);
+        let waves = x.cos() + 0.5 * (2.0 * y + 0.3).cos() + 0.25 * (3.0 * x - 2.0 * y + 1.1).cos();
+        0.01 * (waves + 0.125 * (5.0 * x + 4.0 * y + 2.0).cos())
+    })
+}
+
+#[test]
+fn a_surface_from_a_file_gives_the_published_numbers_in_json_and_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let heights = four_waves(64);
+    ndarray_npy::write_npy(folder.path().join("h.npy"), &heights).unwrap();
+    let flags =
+        "contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.005,0.02,0.05 --tol 1e-12 --json";
+    let mut arguments: Vec<&str> = flags.split_whitespace().collect();
+    arguments.extend(["--out", "c.h5"]);
+    let report = json(folder.path(), &arguments);
+
+    assert_eq!(report["n"], serde_json::json!([64, 64]));
+    let expected = [
+        (570, 0.097_119_164_4, 0.007_581_884_52),
+        (1742, 0.127_922_891_2, 0.002_135_958_89),
+        (3344, 0.161_929_049_1, 0.000_247_824_448),
+    ];
+    for (load, (nodes, peak, gap)) in report["loads"].as_array().unwrap().iter().zip(expected) {
+        assert_eq!(load["contact_nodes"], nodes);
+        assert_relative_eq!(number(load, "max_pressure"), peak, max_relative = 1e-9);
+        assert_relative_eq!(number(load, "mean_gap"), gap, max_relative = 5e-9);
+        assert_eq!(load["converged"], true);
+        assert_relative_eq!(
+            number(load, "kappa"),
+            number(load, "area_fraction") / number(load, "p_star"),
+            max_relative = 1e-15
+        );
+    }
+
+    let file = Reader::open(folder.path().join("c.h5")).unwrap();
+    for key in ["mean_pressure", "p_star", "displacement", "area_fraction", "kappa", "mean_gap", "elastic_energy"] {
+        let stored: Vec<f64> = file.values(&format!("/loads/{key}")).unwrap();
+        for (stored, load) in stored.iter().zip(report["loads"].as_array().unwrap()) {
+            assert_eq!(stored.to_bits(), number(load, key).to_bits(), "{key}");
+        }
+    }
+    assert_eq!(file.values::<f64>("/surface/height").unwrap(), heights.as_slice().unwrap());
+    assert_eq!(file.shape("/fields/pressure").unwrap(), [3, 64, 64]);
+    // Residuals hold for the stored fields, not only for those in memory.
+    let pressure: Vec<f64> = file.slab("/fields/pressure", 1).unwrap();
+    let gap: Vec<f64> = file.slab("/fields/gap", 1).unwrap();
+    let mean = pressure.iter().sum::<f64>() / 4096.0;
+    assert_relative_eq!(mean, 0.02, max_relative = 1e-12);
+    let work: f64 = pressure.iter().zip(&gap).map(|(p, g)| p * g).sum();
+    assert!(work.abs() < 1e-12 * 0.02 * 4096.0 * 0.01);
+    assert!(gap.iter().all(|g| *g > -1e-13));
+    assert!(file.text("/", "config").unwrap().contains("pressure = [0.005, 0.02, 0.05]"));
+}
+
+#[test]
+fn solvers_agree_and_threads_do_not_matter() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |rest: &str| {
+        let flags = format!(
+            "contact --n 64 --eps-f-inv 16 --hurst 0.5 --seed 3 --p-star 0.05,0.2 --height 0.5 --poisson 0.4 {rest} --json"
+        );
+        json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"].clone()
+    };
+    let reference = run("--solver cg --tol 1e-11");
+    for solver in ["auto", "projected-cg", "preconditioned-cg", "verlet", "verlet-critical", "fire"] {
+        let loads = run(&format!("--solver {solver} --tol 1e-11"));
+        for (a, b) in loads.as_array().unwrap().iter().zip(reference.as_array().unwrap()) {
+            assert_eq!(a["contact_nodes"], b["contact_nodes"], "{solver}");
+            assert_relative_eq!(number(a, "max_pressure"), number(b, "max_pressure"), max_relative = 1e-9);
+            assert_relative_eq!(number(a, "displacement"), number(b, "displacement"), max_relative = 1e-9);
+        }
+    }
+    let strip = |mut loads: Value| {
+        loads.as_array_mut().unwrap().iter_mut().for_each(|load| drop(load.as_object_mut().unwrap().remove("seconds")));
+        loads
+    };
+    assert_eq!(strip(run("--threads 1")), strip(run("--threads 3")));
+}
+
+#[test]
+fn approach_and_pressure_are_two_views_of_one_contact() {
+    let folder = tempfile::tempdir().unwrap();
+    for height in ["inf", "0.4"] {
+        let run = |control: &str| {
+            let flags =
+                format!("contact --n 48 --eps-f-inv 8 {control} --height {height} --poisson 0.3 --tol 1e-12 --json");
+            json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"][0].clone()
+        };
+        let pressed = run("--p-star 0.1");
+        let moved = run(&format!("--displacement {:.17e}", number(&pressed, "displacement")));
+        assert_relative_eq!(number(&moved, "mean_pressure"), number(&pressed, "mean_pressure"), max_relative = 1e-9);
+        assert_eq!(moved["contact_nodes"], pressed["contact_nodes"]);
+    }
+}
+
+#[test]
+fn beyond_full_contact_the_solution_is_linear() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "contact --n 32 --eps-f-inv 8 --p-star 5,10 --json";
+    let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let [a, b] = [0, 1].map(|i| report["loads"][i].clone());
+    assert_eq!((number(&a, "area_fraction"), number(&b, "area_fraction")), (1.0, 1.0));
+    let excess = |load: &Value| number(load, "max_pressure") - number(load, "mean_pressure");
+    assert_relative_eq!(excess(&a), excess(&b), max_relative = 1e-7);
+    assert!(number(&a, "mean_gap").abs() < 1e-12);
+}
+
+#[test]
+fn profiles_in_npy_and_hdf5_are_line_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let n = 256;
+    let wave = Array1::from_shape_fn(n, |i| 0.01 * (TAU * i as f64 / n as f64).cos());
+    ndarray_npy::write_npy(folder.path().join("wave.npy"), &wave.mapv(|h| h as f32)).unwrap();
+    let file = hdf5::File::create(folder.path().join("wave.h5")).unwrap();
+    file.new_dataset_builder().with_data(&wave).create("profiles/wave").unwrap();
+    file.close().unwrap();
+    // Westergaard: a_r = (2/π) asin √(p̄/p_full), p_full = π E* A/λ.
+    let pressure = 0.3 * std::f64::consts::PI * 0.01;
+    for surface in ["wave.npy", "wave.h5:/profiles/wave"] {
+        let flags = format!("contact --surface {surface} --pressure {pressure} --json");
+        let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(report["n"], serde_json::json!([n, 1]));
+        assert_relative_eq!(number(&report["loads"][0], "area_fraction"), 0.369_010_119, epsilon = 2.0 / n as f64);
+    }
+}
+
+#[test]
+fn a_text_scan_brings_its_size_and_its_wrap_around_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    // A tilted ramp with waves: opposite edges do not meet.
+    let rows: Vec<String> = (0..24)
+        .map(|j| {
+            let height = |i: usize| 1e-9 * (5.0 * i as f64 + (0.9 * i as f64).sin() * (0.7 * j as f64).cos());
+            (0..24).map(|i| format!("{:e}", height(i))).collect::<Vec<_>>().join("\t")
+        })
+        .collect();
+    let text =
+        format!("# Channel: Height\n# Width: 2.00 µm\n# Height: 2.00 µm\n# Value units: m\n{}\n", rows.join("\n"));
+    std::fs::write(folder.path().join("scan.txt"), text).unwrap();
+    let run = |rest: &str| {
+        let flags = format!("contact --surface scan.txt --e-star 1e9 --p-star 0.1 {rest} --json");
+        let output = gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (report, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (raw, warning) = run("");
+    assert_relative_eq!(raw["length"][0].as_f64().unwrap(), 2e-6, max_relative = 1e-12);
+    assert_eq!(raw["unit"], "m");
+    assert!(warning.contains("seam") && warning.contains("--periodise"), "{warning}");
+    let (mirrored, quiet) = run("--detrend plane --periodise mirror");
+    assert_eq!(mirrored["n"], serde_json::json!([48, 48]));
+    assert!(number(&mirrored, "rms_gradient") < 0.5 * number(&raw, "rms_gradient"));
+    assert!(mirrored["surface"].as_str().unwrap().contains("mirrored") && !quiet.contains("WARN"), "{quiet}");
+}

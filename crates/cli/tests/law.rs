@@ -1,0 +1,179 @@
+//! `law`, `contact --law` and `path` from end to end.
+
+mod common;
+
+use common::{gfmd, json};
+use gfmd_files::Reader;
+use serde_json::Value;
+
+fn run(folder: &std::path::Path, flags: &str) -> Value {
+    json(folder, &flags.split_whitespace().chain(["--json", "-q"]).collect::<Vec<_>>())
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("no number {key} in {value}"))
+}
+
+#[test]
+fn law_prints_the_table_of_the_theory_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let separation = "--param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3";
+    let at = |flags: &str| run(folder.path(), &format!("law {flags}"))["points"][0].clone();
+    let near = |point: &Value, wanted: [f64; 6]| {
+        let [t, j] = [&point["traction"], &point["jacobian"]];
+        let found = [&t[0], &t[1], &j[0][0], &j[0][1], &j[1][0], &j[1][1]].map(|value| value.as_f64().unwrap());
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-8, "{found} {wanted}");
+        }
+    };
+    // An xu-needleman with q = 0.7 has φ_t = 0.7.
+    let xn =
+        at("--law xu-needleman --param phi_n=1,phi_t=0.7,delta_n=0.2,delta_t=0.3,r=0.2 --normal 0.1 --tangential 0.15");
+    near(&xn, [1.256_383_692, 1.594_237_116, 6.785_033_861, -3.050_700_653, -3.050_700_653, 5.314_123_718]);
+    assert!(xn["energy"].is_number());
+    let npb = at(&format!("--law npb {separation} --normal=-0.1 --tangential 0.15"));
+    near(&npb, [-4.121_803_177, 3.424_067_778, 61.827_047_65, 0.0, -17.120_338_89, 11.413_559_26]);
+    assert!(npb["energy"].is_null());
+    let report =
+        run(folder.path(), &format!("law --law bsg {separation} --normal 0.1,0.2 --tangential 0.15,-0.1 --plot b"));
+    assert_eq!(report["points"].as_array().unwrap().len(), 2);
+    assert_eq!(report["mixed_mode"]["resists_sliding"], false);
+    assert!(folder.path().join("b.svg").exists() && folder.path().join("b.png").exists());
+}
+
+#[test]
+fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "contact --n 64 --eps-f-inv 8 --law exponential --param gamma=2e-5 --param range=1.2e-3 --pressure 0.005,0,-0.0001";
+    let report = run(folder.path(), &format!("{flags} --out a.h5 --plots a"));
+    let loads = report["loads"].as_array().unwrap();
+    for (load, asked) in loads.iter().zip([0.005, 0.0, -0.0001]) {
+        assert!((number(load, "mean_pressure") - asked).abs() < 1e-9);
+        assert_eq!(load["converged"], true);
+        assert!(number(load, "residual_equilibrium") <= 1e-8 && number(load, "lowest_curvature") > 0.0);
+    }
+    assert!(number(&loads[1], "area_fraction") > 0.0, "adhesion holds without a load");
+    // Without it, less is in contact.
+    let wall = run(folder.path(), "contact --n 64 --eps-f-inv 8 --pressure 0.005");
+    assert!(number(&wall["loads"][0], "area_fraction") < number(&loads[0], "area_fraction"));
+    assert!(wall["loads"][0]["interface_energy"].is_null());
+    let file = Reader::open(folder.path().join("a.h5")).unwrap();
+    let pressure: Vec<f64> = file.slab("/fields/pressure", 1).unwrap();
+    assert!(pressure.iter().any(|p| *p < 0.0) && pressure.iter().sum::<f64>().abs() < 1e-6);
+    let energy: Vec<f64> = file.values("/loads/interface_energy").unwrap();
+    assert_eq!(energy[0].to_bits(), number(&loads[0], "interface_energy").to_bits());
+    assert!(folder.path().join("a-map.png").exists());
+    // Dynamics comes to the same state.
+    let slow = run(folder.path(), &flags.replace(" --pressure 0.005,0,-0.0001", " --pressure 0.005 --solver fire"));
+    let [a, b] = [&slow["loads"][0], &loads[0]].map(|load| number(load, "mean_gap"));
+    assert!((a - b).abs() < 1e-7 * b, "{a} {b}");
+}
+
+#[test]
+fn surfaces_that_part_are_a_failure_of_the_computation() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags =
+        "contact --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-5,range=3e-3 --pressure 0.001,-1 -q --json";
+    let output = gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("load 1: the surfaces part"));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["loads"][0]["converged"], true);
+    // On a path it is an event, and the end.
+    let path = run(
+        folder.path(),
+        "path --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-5,range=3e-3 --pressure 0.001,-1 --steps 4",
+    );
+    assert_eq!(path["parted_at"].as_u64().unwrap() as usize, path["steps"].as_array().unwrap().len());
+}
+
+#[test]
+fn a_path_of_friction_sticks_slips_and_turns() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 128 --dim 2 --eps-f-inv 4 --poisson 0.5 --p-star 0.05 --friction 0.3 --lateral 0,0.004,-0.004 --steps 4";
+    let report = run(folder.path(), &format!("{flags} --out p.h5 --plots p"));
+    let steps = report["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 9);
+    let shear: Vec<f64> = steps.iter().map(|step| step["mean_shear"][0].as_f64().unwrap()).collect();
+    assert!(
+        shear[..5].windows(2).all(|pair| pair[1] >= pair[0]) && shear[4..].windows(2).all(|pair| pair[1] <= pair[0])
+    );
+    let most = 0.3 * number(&steps[4], "mean_pressure");
+    assert!(shear.iter().all(|shear| shear.abs() <= most * (1.0 + 1e-9)));
+    let stick = |step: &Value| number(step, "stick_fraction");
+    assert!(stick(&steps[4]) < stick(&steps[1]) && stick(&steps[5]) > stick(&steps[4]));
+    assert!(number(&report, "dissipated") > 0.0);
+    // Both legs begin as stiff as each other but for what sticks, and the way back slides in the end.
+    let sliding = report["sliding"].as_array().unwrap();
+    assert_eq!([&sliding[0]["leg"], &sliding[1]["leg"]], [1, 2]);
+    let first = shear[1] - shear[0];
+    assert!((number(&sliding[0], "tangential_stiffness") - first / 0.001).abs() < 1e-9 * first / 0.001);
+    assert!(number(&sliding[1], "tangential_stiffness") > 0.0);
+    let coefficient = sliding.iter().map(|leg| number(leg, "friction_coefficient")).fold(0.0, f64::max);
+    assert!(
+        (shear[8].abs() / number(&steps[8], "mean_pressure") - coefficient).abs() < 1e-9 && coefficient <= 0.3 + 1e-9
+    );
+    for step in steps {
+        assert_eq!(step["converged"], true);
+        assert!(number(&step["residual"], "friction") <= 1e-8);
+    }
+    let file = Reader::open(folder.path().join("p.h5")).unwrap();
+    let stored: Vec<f64> = file.values("/path/mean_shear_x").unwrap();
+    assert_eq!(stored, shear);
+    assert_eq!(file.shape("/fields/shear_x").unwrap(), [3, 128, 1]);
+    assert!(folder.path().join("p-path.svg").exists() && folder.path().join("p-map.svg").exists());
+}
+
+#[test]
+fn a_cohesive_path_moves_all_components() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 32 --dim 2 --eps-f-inv 4 --height 0.5 --law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 \
+                 --displacement 0.002 --lateral 0,0.01 --steps 2";
+    let report = run(folder.path(), flags);
+    for step in report["steps"].as_array().unwrap() {
+        assert_eq!(step["converged"], true);
+        // This law has no energy.
+        assert!(step["interface_energy"].is_null());
+    }
+    assert!(report["steps"][2]["mean_shear"][0].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn unusable_flags_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flags, words) in [
+        ("law --law glue --normal 0", &["--law", "glue", "xu-needleman", "dugdale"][..]),
+        ("law --law morse --param gamma=1 --normal 0", &["--param", "range", "positive"]),
+        ("law --law morse --param gamma=1,rho=2 --normal 0", &["--param", "rho", "gamma", "range"]),
+        ("law --law morse --param gamma=0,range=1 --normal 0", &["--param", "gamma is 0", "positive"]),
+        ("law --law morse --param gamma --normal 0", &["--param", "NAME=VALUE", "gamma"]),
+        ("law --law exponential --param gamma=1,range=1 --normal=-1", &["--normal", "-1", "0 or more"]),
+        ("law --law hard-wall --normal 1,2 --tangential 1", &["--tangential", "1", "2"]),
+        ("law --normal nan", &["--normal", "NaN", "finite"]),
+        ("law", &["--normal"]),
+        (
+            "contact --n 16 --eps-f-inv 4 --law morse --param gamma=1,range=1 --p-star 1 --solver cg",
+            &["--solver", "fire"],
+        ),
+        ("contact --n 16 --eps-f-inv 4 --law morse --param gamma=1 --p-star 1", &["--param", "range"]),
+        ("contact --n 16 --eps-f-inv 4 --param gamma=1 --p-star 1", &["--param", "hard-wall", "gamma", "none"]),
+        ("path --n 16 --eps-f-inv 4", &["--displacement"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1,2 --lateral 1,2,3", &["--p-star", "1 or 3", "2"]),
+        ("path --n 16 --eps-f-inv 4 --p-star=-1", &["--p-star", "positive"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --friction -0.1", &["--friction", "mu is -0.1"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law morse", &["--friction", "--law"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --tol 1", &["--tol", "1"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --steps 0", &["--steps", "0"]),
+        ("path --n 16 --eps-f-inv 4 --displacement 1 --friction 0.1", &["--displacement", "full contact"]),
+    ] {
+        let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{flags}: {text}");
+        assert_eq!(text.trim_end().lines().count(), 1, "{flags}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{flags}: no {word:?} in {text}");
+        }
+        assert!(output.stdout.is_empty());
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,164 @@
+//! `kappa-sweep` from end to end: result, file, interruption.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use common::{gfmd, json};
+use gfmd_files::Reader;
+
+const SMALL: &str = "
+[points]
+eps_t_inv = [1.0, 2.0]
+eps_f_inv = [4, 8]
+eps_c_inv = [4, 8]
+centre = [2, 4, 4]
+[loads]
+p_star = [0.02, 0.05]
+[statistics]
+realisations = 4
+[fit]
+p_star = 0.05
+alpha_c = 1
+resamples = 200
+";
+
+fn write_config(folder: &Path) {
+    std::fs::write(folder.join("sweep.toml"), SMALL).unwrap();
+}
+
+/// Everything in a file that must repeat.
+fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
+    let file = Reader::open(path).unwrap();
+    let mut all = Vec::new();
+    for group in ["/runs", "/points", "/fit", "/theory", "/example"] {
+        for name in file.names(group) {
+            if let Ok(values) = file.values::<f64>(&format!("{group}/{name}")) {
+                all.push((format!("{group}/{name}"), values.iter().map(|v| v.to_bits()).collect()));
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn a_sweep_ends_with_a_result_a_file_and_plots() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    let report = json(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 8);
+    for point in points {
+        assert!(point["kappa"].as_f64().unwrap() > 1.0 && point["kappa_sem"].as_f64().unwrap() > 0.0);
+    }
+    let fit = &report["fit"];
+    let [low, high] = [0, 1].map(|i| fit["ci95"][i].as_f64().unwrap());
+    let kappa = fit["kappa_tfc"].as_f64().unwrap();
+    assert!(low < kappa && kappa < high);
+    assert_eq!(fit["p_star"], 0.05);
+    assert_eq!(fit["terms"].as_array().unwrap().len(), 3);
+    for plot in report["plots"].as_array().unwrap() {
+        assert!(folder.path().join(plot.as_str().unwrap()).metadata().unwrap().len() > 1000);
+    }
+    let file = Reader::open(folder.path().join("s.h5")).unwrap();
+    let worst = file.values::<f64>("/runs/residual_penetration").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(worst <= 1e-8, "{worst:e}");
+    // The file repeats itself: its configuration is a sweep with the same numbers.
+    std::fs::write(folder.path().join("again.toml"), file.text("/", "config").unwrap()).unwrap();
+    json(
+        folder.path(),
+        &["kappa-sweep", "--config", "again.toml", "--out", "again.h5", "--json", "-q", "--threads", "1"],
+    );
+    assert_eq!(numbers(&folder.path().join("s.h5")), numbers(&folder.path().join("again.h5")));
+}
+
+#[test]
+fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    let arguments = |out: &'static str| ["kappa-sweep", "--config", "sweep.toml", "--out", out, "-q", "--json"];
+    json(folder.path(), &arguments("whole.h5"));
+
+    let journal = folder.path().join("cut.h5.journal");
+    let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
+    let mut resumed = arguments("cut.h5").to_vec();
+    resumed.push("--resume");
+    // The first line is the head: a kill before the first run is finished, and after some more of them each time.
+    for enough in [1, 2, 5, 9] {
+        let before = std::fs::read_to_string(&journal).unwrap_or_default();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
+            .current_dir(folder.path())
+            .args(&resumed)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        while lines() < enough && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
+        let mut text = std::fs::read_to_string(&journal).unwrap();
+        let whole = before.rfind('\n').map_or(0, |last| last + 1);
+        assert!(text.starts_with(&before[..whole]), "finished runs were lost");
+        // As if the kill had come in the middle of a line.
+        text.push_str("{\"run\":3,\"loads\":[{\"mean_pre");
+        std::fs::write(&journal, text).unwrap();
+    }
+    let refused = gfmd(folder.path(), &arguments("cut.h5"));
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--resume"));
+
+    json(folder.path(), &resumed);
+    assert_eq!(numbers(&folder.path().join("whole.h5")), numbers(&folder.path().join("cut.h5")));
+    assert!(!journal.exists());
+}
+
+#[test]
+fn a_bad_line_of_a_journal_is_named_and_the_journal_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    let text = first_line(folder.path());
+    let journal = folder.path().join("s.h5.journal");
+    for bad in ["{\"run\":1,\"loads\":[{\"kappa\":nu", "{\"run\":1,\"loads\":[null,null]}", "{\"run\":0,\"loads\":[]}"]
+    {
+        let text = format!("{text}{bad}\n{{\"run\":2,");
+        std::fs::write(&journal, &text).unwrap();
+        let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume", "-q"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("s.h5.journal, line 2: "), "{message}");
+        assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
+    }
+}
+
+/// The first line of the journal of the sweep in `folder`.
+fn first_line(folder: &Path) -> String {
+    let config = gfmd(folder, &["kappa-sweep", "--config", "sweep.toml", "--show-config"]).stdout;
+    let config = String::from_utf8(config).unwrap();
+    serde_json::json!({ "version": env!("CARGO_PKG_VERSION"), "config": config }).to_string() + "\n"
+}
+
+#[test]
+fn a_journal_of_another_sweep_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    std::fs::write(folder.path().join("s.h5.journal"), "{\"version\":\"0\",\"config\":\"\"}\n").unwrap();
+    let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("another configuration"));
+}
+
+#[test]
+fn a_dry_run_says_what_every_point_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    for preset in ["smoke", "default", "thesis", "prodanov", "line"] {
+        let plan = json(folder.path(), &["kappa-sweep", "--preset", preset, "--dry-run", "--json"]);
+        for point in plan["points"].as_array().unwrap() {
+            assert!(point["n"].as_u64().unwrap() > 1 && point["memory_bytes"].as_u64().unwrap() > 0);
+            assert!(point["seconds"].as_f64().unwrap() > 0.0);
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

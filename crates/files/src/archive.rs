@@ -1,0 +1,433 @@
+//! Result files: HDF5 with named dimensions and units, written beside their target and renamed when complete.
+//!
+//! - [`Output::claim`] takes a path for this process; a second process is refused. The claim is a lock of the operating
+//!   system on `NAME.lock`, so it ends with the process, however that ends.
+//! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target.
+//!   Until then an older file under that name stays as it is; an archive that is dropped before takes its part along.
+//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales lie in the group of the
+//!   variables that use them, so that each group opens as a dataset of its own with its coordinates:
+//!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
+//!   `h5dump`.
+//! - [`Reader`] gets values back, for resuming and for input.
+
+mod reader;
+mod scale;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, Group, H5Type, Location};
+
+use crate::{FileError, Output};
+use scale::Scale;
+
+pub use reader::Reader;
+
+/// Raised whenever a name or a meaning in the files changes.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// Bytes of one chunk, before compression. Large enough for deflate and for few seeks, small enough to read a part.
+const CHUNK_BYTES: usize = 1 << 21;
+
+/// Arrays below this size are stored in one piece, uncompressed.
+const SMALL_BYTES: usize = 1 << 13;
+
+/// Deflate level. On heights and pressures of 2048 x 2048 points, levels 1 to 6 differ by 1 % in size, 2 and 6 by 25 to
+/// 80 % in time.
+const DEFLATE: u8 = 2;
+
+/// A named dimension with its coordinates, written once per group as an HDF5 dimension scale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dimension {
+    /// Name, also of the coordinate variable: `load`, `x`, `run` ...
+    pub name: String,
+    /// The coordinate of each entry.
+    pub coordinates: Coordinates,
+    /// Unit of the coordinates: `1`, `length` ...
+    pub units: String,
+    /// Meaning in words.
+    pub long_name: String,
+}
+
+/// The coordinates along a dimension.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coordinates {
+    /// 0, 1, 2, ... so many.
+    Index(usize),
+    /// Positions.
+    Values(Vec<f64>),
+    /// Names.
+    Labels(Vec<String>),
+}
+
+impl Dimension {
+    /// A dimension counted from zero.
+    pub fn index(name: &str, length: usize, long_name: &str) -> Self {
+        let coordinates = Coordinates::Index(length);
+        Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
+    }
+
+    /// A dimension with positions.
+    pub fn values(name: &str, values: Vec<f64>, units: &str, long_name: &str) -> Self {
+        let coordinates = Coordinates::Values(values);
+        Self { name: name.into(), coordinates, units: units.into(), long_name: long_name.into() }
+    }
+
+    /// A dimension with a name for each entry.
+    pub fn labels(name: &str, labels: &[&str], long_name: &str) -> Self {
+        let coordinates = Coordinates::Labels(labels.iter().map(|&label| label.into()).collect());
+        Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        match &self.coordinates {
+            Coordinates::Index(length) => *length,
+            Coordinates::Values(values) => values.len(),
+            Coordinates::Labels(labels) => labels.len(),
+        }
+    }
+
+    /// True without entries.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// What a variable is, apart from its values.
+#[derive(Clone, Copy, Debug)]
+pub struct Variable<'a> {
+    /// Slowest first, as the values lie in memory; empty for a single number.
+    pub dimensions: &'a [&'a Dimension],
+    /// Unit, or the kind of quantity where any consistent set of units will do: `stress`, `length`, `1`.
+    pub units: &'a str,
+    /// Meaning in words.
+    pub long_name: &'a str,
+}
+
+impl Variable<'_> {
+    fn shape(&self) -> Vec<usize> {
+        self.dimensions.iter().map(|dimension| dimension.len()).collect()
+    }
+}
+
+/// Where a file comes from: the attributes of its root.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Name of the program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// The commit it was built from, `unknown` if it is not known.
+    pub git_commit: String,
+    /// The command line.
+    pub command: String,
+    /// Time of creation, RFC 3339.
+    pub created: String,
+    /// The complete resolved configuration as TOML.
+    pub config: String,
+    /// The machine, in words.
+    pub machine: String,
+    /// Number of threads.
+    pub threads: usize,
+}
+
+/// A single value beside a group or variable.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// Words.
+    Text(String),
+    /// A real number.
+    Real(f64),
+    /// A whole number.
+    Integer(i64),
+}
+
+impl From<&str> for Attribute {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<String> for Attribute {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<f64> for Attribute {
+    fn from(number: f64) -> Self {
+        Self::Real(number)
+    }
+}
+
+impl From<i64> for Attribute {
+    fn from(number: i64) -> Self {
+        Self::Integer(number)
+    }
+}
+
+/// A file being written. Nothing is seen under the target's name before [`Archive::finish`].
+#[derive(Debug)]
+pub struct Archive<'a> {
+    output: &'a Output,
+    /// `None` only while closing.
+    file: Option<File>,
+    /// By group and dimension.
+    scales: BTreeMap<(String, String), Scale>,
+}
+
+impl<'a> Archive<'a> {
+    /// Starts `NAME.part` beside the claimed target, over any part that an earlier process left.
+    pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
+        let part = output.part();
+        let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
+        let mut archive = Self { output, file: Some(file), scales: BTreeMap::new() };
+        let texts = [
+            ("program", &provenance.program),
+            ("version", &provenance.version),
+            ("git_commit", &provenance.git_commit),
+            ("command", &provenance.command),
+            ("created", &provenance.created),
+            ("config", &provenance.config),
+            ("machine", &provenance.machine),
+        ];
+        archive.attribute("/", "schema_version", i64::from(SCHEMA_VERSION))?;
+        for (name, text) in texts {
+            archive.attribute("/", name, text.as_str())?;
+        }
+        archive.attribute("/", "threads", provenance.threads as i64)?;
+        Ok(archive)
+    }
+
+    /// Writes a whole variable, row-major. Booleans and other types: write them as `u8` with the units `1`.
+    pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
+        self.check_length(path, variable, values.len())?;
+        let dataset = self.new_dataset::<T>(path, variable, None)?;
+        let written =
+            if variable.dimensions.is_empty() { dataset.write_scalar(&values[0]) } else { dataset.write_raw(values) };
+        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
+    }
+
+    /// Writes a variable of words.
+    pub fn write_text<S: AsRef<str>>(
+        &mut self,
+        path: &str,
+        variable: &Variable,
+        values: &[S],
+    ) -> Result<(), FileError> {
+        let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
+        self.write(path, variable, &texts)
+    }
+
+    /// Defines a variable whose entries along the first dimension come one by one, by [`Archive::write_slab`]. Entries
+    /// that never come are NaN.
+    pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
+        self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
+    }
+
+    /// Writes entry `index` along the first dimension of a variable made by [`Archive::define`].
+    pub fn write_slab(&mut self, path: &str, index: usize, values: &[f64]) -> Result<(), FileError> {
+        let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
+        let shape = dataset.shape();
+        let expected: usize = shape.iter().skip(1).product();
+        if shape.is_empty() || index >= shape[0] || values.len() != expected {
+            return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
+        }
+        let write = || {
+            let mut slab = vec![1];
+            slab.extend(&shape[1..]);
+            let values = ndarray::ArrayViewD::from_shape(slab, values)?;
+            let mut selection = vec![hdf5::SliceOrIndex::from(index..index + 1)];
+            selection.extend(shape[1..].iter().map(|_| hdf5::SliceOrIndex::from(..)));
+            dataset.write_slice(values, hdf5::Hyperslab::from(selection))?;
+            dataset.flush()
+        };
+        write().map_err(|error| self.failed(path, &error))
+    }
+
+    /// Writes an attribute beside the group or variable at `path`, which is made a group if it does not exist.
+    pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
+        let file = self.file()?;
+        let whole = format!("{}@{name}", path.trim_end_matches('/'));
+        let at: Location = match file.dataset(path) {
+            Ok(dataset) => (**dataset).clone(),
+            Err(_) => (*self.group(path)?).clone(),
+        };
+        let written = match value.into() {
+            Attribute::Text(text) => write_attribute(&at, name, &text_of(&whole, &text)?),
+            Attribute::Real(number) => write_attribute(&at, name, &number),
+            Attribute::Integer(number) => write_attribute(&at, name, &number),
+        };
+        written.map_err(|error| self.failed(&whole, &error))
+    }
+
+    /// Completes the file, syncs it to the disk, and gives it the target's name.
+    pub fn finish(mut self) -> Result<PathBuf, FileError> {
+        let part = self.output.part();
+        for scale in self.scales.values() {
+            scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
+        }
+        if let Some(file) = self.file.take() {
+            let closed = file.flush().and_then(|()| file.close());
+            if let Err(error) = closed {
+                let error = FileError::write(&part, "(end of file)", &error);
+                let _ = fs::remove_file(&part);
+                return Err(error);
+            }
+        }
+        self.output.publish()?;
+        Ok(self.output.path().to_path_buf())
+    }
+
+    fn file(&self) -> Result<&File, FileError> {
+        self.file.as_ref().ok_or_else(|| FileError::Closed { path: self.output.path().into() })
+    }
+
+    fn failed(&self, variable: &str, error: &hdf5::Error) -> FileError {
+        FileError::write(&self.output.part(), variable, error)
+    }
+
+    fn check_length(&self, path: &str, variable: &Variable, found: usize) -> Result<(), FileError> {
+        let shape = variable.shape();
+        if shape.iter().product::<usize>() == found {
+            return Ok(());
+        }
+        Err(FileError::Length { variable: path.into(), found, shape })
+    }
+
+    /// The group at `path`, made with its parents if need be.
+    fn group(&self, path: &str) -> Result<Group, FileError> {
+        let mut group = self.file()?.as_group().map_err(|error| self.failed(path, &error))?;
+        for name in path.split('/').filter(|name| !name.is_empty()) {
+            let next = if group.link_exists(name) { group.group(name) } else { group.create_group(name) };
+            group = next.map_err(|error| self.failed(path, &error))?;
+        }
+        Ok(group)
+    }
+
+    fn new_dataset<T: H5Type>(
+        &mut self,
+        path: &str,
+        variable: &Variable,
+        fill: Option<f64>,
+    ) -> Result<Dataset, FileError> {
+        let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let group = self.group(parent)?;
+        for dimension in variable.dimensions {
+            self.ensure_scale(&group, parent, dimension)?;
+        }
+        let dataset = create_dataset::<T>(&group, name, &variable.shape(), fill)
+            .and_then(|dataset| describe(&dataset, variable.units, variable.long_name).map(|()| dataset))
+            .map_err(|error| self.failed(path, &error))?;
+        let mut lists = Vec::with_capacity(variable.dimensions.len());
+        for (position, dimension) in variable.dimensions.iter().enumerate() {
+            if let Some(scale) = self.scales.get_mut(&(parent.to_owned(), dimension.name.clone())) {
+                scale.attach(path, position);
+                lists.push(scale.path().to_owned());
+            }
+        }
+        scale::write_dimension_list(self.file()?, &dataset, &lists).map_err(|error| self.failed(path, &error))?;
+        Ok(dataset)
+    }
+
+    /// The scale of a dimension in a group, written at its first use.
+    fn ensure_scale(&mut self, group: &Group, parent: &str, dimension: &Dimension) -> Result<(), FileError> {
+        let key = (parent.to_owned(), dimension.name.clone());
+        if let Some(scale) = self.scales.get(&key) {
+            if scale.dimension() != dimension {
+                return Err(FileError::Dimension { group: parent.into(), dimension: dimension.name.clone() });
+            }
+            return Ok(());
+        }
+        let path = format!("{parent}/{}", dimension.name);
+        let write = || -> Result<(), hdf5::Error> {
+            let shape = [dimension.len()];
+            let dataset = match &dimension.coordinates {
+                Coordinates::Index(length) => {
+                    let dataset = create_dataset::<i64>(group, &dimension.name, &shape, None)?;
+                    dataset.write_raw(&(0..*length as i64).collect::<Vec<_>>())?;
+                    dataset
+                }
+                Coordinates::Values(values) => {
+                    let dataset = create_dataset::<f64>(group, &dimension.name, &shape, None)?;
+                    dataset.write_raw(values)?;
+                    dataset
+                }
+                Coordinates::Labels(labels) => {
+                    let dataset = create_dataset::<VarLenUnicode>(group, &dimension.name, &shape, None)?;
+                    let labels: Result<Vec<VarLenUnicode>, _> = labels.iter().map(|label| label.parse()).collect();
+                    dataset.write_raw(&labels.map_err(|_| "a label contains a zero byte")?)?;
+                    dataset
+                }
+            };
+            describe(&dataset, &dimension.units, &dimension.long_name)?;
+            scale::mark(&dataset, &dimension.name)?;
+            dataset.flush()
+        };
+        write().map_err(|error| self.failed(&path, &error))?;
+        self.scales.insert(key, Scale::new(path, dimension.clone()));
+        Ok(())
+    }
+}
+
+impl Drop for Archive<'_> {
+    fn drop(&mut self) {
+        if let Some(file) = self.file.take() {
+            drop(file);
+            let _ = fs::remove_file(self.output.part());
+        }
+    }
+}
+
+/// Chunked by the first dimension and compressed, unless small; without time stamps, so that equal values give equal
+/// bytes.
+fn create_dataset<T: H5Type>(
+    group: &Group,
+    name: &str,
+    shape: &[usize],
+    fill: Option<f64>,
+) -> Result<Dataset, hdf5::Error> {
+    let size = size_of::<T>();
+    let mut builder = group.new_dataset_builder().obj_track_times(false);
+    if let Some(fill) = fill {
+        builder = builder.fill_value(fill);
+    }
+    if shape.iter().product::<usize>() * size >= SMALL_BYTES {
+        builder = builder.chunk(chunk(shape, size)).shuffle().deflate(DEFLATE);
+    }
+    builder.empty::<T>().shape(shape).create(name)
+}
+
+/// Whole rows, as many as fit into [`CHUNK_BYTES`]; one entry of the first dimension where there are three.
+fn chunk(shape: &[usize], size: usize) -> Vec<usize> {
+    let mut chunk = vec![1; shape.len()];
+    let mut room = (CHUNK_BYTES / size).max(1);
+    let keep = usize::from(shape.len() > 2);
+    for (chunk, &length) in chunk[keep..].iter_mut().zip(&shape[keep..]).rev() {
+        *chunk = length.clamp(1, room);
+        room = (room / *chunk).max(1);
+    }
+    chunk
+}
+
+fn describe(at: &Location, units: &str, long_name: &str) -> Result<(), hdf5::Error> {
+    for (name, text) in [("units", units), ("long_name", long_name)] {
+        let text: VarLenUnicode = text.parse().map_err(|_| format!("{name} contains a zero byte"))?;
+        write_attribute(at, name, &text)?;
+    }
+    Ok(())
+}
+
+fn write_attribute<T: H5Type>(at: &Location, name: &str, value: &T) -> Result<(), hdf5::Error> {
+    at.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+fn text_of(path: &str, text: &str) -> Result<VarLenUnicode, FileError> {
+    text.parse().map_err(|_| FileError::Text { variable: path.into() })
+}

@@ -1,0 +1,255 @@
+use std::process::{Command, Stdio};
+
+use super::*;
+
+fn provenance() -> Provenance {
+    Provenance {
+        program: "gfmd".into(),
+        version: "0.1.0".into(),
+        git_commit: "unknown".into(),
+        command: "gfmd contact --n 8".into(),
+        created: "2026-01-02T03:04:05Z".into(),
+        config: "n = 8\n[body]\nyoung = 1.0\n".into(),
+        machine: "two cores".into(),
+        threads: 2,
+    }
+}
+
+/// A file with everything that the commands write: scalars, words, fields by slabs, several groups with equal names.
+fn write_all(path: &std::path::Path) {
+    let output = Output::claim(path).unwrap();
+    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    let load = Dimension::index("load", 2, "load step");
+    let x = Dimension::values("x", (0..40).map(|i| 0.025 * f64::from(i)).collect(), "length", "position along x");
+    let y = Dimension::values("y", (0..30).map(|i| 0.05 * f64::from(i)).collect(), "length", "position along y");
+    let component = Dimension::labels("component", &["x", "y", "z"], "direction");
+    let height: Vec<f64> = (0..1200).map(|i| f64::from(i).sin()).collect();
+
+    let surface = Variable { dimensions: &[&x, &y], units: "length", long_name: "height, peaks towards the body" };
+    archive.write("/surface/height", &surface, &height).unwrap();
+    let scalar = Variable { dimensions: &[&load], units: "1", long_name: "contact area fraction" };
+    archive.write("/loads/area_fraction", &scalar, &[0.25, 0.5]).unwrap();
+    let count = Variable { dimensions: &[&load], units: "1", long_name: "iterations" };
+    archive.write("/loads/iterations", &count, &[17_u64, u64::MAX]).unwrap();
+    archive.write("/loads/converged", &Variable { long_name: "1 if converged", ..count }, &[1_u8, 0]).unwrap();
+    let words = Variable { dimensions: &[&load], units: "1", long_name: "method" };
+    archive.write_text("/loads/solver", &words, &["cg", "größer"]).unwrap();
+    let field =
+        Variable { dimensions: &[&load, &x, &y], units: "stress", long_name: "normal traction, compression positive" };
+    archive.define("/fields/pressure", &field).unwrap();
+    archive.write_slab("/fields/pressure", 1, &height).unwrap();
+    let vector = Variable { dimensions: &[&x, &y, &component], units: "length", long_name: "displacement" };
+    archive.write("/fields/displacement", &vector, &vec![1.5; 3600]).unwrap();
+    let single = Variable { dimensions: &[], units: "1", long_name: "kappa in the limit" };
+    archive.write("/fit/kappa_tfc", &single, &[2.1]).unwrap();
+    archive.attribute("/fit", "resamples", 2000).unwrap();
+    archive.attribute("/fit/kappa_tfc", "note", "three axes").unwrap();
+    archive.attribute("/fit", "p_star", 0.02).unwrap();
+    archive.finish().unwrap();
+}
+
+fn variable<'a>(dimensions: &'a [&'a Dimension]) -> Variable<'a> {
+    Variable { dimensions, units: "1", long_name: "something" }
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("all.h5");
+    write_all(&path);
+    let file = Reader::open(&path).unwrap();
+    assert_eq!(file.names("/"), ["fields", "fit", "loads", "surface"]);
+    assert_eq!(file.names("/loads"), ["area_fraction", "converged", "iterations", "load", "solver"]);
+    assert_eq!(file.shape("/fields/pressure").unwrap(), [2, 40, 30]);
+    assert_eq!(file.values::<u64>("/loads/iterations").unwrap(), [17, u64::MAX]);
+    assert_eq!(file.values::<f64>("/loads/converged").unwrap(), [1.0, 0.0]);
+    assert_eq!(file.texts("/loads/solver").unwrap(), ["cg", "größer"]);
+    assert_eq!(file.texts("/fields/component").unwrap(), ["x", "y", "z"]);
+    let height = file.values::<f64>("/surface/height").unwrap();
+    assert_eq!(file.slab::<f64>("/fields/pressure", 1).unwrap(), height);
+    assert!(file.slab::<f64>("/fields/pressure", 0).unwrap().iter().all(|p| p.is_nan()), "what never came is NaN");
+    assert_eq!(file.values::<f64>("/fit/kappa_tfc").unwrap(), [2.1]);
+    assert_eq!(file.shape("/fit/kappa_tfc").unwrap(), [0; 0]);
+    assert_eq!(file.text("/", "config").unwrap(), provenance().config);
+    assert_eq!(file.text("/fields/pressure", "units").unwrap(), "stress");
+    assert_eq!(file.text("/fit/kappa_tfc", "note").unwrap(), "three axes");
+    assert_eq!(file.number("/", "threads").unwrap(), 2.0);
+    assert_eq!(file.number("/fit", "p_star").unwrap(), 0.02);
+    assert!(file.contains("/fields/pressure") && !file.contains("/fields/gap") && !file.contains("/fields"));
+}
+
+#[test]
+fn equal_content_gives_equal_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = [folder.path().join("a.h5"), folder.path().join("b.h5")];
+    for path in &paths {
+        write_all(path);
+        std::thread::sleep(std::time::Duration::from_millis(1100)); // HDF5 time stamps count seconds.
+    }
+    assert!(fs::read(&paths[0]).unwrap() == fs::read(&paths[1]).unwrap());
+}
+
+#[test]
+fn fields_are_chunked_by_load_and_compressed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    write_all(&path);
+    let file = File::open(&path).unwrap();
+    let pressure = file.dataset("/fields/pressure").unwrap();
+    assert_eq!(pressure.chunk().unwrap(), [1, 40, 30]);
+    assert_eq!(pressure.filters().len(), 2);
+    assert!(!file.dataset("/loads/area_fraction").unwrap().is_chunked());
+    assert_eq!(chunk(&[3, 4096, 4096], 8), [1, 64, 4096]);
+    assert_eq!(chunk(&[3, 7, 1 << 40], 8), [1, 1, 1 << 18]);
+    assert_eq!(chunk(&[100_000], 8), [100_000]);
+    assert_eq!(chunk(&[1 << 30], 8), [1 << 18]);
+    assert_eq!(chunk(&[4096, 4096], 8), [64, 4096]);
+}
+
+#[test]
+fn a_file_being_written_leaves_the_good_one_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    write_all(&path);
+    let good = fs::read(&path).unwrap();
+    let output = Output::claim(&path).unwrap();
+    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    archive.write("/x", &variable(&[]), &[1.0]).unwrap();
+    assert!(output.part().exists());
+    assert_eq!(fs::read(&path).unwrap(), good);
+    drop(archive); // given up
+    assert!(!output.part().exists());
+    assert_eq!(fs::read(&path).unwrap(), good);
+
+    fs::write(output.part(), b"left by a process that was killed").unwrap();
+    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    archive.write("/x", &variable(&[]), &[1.0]).unwrap();
+    assert_eq!(archive.finish().unwrap(), path);
+    drop(output);
+    assert_eq!(Reader::open(&path).unwrap().names("/"), ["x"]);
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["a.h5"], "neither part nor lock is left");
+}
+
+#[test]
+fn a_second_claim_is_refused_until_the_first_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let first = Output::claim(&path).unwrap();
+    let error = Output::claim(&path).unwrap_err();
+    assert!(matches!(error, FileError::Busy { .. }));
+    let line = error.to_string();
+    assert!(line.contains("a.h5 is being written by another process"), "{line}");
+    Output::claim(folder.path().join("b.h5")).unwrap();
+    drop(first);
+    Output::claim(&path).unwrap();
+}
+
+/// Runs the named test once more in a process of its own, which finds the path of its file in the environment.
+fn again(test: &str, path: &std::path::Path, limit: &str) -> Command {
+    let mut command = Command::new("sh");
+    command.arg("-c").arg(format!("{limit} exec \"$0\" --exact archive::tests::{test}"));
+    command.arg(std::env::current_exe().unwrap()).env("ARCHIVE_TEST_FILE", path);
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+#[cfg(unix)]
+#[test]
+fn the_claim_ends_with_a_killed_process() {
+    if let Some(path) = std::env::var_os("ARCHIVE_TEST_FILE").map(PathBuf::from) {
+        let output = Output::claim(path).unwrap();
+        fs::write(output.beside(".ready"), b"").unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(60));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let mut child = again("the_claim_ends_with_a_killed_process", &path, "").spawn().unwrap();
+    for _ in 0..600 {
+        if folder.path().join("a.h5.ready").exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert!(matches!(Output::claim(&path), Err(FileError::Busy { .. })));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(folder.path().join("a.h5.lock").exists(), "killed without a chance to tidy up");
+    Output::claim(&path).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_one_clear_line_and_the_good_file_stays() {
+    if let Some(path) = std::env::var_os("ARCHIVE_TEST_FILE").map(PathBuf::from) {
+        let output = Output::claim(path).unwrap();
+        let mut archive = Archive::create(&output, &provenance()).unwrap();
+        let x = Dimension::index("x", 1 << 20, "position");
+        let noise: Vec<f64> = (0..1 << 20).map(|i| (1e5 * f64::from(i).sin()).fract()).collect();
+        let written = archive.write("/noise", &variable(&[&x]), &noise);
+        let error = written.and_then(|()| archive.finish().map(drop)).unwrap_err();
+        fs::write(output.beside(".message"), error.to_string()).unwrap();
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    fs::write(&path, b"good").unwrap();
+    // A limit in blocks of 512 bytes; with SIGXFSZ ignored a write beyond it fails as on a full disk.
+    let limit = "trap '' XFSZ; ulimit -f 2048;";
+    let status = again("a_full_disk_is_one_clear_line_and_the_good_file_stays", &path, limit).status().unwrap();
+    assert!(status.success());
+    let line = fs::read_to_string(folder.path().join("a.h5.message")).unwrap();
+    assert!(line.starts_with("cannot write /noise to ") && line.ends_with("a.h5.part: File too large"), "{line}");
+    assert_eq!(fs::read(&path).unwrap(), b"good");
+    assert!(!folder.path().join("a.h5.part").exists());
+}
+
+#[test]
+fn impossible_targets_are_refused_with_their_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = Output::claim(folder.path()).unwrap_err().to_string();
+    assert!(line.ends_with("it is a folder, a file name is needed"), "{line}");
+    let line = Output::claim(folder.path().join("no/a.h5")).unwrap_err().to_string();
+    assert!(line.contains("no/a.h5: there is no folder ") && !line.contains('\n'), "{line}");
+    let file = folder.path().join("file");
+    fs::write(&file, b"").unwrap();
+    assert!(matches!(Output::claim(file.join("a.h5")), Err(FileError::Target { .. })));
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Output::claim(folder.path().join("a.h5")).unwrap();
+    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    let (x, longer) = (Dimension::index("x", 3, "position"), Dimension::index("x", 4, "position"));
+    let line = archive.write("/a", &variable(&[&x]), &[1.0, 2.0]).unwrap_err().to_string();
+    assert_eq!(line, "/a has 2 values for the shape [3]");
+    archive.write("/a", &variable(&[&x]), &[1.0, 2.0, 3.0]).unwrap();
+    let error = archive.write("/b", &variable(&[&longer]), &[0.0; 4]).unwrap_err();
+    assert!(matches!(error, FileError::Dimension { .. }), "{error}");
+    archive.write("/other/b", &variable(&[&longer]), &[0.0; 4]).unwrap();
+    assert!(matches!(archive.write("/a", &variable(&[&x]), &[0.0; 3]), Err(FileError::Write { .. })), "twice");
+    let error = archive.write_text("/t", &variable(&[]), &["a\0b"]).unwrap_err();
+    assert!(matches!(error, FileError::Text { .. }), "{error}");
+    archive.define("/s", &variable(&[&x])).unwrap();
+    assert!(matches!(archive.write_slab("/s", 3, &[1.0]), Err(FileError::Slab { .. })));
+    assert!(matches!(archive.write_slab("/s", 0, &[1.0, 2.0]), Err(FileError::Slab { .. })));
+    archive.finish().unwrap();
+}
+
+#[test]
+fn what_cannot_be_read_says_what_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("all.h5");
+    assert!(matches!(Reader::open(&path), Err(FileError::Io { .. })));
+    fs::write(&path, b"text").unwrap();
+    let line = Reader::open(&path).unwrap_err().to_string();
+    assert!(line.contains("as HDF5") && !line.contains('\n'), "{line}");
+    write_all(&path);
+    let file = Reader::open(&path).unwrap();
+    let line = file.values::<f64>("/surface/heigth").unwrap_err().to_string();
+    assert!(line.ends_with("has no /surface/heigth; its group has: height, x, y"), "{line}");
+    assert!(file.text("/", "nothing").is_err());
+    assert!(file.slab::<f64>("/fields/pressure", 2).is_err());
+    assert!(file.values::<f64>("/loads/solver").is_err(), "words are no numbers");
+}

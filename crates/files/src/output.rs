@@ -1,0 +1,158 @@
+//! A path that belongs to this process while it writes there.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use fs4::{FileExt, TryLockError};
+
+use crate::FileError;
+
+/// A claimed target. The claim ends when the value is dropped or the process ends.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    lock: File,
+}
+
+impl Output {
+    /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not
+    /// exist or cannot be written, or if `path` is a folder.
+    pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref().to_path_buf();
+        let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
+        if path.file_name().is_none() || path.is_dir() {
+            return Err(refuse("it is a folder, a file name is needed"));
+        }
+        let folder = folder(&path);
+        if !folder.is_dir() {
+            return Err(refuse(&format!("there is no folder {}", folder.display())));
+        }
+        let lock_path = beside(&path, ".lock");
+        // A file that was unlinked by its last holder may be locked by us while a third process locks its successor:
+        // the lock counts only if the name still leads to the file that is locked.
+        for _ in 0..100 {
+            let lock = OpenOptions::new()
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&lock_path)
+                .map_err(|source| FileError::Io { action: "create", path: lock_path.clone(), source })?;
+            match FileExt::try_lock(&lock) {
+                Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock }),
+                Ok(()) => continue,
+                Err(TryLockError::WouldBlock) => break,
+                Err(TryLockError::Error(source)) => {
+                    return Err(FileError::Io { action: "lock", path: lock_path, source });
+                }
+            }
+        }
+        Err(FileError::Busy { path })
+    }
+
+    /// The target.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// `NAME.part` beside the target.
+    pub fn part(&self) -> PathBuf {
+        self.beside(".part")
+    }
+
+    /// `NAME` + `suffix` beside the target, for other files under the same claim.
+    pub fn beside(&self, suffix: &str) -> PathBuf {
+        beside(&self.path, suffix)
+    }
+
+    /// Replaces the target by the bytes that `write` gives: written beside it, synced, renamed. After an error the older
+    /// file is there as it was.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
+        replace(&self.path, write)
+    }
+
+    /// Syncs the part to the disk and renames it to the target.
+    pub(crate) fn publish(&self) -> Result<(), FileError> {
+        publish(&self.part(), &self.path)
+    }
+}
+
+/// Replaces the file `path` by the bytes that `write` gives: written to `NAME.part` beside it, synced, renamed. After an
+/// error the older file is there as it was. For files beside a claimed one; [`Output::write`] is for that one.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
+    let part = beside(path, ".part");
+    let written = File::create(&part).map(BufWriter::new).and_then(|mut file| {
+        write(&mut file)?;
+        file.flush()
+    });
+    let published = match written {
+        Ok(()) => publish(&part, path),
+        Err(source) => Err(FileError::Io { action: "write", path: part.clone(), source }),
+    };
+    published.inspect_err(|_| {
+        let _ = fs::remove_file(&part);
+    })
+}
+
+/// Syncs the part to the disk and renames it to the target.
+fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
+    let io = |action, path: &Path| {
+        let path = path.to_path_buf();
+        move |source| FileError::Io { action, path, source }
+    };
+    OpenOptions::new().write(true).open(part).and_then(|file| file.sync_all()).map_err(io("sync", part))?;
+    fs::rename(part, path).map_err(io("rename to", path))?;
+    sync_folder(folder(path)).map_err(io("sync", folder(path)))
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        // Unlink first, unlock after: whoever waits for the lock then finds that the name is gone and starts over.
+        let _ = fs::remove_file(beside(&self.path, ".lock"));
+        let _ = FileExt::unlock(&self.lock);
+    }
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.file_name().map(OsString::from).unwrap_or_default();
+    name.push(suffix);
+    path.with_file_name(name)
+}
+
+/// Where a file of this name would lie.
+pub fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(unix)]
+fn is_same_file(open: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
+    matches!((open.metadata().map(identity), fs::metadata(path).map(identity)), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(not(unix))]
+fn is_same_file(_: &File, path: &Path) -> bool {
+    path.exists() // An open file cannot be unlinked here.
+}
+
+/// Brings the names in a folder to the disk: a new or renamed file is there only then.
+///
+/// # Errors
+/// A folder that cannot be synced.
+#[cfg(unix)]
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+pub fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! Datasets of HDF5 files, ours and others'.
+
+use crate::Reader;
+
+use super::{Found, two_dimensional};
+
+/// Relative deviation of a coordinate from even spacing that counts as rounding.
+const EVEN: f64 = 1e-6;
+
+/// Path and dataset of `FILE.h5:/dataset`; an empty dataset if the name is that of an HDF5 file alone; `None` of other
+/// names.
+pub fn split(name: &str) -> Option<(&str, &str)> {
+    let is_archive = |path: &str| {
+        let path = path.to_ascii_lowercase();
+        [".h5", ".hdf5"].iter().any(|ending| path.ends_with(ending))
+    };
+    match name.rsplit_once(":/") {
+        Some((path, _)) if is_archive(path) => Some((path, &name[path.len() + 1..])),
+        _ if is_archive(name) => Some((name, "")),
+        _ => None,
+    }
+}
+
+/// Heights of a dataset; the spacing from evenly spaced coordinates `x` and `y` beside it, where there are any.
+pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
+    let reader = Reader::open(path).map_err(|error| error.to_string())?;
+    if dataset.is_empty() {
+        let names = reader.names("/").join(", ");
+        return Err(format!("FILE:/dataset is needed, such as {path}:/surface/height; the file holds {names}"));
+    }
+    let shape = reader.shape(dataset).map_err(|error| error.to_string())?;
+    let values = reader.values::<f64>(dataset).map_err(|error| error.to_string())?;
+    let heights = two_dimensional(&shape, values)?;
+    let lengths = lengths(&reader, dataset, heights.dim().into())?;
+    // "length" and "1" are words for any consistent unit.
+    let unit = reader.text(dataset, "units").ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()));
+    Ok(Found { heights, lengths, unit, channel: None })
+}
+
+/// Cell lengths from evenly spaced coordinates `x` and `y` beside a dataset, if they are there. Of a profile, the second
+/// is 1 and means nothing.
+///
+/// # Errors
+/// Coordinates that are unevenly spaced.
+pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Option<[f64; 2]>, String> {
+    let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
+    let length = |axis: &str, points: usize| -> Result<Option<f64>, String> {
+        let name = format!("{group}/{axis}");
+        match reader.contains(&name) {
+            true => evenly_spaced(&reader.values::<f64>(&name).map_err(|error| error.to_string())?, points, &name),
+            false => Ok(None),
+        }
+    };
+    let [nx, ny] = points;
+    let along_y = if ny == 1 { Some(1.0) } else { length("y", ny)? };
+    Ok(length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]))
+}
+
+/// The period of n coordinates with even spacing: n times the spacing; `None` of another number of coordinates.
+fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
+    if coordinates.len() != points || points < 2 {
+        return Ok(None);
+    }
+    let spacing = (coordinates[points - 1] - coordinates[0]) / (points - 1) as f64;
+    let uneven = coordinates.windows(2).find(|pair| (pair[1] - pair[0] - spacing).abs() > EVEN * spacing.abs());
+    match uneven {
+        Some(pair) => Err(format!(
+            "the coordinates {name} must be evenly spaced by {spacing}, found a step of {}",
+            pair[1] - pair[0]
+        )),
+        None => Ok(Some(spacing * points as f64)),
+    }
+}

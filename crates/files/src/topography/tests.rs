@@ -1,0 +1,192 @@
+//! Files made here, in the formats of instruments and of other programs.
+
+use std::path::PathBuf;
+
+use ndarray::{Array1, Array2, ShapeBuilder};
+use ndarray_npy::write_npy;
+use tempfile::TempDir;
+
+use super::Topography;
+use crate::{Archive, Dimension, Output, Provenance, Variable};
+
+/// A folder with one file of these bytes, and its name.
+fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let name = path.to_str().unwrap().to_owned();
+    (folder, name)
+}
+
+fn read_text(text: &str) -> Result<Topography, String> {
+    let (_folder, name) = file("scan.txt", text.as_bytes());
+    Topography::read(&name).map_err(|error| error.to_string().replace(&name, "FILE"))
+}
+
+/// The message that a text file gives.
+fn refusal(text: &str) -> String {
+    read_text(text).unwrap_err()
+}
+
+const SCAN: &str = "# Channel: ZSensor\n# Width: 6.00 µm\n# Height: 3.00 µm\n# Value units: nm\n\
+                    1e-003\t2.5\t-3\n4\t5\t6e+000\n";
+
+#[test]
+fn a_scan_of_an_instrument_has_x_along_its_lines_and_one_unit() {
+    let scan = read_text(SCAN).unwrap();
+    assert_eq!(scan.heights, ndarray::array![[1e-3, 4.0], [2.5, 5.0], [-3.0, 6.0]]);
+    assert!(scan.heights.is_standard_layout());
+    assert_eq!(scan.lengths, Some([6000.0, 3000.0]));
+    let metres = read_text(&SCAN.replace("units: nm", "units: m")).unwrap();
+    assert_eq!(metres.lengths, Some([6e-6, 3e-6]));
+    assert_eq!(scan.unit.as_deref(), Some("nm"));
+    assert!(scan.source.ends_with("scan.txt, channel ZSensor"), "{}", scan.source);
+}
+
+#[test]
+fn encodings_and_spellings_of_a_unit_do_not_matter() {
+    let expected = read_text(SCAN).unwrap();
+    let latin: Vec<u8> = SCAN.chars().map(|c| u8::try_from(c as u32).unwrap()).collect();
+    assert!(String::from_utf8(latin.clone()).is_err());
+    let mut marked = vec![0xef, 0xbb, 0xbf];
+    marked.extend_from_slice(SCAN.replace('\n', "\r\n").as_bytes());
+    for bytes in [latin, marked, SCAN.replace("µm", "um").into(), SCAN.replace('µ', "\u{3bc}").into()] {
+        let (_folder, name) = file("scan.txt", &bytes);
+        let found = Topography::read(&name).unwrap();
+        assert_eq!((found.heights, found.lengths), (expected.heights.clone(), expected.lengths));
+    }
+}
+
+#[test]
+fn plain_matrices_have_no_size() {
+    for text in [
+        "1 2 3\n4 5 6\n",
+        "  1\t2\t3\t\n4\t5\t6\t\n",
+        "1,2,3\n4,5,6",
+        "1; 2; 3;\n4; 5; 6;\n",
+        "% note\n1  2 3\n\n4 5 6\n",
+    ] {
+        let found = read_text(text).unwrap();
+        assert_eq!(found.heights, ndarray::array![[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]], "{text:?}");
+        assert_eq!((found.lengths, found.unit), (None, None));
+    }
+    for profile in ["1\n2\n3\n", "1 2 3\n"] {
+        assert_eq!(read_text(profile).unwrap().heights, ndarray::array![[1.0], [2.0], [3.0]]);
+    }
+    let profile = read_text("# Width: 2 mm\n# Value units: µm\n1 2 3 4\n").unwrap();
+    assert_eq!(profile.lengths, Some([2000.0, 1.0]));
+    assert_eq!(read_text("# Width: 2\n# Height: 5\n1 2\n3 4\n").unwrap().lengths, Some([2.0, 5.0]));
+}
+
+#[test]
+fn points_without_a_height_are_named_and_counted() {
+    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; fill them in \
+                    before: every point needs a height";
+    assert_eq!(refusal("1 2 3\n4 NaN nan\n"), expected);
+    for text in ["1,2,3\n4,,\n", "1,2,3,\n4,,,\n", "1;2;3\n4; BAD; -\n", "1 2 3\n4 -- na\n"] {
+        assert_eq!(refusal(text), expected, "{text:?}");
+    }
+    assert!(
+        refusal("1 inf\n2 3\n").contains("1 of 4 points have no finite height, the first (inf) at [x, y] = [1, 0]")
+    );
+}
+
+#[test]
+fn text_that_is_no_matrix_is_refused_by_line_and_column() {
+    let says = |text: &str, words: &str| {
+        let message = refusal(text);
+        assert!(message.starts_with("FILE: ") && message.contains(words), "{message:?} lacks {words:?}");
+        assert!(!message.contains('\n'));
+    };
+    says("1 2 3\n4 5\n", "line 2 has 2 numbers, the lines before have 3");
+    says("1 2\n3 high\n", "line 2, column 2: a number is allowed, found \"high\"");
+    says("1,5;2,5\n", "line 1, column 1: a number is allowed, with a decimal point, found \"1,5\"");
+    says("", "an array without points");
+    says("0 0 1\n0 1 2\n1 0 3\n1 1 4\n", "look like points x y z");
+    says("# Width: wide\n1 2\n3 4\n", "line 1: a length such as 10.00 µm is allowed, found \"wide\"");
+    says("# Width: 1 µm\n1 2\n3 4\n", "found only one of them");
+    says("# Width: 1 µm\n# Height: 1 µm\n1 2\n3 4\n", "the unit of the heights is not");
+    says("# Width: 1\n# Height: 1\n# Value units: m\n1 2\n3 4\n", "Width has no unit");
+    says("# Width: 1 V\n# Height: 1 V\n# Value units: m\n1 2\n3 4\n", "found \"V\"");
+    says("# Width: 0 m\n# Height: 1 m\n# Value units: m\n1 2\n3 4\n", "positive and finite, found 0 by 1");
+    let (_folder, name) = file("scan.al3d", b"Alicona\0\x01\x02");
+    assert!(Topography::read(&name).unwrap_err().reason.contains("FILE.npy or FILE.h5:/dataset is allowed"));
+    assert!(
+        Topography::read("no/such/file.txt").unwrap_err().to_string().starts_with("no/such/file.txt: No such file")
+    );
+}
+
+#[test]
+fn arrays_of_numpy_in_any_precision_and_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| -> PathBuf { folder.path().join(name) };
+    let read = |name: &str| Topography::read(path(name).to_str().unwrap());
+    let heights = Array2::from_shape_fn((3, 4), |(i, j)| i as f64 - 0.25 * j as f64);
+    let column_major = Array2::from_shape_fn((3, 4).f(), |(i, j)| i as f64 - 0.25 * j as f64);
+    write_npy(path("c.npy"), &heights).unwrap();
+    write_npy(path("f.npy"), &column_major).unwrap();
+    write_npy(path("single.npy"), &heights.mapv(|h| h as f32)).unwrap();
+    for name in ["c.npy", "f.npy", "single.npy"] {
+        let found = read(name).unwrap();
+        assert_eq!(found.heights, heights, "{name}");
+        assert!(found.heights.is_standard_layout());
+    }
+    write_npy(path("line.npy"), &Array1::from(vec![1.0, 2.0])).unwrap();
+    assert_eq!(read("line.npy").unwrap().heights, ndarray::array![[1.0], [2.0]]);
+
+    let says = |name: &str, words: &str| {
+        let message = read(name).unwrap_err().to_string();
+        assert!(message.contains(words), "{message:?} lacks {words:?}");
+    };
+    write_npy(path("whole.npy"), &heights.mapv(|h| h as i64)).unwrap();
+    says("whole.npy", "floats of 64 or 32 bits ('<f8', '<f4') are allowed, found");
+    write_npy(path("cube.npy"), &ndarray::Array3::<f64>::zeros((2, 2, 2))).unwrap();
+    says("cube.npy", "an array of 1 or 2 dimensions is allowed, found shape [2, 2, 2]");
+    write_npy(path("row.npy"), &Array2::<f64>::zeros((1, 5))).unwrap();
+    says("row.npy", "a profile has the shape [5] or [5, 1], found [1, 5]");
+    write_npy(path("empty.npy"), &Array2::<f64>::zeros((0, 5))).unwrap();
+    says("empty.npy", "an array without points");
+    let mut holes = heights.clone();
+    holes[[2, 1]] = f64::NAN;
+    write_npy(path("holes.npy"), &holes).unwrap();
+    says("holes.npy", "1 of 12 points have no finite height, the first (NaN) at [x, y] = [2, 1]");
+    let bytes = std::fs::read(path("c.npy")).unwrap();
+    std::fs::write(path("short.npy"), &bytes[..bytes.len() - 8]).unwrap();
+    says("short.npy", "reached EOF");
+    std::fs::write(path("text.npy"), "1 2 3 4 5 6 7 8 9").unwrap();
+    says("text.npy", "error parsing header");
+}
+
+#[test]
+fn datasets_bring_the_spacing_of_their_coordinates() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("h.h5");
+    let heights = Array2::from_shape_fn((3, 4), |(i, j)| (i * j) as f64);
+    {
+        let output = Output::claim(&path).unwrap();
+        let mut archive = Archive::create(&output, &Provenance::default()).unwrap();
+        let x = Dimension::values("x", vec![0.0, 0.5, 1.0], "µm", "position along x");
+        let y = Dimension::values("y", vec![1.0, 3.0, 5.0, 7.0], "µm", "position along y");
+        let height = Variable { dimensions: &[&x, &y], units: "µm", long_name: "height" };
+        archive.write("/surface/height", &height, heights.as_slice().unwrap()).unwrap();
+        let uneven = Dimension::values("x", vec![0.0, 0.5, 2.0], "length", "position along x");
+        let line = Variable { dimensions: &[&uneven], units: "length", long_name: "height" };
+        archive.write("/uneven/height", &line, &[1.0, 2.0, 3.0]).unwrap();
+        let bare = Variable { dimensions: &[&Dimension::index("k", 3, "point")], units: "length", long_name: "height" };
+        archive.write("/bare/height", &bare, &[1_f32, 2.0, 3.0]).unwrap();
+        archive.finish().unwrap();
+    }
+    let read = |dataset: &str| Topography::read(&format!("{}{dataset}", path.display()));
+    let found = read(":/surface/height").unwrap();
+    assert_eq!((found.heights, found.lengths, found.unit.as_deref()), (heights, Some([1.5, 8.0]), Some("µm")));
+    let bare = read(":/bare/height").unwrap();
+    assert_eq!((bare.heights.dim(), bare.lengths, bare.unit), ((3, 1), None, None));
+    let says = |dataset: &str, words: &str| {
+        let message = read(dataset).unwrap_err().to_string();
+        assert!(message.contains(words), "{message:?} lacks {words:?}");
+    };
+    says(":/uneven/height", "/uneven/x must be evenly spaced by 1, found a step of 0.5");
+    says(":/surface/depth", "height");
+    says("", "FILE:/dataset is needed");
+    assert!(Topography::read("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
+}

@@ -1,0 +1,204 @@
+//! VTK image data (`.vti`): values on a regular grid, for ParaView and the like, written plane by plane.
+//!
+//! The values follow the header as they are ("appended", "raw", little-endian, lengths of 64 bits), so that each plane of
+//! each array has its place in the file before it is known, and none is kept. x runs fastest, z slowest, upwards. (The
+//! crate `vtkio` writes the format from a model that holds the whole volume, and rests since 2022.)
+
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, SeekFrom, Write as _};
+use std::path::PathBuf;
+
+use crate::{FileError, Output};
+
+/// A regular grid of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Points along x, y, z.
+    pub points: [usize; 3],
+    /// The first point.
+    pub origin: [f64; 3],
+    /// Distance between neighbours along x, y, z.
+    pub spacing: [f64; 3],
+}
+
+/// A quantity at every point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointArray {
+    /// Its name.
+    pub name: &'static str,
+    /// Names of its components; none of a scalar. ParaView takes 3 as a vector and 6 as a symmetric tensor.
+    pub components: &'static [&'static str],
+}
+
+impl PointArray {
+    fn width(&self) -> usize {
+        self.components.len().max(1)
+    }
+}
+
+/// A file being written under the name `NAME.part`; [`Image::finish`] gives it its own.
+#[derive(Debug)]
+pub struct Image<'a> {
+    output: &'a Output,
+    file: BufWriter<File>,
+    lattice: Lattice,
+    /// Components of each array, and where its values begin.
+    arrays: Vec<(usize, u64)>,
+    finished: bool,
+}
+
+impl<'a> Image<'a> {
+    /// Starts a file with the values still to come.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn create(output: &'a Output, lattice: Lattice, arrays: &[PointArray]) -> Result<Self, FileError> {
+        let (header, bytes) = header(&lattice, arrays);
+        let part = output.part();
+        let write = || -> io::Result<BufWriter<File>> {
+            let mut file = BufWriter::new(File::create(&part)?);
+            file.write_all(header.as_bytes())?;
+            // The places between are zeros until their values come.
+            let mut place = header.len() as u64;
+            for &bytes in &bytes {
+                file.seek(SeekFrom::Start(place))?;
+                file.write_all(&bytes.to_le_bytes())?;
+                place += LENGTH + bytes;
+            }
+            file.seek(SeekFrom::Start(place))?;
+            file.write_all(FOOTER.as_bytes())?;
+            Ok(file)
+        };
+        let file = write().map_err(|source| FileError::Io { action: "write", path: part, source })?;
+        let mut place = header.len() as u64;
+        let places = arrays.iter().zip(bytes).map(|(array, bytes)| {
+            let begin = place + LENGTH;
+            place = begin + bytes;
+            (array.width(), begin)
+        });
+        Ok(Self { output, file, lattice, arrays: places.collect(), finished: false })
+    }
+
+    /// Writes plane `level`, counted upwards, of array number `array`: values `[x, y, component]`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    ///
+    /// # Panics
+    /// If there is no such array or plane, or if the values do not fill it.
+    pub fn write_plane(&mut self, array: usize, level: usize, values: &[f64]) -> Result<(), FileError> {
+        let ([nx, ny, nz], (width, begin)) = (self.lattice.points, self.arrays[array]);
+        assert!(level < nz && values.len() == nx * ny * width, "a plane of the lattice");
+        let mut write = || -> io::Result<()> {
+            self.file.seek(SeekFrom::Start(begin + (level * values.len() * VALUE) as u64))?;
+            for j in 0..ny {
+                for i in 0..nx {
+                    for value in &values[(i * ny + j) * width..][..width] {
+                        self.file.write_all(&value.to_le_bytes())?;
+                    }
+                }
+            }
+            Ok(())
+        };
+        write().map_err(|source| FileError::Io { action: "write", path: self.output.part(), source })
+    }
+
+    /// Completes the file, syncs it to the disk, and gives it the target's name.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(mut self) -> Result<PathBuf, FileError> {
+        let path = self.output.part();
+        self.file.flush().map_err(|source| FileError::Io { action: "write", path, source })?;
+        self.output.publish()?;
+        self.finished = true;
+        Ok(self.output.path().to_path_buf())
+    }
+}
+
+impl Drop for Image<'_> {
+    fn drop(&mut self) {
+        if !self.finished {
+            let _ = std::fs::remove_file(self.output.part());
+        }
+    }
+}
+
+/// Bytes of a value, and of the length before an array.
+const VALUE: usize = size_of::<f64>();
+const LENGTH: u64 = size_of::<u64>() as u64;
+
+const FOOTER: &str = "\n</AppendedData>\n</VTKFile>\n";
+
+/// The XML up to the first appended byte, and the length of each array in bytes.
+fn header(lattice: &Lattice, arrays: &[PointArray]) -> (String, Vec<u64>) {
+    let Lattice { points, origin, spacing } = lattice;
+    let extent = points.map(|n| format!("0 {}", n - 1)).join(" ");
+    let triple = |values: &[f64; 3]| values.map(|value| format!("{value:e}")).join(" ");
+    let mut text = format!(
+        "<?xml version=\"1.0\"?>\n\
+         <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+         <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\">\n<Piece Extent=\"{extent}\">\n<PointData>\n",
+        triple(origin),
+        triple(spacing)
+    );
+    let (mut offset, mut bytes) = (0, Vec::new());
+    for array in arrays {
+        let _ = write!(
+            text,
+            "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"",
+            array.name,
+            array.width()
+        );
+        for (k, name) in array.components.iter().enumerate() {
+            let _ = write!(text, " ComponentName{k}=\"{name}\"");
+        }
+        let _ = writeln!(text, " format=\"appended\" offset=\"{offset}\"/>");
+        let length = (points.iter().product::<usize>() * array.width() * VALUE) as u64;
+        offset += LENGTH + length;
+        bytes.push(length);
+    }
+    text += "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
+    (text, bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_land_where_the_header_says_in_any_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::claim(folder.path().join("volume.vti")).unwrap();
+        let lattice = Lattice { points: [3, 2, 2], origin: [0.0; 3], spacing: [0.5, 0.5, 0.25] };
+        let arrays =
+            [PointArray { name: "height", components: &[] }, PointArray { name: "place", components: &["X", "Y"] }];
+        let mut image = Image::create(&output, lattice, &arrays).unwrap();
+        for level in [1, 0] {
+            image.write_plane(0, level, &[level as f64; 6]).unwrap();
+            let places: Vec<f64> = (0..6).flat_map(|p| [(p / 2) as f64, (p % 2) as f64]).collect();
+            image.write_plane(1, level, &places).unwrap();
+        }
+        let bytes = std::fs::read(image.finish().unwrap()).unwrap();
+        let start = bytes.windows(2).position(|pair| pair == b"\n_").unwrap() + 2;
+        let number = |index: usize| f64::from_le_bytes(bytes[start + 8 + 8 * index..][..8].try_into().unwrap());
+        assert_eq!(u64::from_le_bytes(bytes[start..][..8].try_into().unwrap()), 96);
+        assert_eq!([0, 5, 6, 11].map(number), [0.0, 0.0, 1.0, 1.0]);
+        // Behind the second length: x runs fastest.
+        assert_eq!([13, 14, 15, 16, 17, 18, 19, 20].map(number), [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 1.0]);
+        let text = String::from_utf8_lossy(&bytes[..start]).into_owned();
+        assert!(text.contains("WholeExtent=\"0 2 0 1 0 1\"") && text.contains("offset=\"104\""), "{text}");
+        assert!(bytes.ends_with(FOOTER.as_bytes()) && bytes.len() == start + 8 + 96 + 8 + 192 + FOOTER.len());
+    }
+
+    #[test]
+    fn a_file_given_up_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::claim(folder.path().join("volume.vti")).unwrap();
+        let lattice = Lattice { points: [2, 2, 2], origin: [0.0; 3], spacing: [1.0; 3] };
+        drop(Image::create(&output, lattice, &[PointArray { name: "u", components: &[] }]).unwrap());
+        drop(output);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

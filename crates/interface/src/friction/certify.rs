@@ -1,0 +1,89 @@
+use gfmd_vector::{add, dot, reduce};
+use ndarray::{Array2, Array3};
+
+use super::increment::Increment;
+use super::state::{FrictionResidual, FrictionState};
+use super::{FITS, Normal};
+use crate::numbers::{higher_each, mean};
+
+/// The state of an increment: everything from fresh transforms of the tractions.
+pub(super) fn certify(increment: &mut Increment) -> FrictionState {
+    let lateral = increment.lateral();
+    let traction = increment.traction(&increment.shear[..lateral]);
+    let mut displacement = vec![0.0; traction.len()];
+    increment.compliance.apply(&traction, &mut displacement);
+    let Increment { contact, drive, stuck, pressure, .. } = &*increment;
+    let n = pressure.len();
+    let components = lateral / n;
+    let uz = &displacement[lateral..];
+
+    let mean_pressure = mean(pressure);
+    let [touching, distance] = reduce(
+        n,
+        &|range| {
+            range
+                .filter(|i| pressure[*i] > 0.0)
+                .fold([0.0; 2], |sums, i| add(sums, [1.0, contact.clearance[i] - uz[i]]))
+        },
+        &add,
+    );
+    let (approach, load) = match drive.normal {
+        Normal::MeanPressure(asked) => (distance / touching, (mean_pressure - asked).abs() / asked),
+        Normal::Approach(approach) => (approach, 0.0),
+    };
+    let gap: Vec<f64> = contact.clearance.iter().zip(uz).map(|(c, u)| c - u - approach).collect();
+    let slip: Vec<f64> = displacement.iter().zip(stuck).map(|(u, stuck)| u - stuck).collect();
+
+    let limits = increment.limits();
+    let magnitude = |i: usize| (0..components).map(|c| traction[c * n + i].powi(2)).sum::<f64>().sqrt();
+    let [sticking, dissipated, closed] = reduce(
+        n,
+        &|range| {
+            range.fold([0.0; 3], |sums, i| {
+                let sticks = limits.values[i] > 0.0 && magnitude(i) < limits.values[i] * (1.0 - 1e-9);
+                let work: f64 = (0..components).map(|c| -traction[c * n + i] * slip[c * n + i]).sum();
+                add(sums, [f64::from(sticks), work, pressure[i] * gap[i]])
+            })
+        },
+        &add,
+    );
+    let [below, excess] = reduce(
+        n,
+        &|range| range.fold([0.0; 2], |worst, i| higher_each(worst, [-gap[i], magnitude(i) - limits.values[i]])),
+        &higher_each,
+    );
+    let residual = FrictionResidual {
+        complementarity: if mean_pressure > 0.0 {
+            (closed / (mean_pressure * n as f64 * contact.rms_height)).abs()
+        } else {
+            0.0
+        },
+        penetration: below / contact.rms_height,
+        load,
+        friction: limits.mismatch(&traction[..lateral], &slip),
+        excess: if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 },
+    };
+
+    let mut mean_shear = [0.0; 2];
+    mean_shear.iter_mut().zip(traction[..lateral].chunks_exact(n)).for_each(|(shear, field)| *shear = mean(field));
+    let elastic_energy = 0.5 * dot(&traction, &displacement) / n as f64;
+    let [nx, ny] = contact.response.grid().points();
+    let vectors = |values: Vec<f64>| Array3::from_shape_vec((values.len() / n, nx, ny), values).expect(FITS);
+    FrictionState {
+        gap: Array2::from_shape_vec((nx, ny), gap).expect(FITS),
+        slip: vectors(slip),
+        displacement: vectors(displacement),
+        traction: vectors(traction),
+        mean_pressure,
+        mean_shear,
+        approach,
+        lateral: drive.lateral,
+        contact_fraction: touching / n as f64,
+        stick_fraction: sticking / n as f64,
+        elastic_energy,
+        dissipated: dissipated / n as f64,
+        residual,
+        iterations: 0,
+        transform_pairs: increment.pairs(),
+    }
+}

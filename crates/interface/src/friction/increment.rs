@@ -1,0 +1,131 @@
+use std::ops::ControlFlow;
+
+use gfmd_relax::{Budget, Descended, Minimum, ProjectedCg, RelaxError, SpectralProjectedGradient, Target};
+
+use super::normal::NormalProblem;
+use super::state::FrictionState;
+use super::tangential::{Compliance, Limits, TangentialProblem};
+use super::{Drive, FrictionalContact, Normal};
+
+/// One increment while it is solved.
+pub(super) struct Increment<'a> {
+    pub(super) contact: &'a FrictionalContact<'a>,
+    pub(super) drive: Drive,
+    pub(super) compliance: Compliance<'a>,
+    pub(super) normal: NormalProblem<'a>,
+    /// Lateral displacement of the elastic surface if nothing slips.
+    pub(super) stuck: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    /// Traction on the elastic surface with all components; z is 0.
+    pub(super) shear: Vec<f64>,
+    /// G of the shear.
+    sheared: Vec<f64>,
+}
+
+impl<'a> Increment<'a> {
+    pub(super) fn new(contact: &'a FrictionalContact<'a>, drive: Drive, start: Option<&FrictionState>) -> Self {
+        let points = contact.clearance.len();
+        let lateral = contact.lateral_components() * points;
+        let mut pressure = vec![0.0; points];
+        let mut shear = vec![0.0; lateral + points];
+        let mut stuck: Vec<f64> = (0..lateral).map(|k| drive.lateral[k / points]).collect();
+        if let Some(state) = start {
+            let tractions = || state.traction.iter();
+            pressure.iter_mut().zip(tractions().skip(lateral)).for_each(|(p, t)| *p = (-t).max(0.0));
+            shear.iter_mut().zip(tractions().take(lateral)).for_each(|(shear, t)| *shear = *t);
+            for (k, (stuck, u)) in stuck.iter_mut().zip(&state.displacement).enumerate() {
+                *stuck += u - state.lateral[k / points];
+            }
+        } else if let Normal::MeanPressure(mean) = drive.normal {
+            pressure.fill(mean);
+        }
+        let mut increment = Self {
+            contact,
+            drive,
+            compliance: Compliance::new(contact.response),
+            normal: NormalProblem::new(contact.response, &contact.clearance),
+            stuck,
+            pressure,
+            sheared: vec![0.0; shear.len()],
+            shear,
+        };
+        increment.lift(1.0);
+        increment
+    }
+
+    /// Number of lateral values: those of x, or of x and y.
+    pub(super) fn lateral(&self) -> usize {
+        self.stuck.len()
+    }
+
+    /// Pairs of transforms so far.
+    pub(super) fn pairs(&self) -> u64 {
+        self.compliance.pairs + self.normal.pairs
+    }
+
+    /// Passes to the normal problem the `share` of what the shear changes in it: its u_z lifts the surface.
+    pub(super) fn lift(&mut self, share: f64) {
+        let lateral = self.lateral();
+        let Self { contact, compliance, shear, sheared, normal, drive, .. } = self;
+        compliance.apply(shear, sheared);
+        let approach = if let Normal::Approach(approach) = drive.normal { approach } else { 0.0 };
+        for ((linear, clearance), u) in normal.linear.iter_mut().zip(&contact.clearance).zip(&sheared[lateral..]) {
+            *linear += share * (clearance - u - approach - *linear);
+        }
+    }
+
+    /// Finds the pressure under the present shear.
+    pub(super) fn press(
+        &mut self,
+        tolerance: f64,
+        limit: u64,
+        watch: &mut dyn gfmd_relax::Watch,
+    ) -> Result<Minimum, RelaxError> {
+        let target = Target {
+            mean: if let Normal::MeanPressure(mean) = self.drive.normal { Some(mean) } else { None },
+            gradient_scale: self.contact.rms_height,
+            budget: Budget { tolerance, max_iterations: limit },
+        };
+        ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)
+    }
+
+    /// The limits that the present pressure sets.
+    pub(super) fn limits(&self) -> Limits {
+        Limits::new(self.contact.limit, &self.pressure, self.contact.rms_height)
+    }
+
+    /// Pressure and `shear` together, as a traction on the elastic surface.
+    pub(super) fn traction(&self, shear: &[f64]) -> Vec<f64> {
+        shear.iter().copied().chain(self.pressure.iter().map(|p| -p)).collect()
+    }
+
+    /// Finds the shear under the present pressure.
+    pub(super) fn shear(
+        &mut self,
+        tolerance: f64,
+        limit: u64,
+        watch: &mut dyn FnMut(u64, f64) -> ControlFlow<()>,
+    ) -> Descended {
+        let lateral = self.lateral();
+        let limits = self.limits();
+        let mut traction = self.traction(&vec![0.0; lateral]);
+        let Self { contact, compliance, stuck, shear, sheared, .. } = self;
+        let mut slip = vec![0.0; traction.len()];
+        compliance.apply(&traction, &mut slip);
+        limits.project(&mut shear[..lateral]);
+        compliance.apply(shear, sheared);
+        slip.truncate(lateral);
+        for ((slip, stuck), u) in slip.iter_mut().zip(stuck).zip(&*sheared) {
+            *slip = *slip - *stuck + u;
+        }
+        if limits.strongest == 0.0 {
+            return Descended { steps: 0, interrupted: false };
+        }
+        traction[lateral..].fill(0.0);
+        // Stress over length: that of the shortest wave to begin with.
+        let [_, stiffest] = contact.response.stiffness_range();
+        let mut problem = TangentialProblem { compliance, limits: &limits, traction, displacement: sheared };
+        let method = SpectralProjectedGradient { first_step: stiffest };
+        method.minimise(&mut problem, &mut shear[..lateral], &mut slip, tolerance, limit, watch)
+    }
+}

@@ -1,0 +1,123 @@
+use gfmd_relax::OnConvexSet;
+use gfmd_response::{FullResponse, Workspace};
+use gfmd_vector::{for_each, reduce};
+
+use crate::numbers::higher;
+
+/// The compliance of all components, with its workspace and a count of the transforms.
+pub(super) struct Compliance<'a> {
+    response: &'a FullResponse,
+    workspace: Workspace,
+    /// Pairs of transforms of one component so far.
+    pub(super) pairs: u64,
+}
+
+impl<'a> Compliance<'a> {
+    pub(super) fn new(response: &'a FullResponse) -> Self {
+        Self { response, workspace: response.workspace(), pairs: 0 }
+    }
+
+    /// `displacement` ← G `traction`.
+    pub(super) fn apply(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        self.pairs += self.response.components().len() as u64;
+        self.response.compliance().apply(traction, displacement, &mut self.workspace).expect(super::FITS);
+    }
+}
+
+/// The tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit, with s₀ the slip without shear.
+pub(super) struct TangentialProblem<'p, 'a> {
+    pub(super) compliance: &'p mut Compliance<'a>,
+    pub(super) limits: &'p Limits,
+    /// Memory for a traction and a displacement of all components; the traction has no normal component.
+    pub(super) traction: Vec<f64>,
+    pub(super) displacement: &'p mut [f64],
+}
+
+impl OnConvexSet for TangentialProblem<'_, '_> {
+    fn apply(&mut self, direction: &[f64], out: &mut [f64]) {
+        let Self { compliance, limits: Limits { values, .. }, traction, displacement } = self;
+        traction[..direction.len()].copy_from_slice(direction);
+        compliance.apply(traction, displacement);
+        let points = values.len();
+        for (out, image) in out.chunks_exact_mut(points).zip(displacement.chunks_exact(points)) {
+            let mask = |start: usize, [out]: [&mut [f64]; 1]| {
+                for ((out, image), limit) in out.iter_mut().zip(&image[start..]).zip(&values[start..]) {
+                    *out = if *limit > 0.0 { *image } else { 0.0 };
+                }
+            };
+            for_each([out], &mask);
+        }
+    }
+
+    fn project(&self, x: &mut [f64]) {
+        self.limits.project(x);
+    }
+
+    fn residual(&self, x: &[f64], gradient: &[f64]) -> f64 {
+        self.limits.mismatch(x, gradient)
+    }
+}
+
+/// The largest shear traction that friction allows at each point.
+pub(super) struct Limits {
+    pub(super) values: Vec<f64>,
+    /// The largest of all.
+    pub(super) strongest: f64,
+    /// The unit of slip, length.
+    pub(super) length: f64,
+}
+
+impl Limits {
+    pub(super) fn new(limit: gfmd_law::Limit, pressure: &[f64], length: f64) -> Self {
+        let values: Vec<f64> = pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }).collect();
+        Self { strongest: values.iter().copied().fold(0.0, f64::max), values, length }
+    }
+
+    /// Shortens the shear to its limit, point by point.
+    pub(super) fn project(&self, shear: &mut [f64]) {
+        let limits = &self.values;
+        let factor = |square: f64, limit: f64| {
+            let magnitude = square.sqrt();
+            if magnitude > limit { limit / magnitude } else { 1.0 }
+        };
+        let (x, y) = shear.split_at_mut(limits.len());
+        if y.is_empty() {
+            let leaf = |start: usize, [x]: [&mut [f64]; 1]| {
+                x.iter_mut().zip(&limits[start..]).for_each(|(x, limit)| *x *= factor(*x * *x, *limit));
+            };
+            for_each([x], &leaf);
+        } else {
+            let leaf = |start: usize, [x, y]: [&mut [f64]; 2]| {
+                for ((x, y), limit) in x.iter_mut().zip(y).zip(&limits[start..]) {
+                    let factor = factor(*x * *x + *y * *y, *limit);
+                    *x *= factor;
+                    *y *= factor;
+                }
+            };
+            for_each([x, y], &leaf);
+        }
+    }
+
+    /// Largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if nothing may
+    /// be sheared. (A sum of limit |s| + τ·s would vanish with the square of the error in the direction.)
+    pub(super) fn mismatch(&self, shear: &[f64], slip: &[f64]) -> f64 {
+        let Self { values: limits, strongest, length } = self;
+        if *strongest == 0.0 {
+            return 0.0;
+        }
+        let n = limits.len();
+        let components = slip.len() / n;
+        let stiffness = strongest / length;
+        let of_point = |i: usize| {
+            let mut moved = [0.0; 2];
+            for c in 0..components {
+                moved[c] = shear[c * n + i] - stiffness * slip[c * n + i];
+            }
+            let magnitude = moved[0].hypot(moved[1]);
+            let factor = if magnitude > limits[i] { limits[i] / magnitude } else { 1.0 };
+            let off: f64 = (0..components).map(|c| (shear[c * n + i] - factor * moved[c]).powi(2)).sum();
+            off.sqrt()
+        };
+        reduce(n, &|range| range.fold(0.0, |worst, i| higher(worst, of_point(i))), &higher) / strongest
+    }
+}

@@ -1,0 +1,98 @@
+use gfmd_law::Law;
+use gfmd_vector::for_each;
+
+use crate::frame::Frame;
+
+/// Traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric where there is an energy, so that its
+/// upper triangle is enough.
+pub(crate) struct Reaction {
+    components: usize,
+    points: usize,
+    /// Component by component the traction, then J column by column: xx; xy, yy; xz, yz, zz.
+    tables: Vec<f64>,
+}
+
+impl Reaction {
+    pub(crate) fn new(components: usize, points: usize) -> Self {
+        let tables = components + components * (components + 1) / 2;
+        Self { components, points, tables: vec![0.0; tables * points] }
+    }
+
+    /// Takes traction and Jacobian of `law` at `position`.
+    pub(crate) fn update(&mut self, law: &dyn Law, frame: &Frame, position: &[f64]) {
+        let both = |i: usize| {
+            let (normal, sliding) = frame.separation(position, i);
+            (law.traction(normal, sliding), law.jacobian(normal, sliding))
+        };
+        match self.components {
+            1 => self.fill(|i| {
+                let response = law.response(frame.separation(position, i).0, 0.0);
+                [response.traction[0], response.jacobian[0][0]]
+            }),
+            2 => self.fill(|i| {
+                let ([x, _, z], j) = both(i);
+                [x, z, j.tt[0][0], j.nt[0], j.nn]
+            }),
+            _ => self.fill(|i| {
+                let ([x, y, z], j) = both(i);
+                [x, y, z, j.tt[0][0], j.tt[0][1], j.tt[1][1], j.nt[0], j.nt[1], j.nn]
+            }),
+        }
+    }
+
+    fn fill<const TABLES: usize>(&mut self, values: impl Fn(usize) -> [f64; TABLES] + Sync) {
+        let leaf = |start: usize, mut tables: [&mut [f64]; TABLES]| {
+            for k in 0..tables[0].len() {
+                for (table, value) in tables.iter_mut().zip(values(start + k)) {
+                    table[k] = value;
+                }
+            }
+        };
+        for_each(split(&mut self.tables, self.points), &leaf);
+    }
+
+    /// Traction along component `c`.
+    pub(crate) fn traction(&self, c: usize) -> &[f64] {
+        &self.tables[c * self.points..][..self.points]
+    }
+
+    /// The diagonal entry of J that belongs to component `c`.
+    pub(crate) fn diagonal(&self, c: usize) -> &[f64] {
+        self.entry(c, c)
+    }
+
+    fn entry(&self, a: usize, b: usize) -> &[f64] {
+        let (row, column) = (a.min(b), a.max(b));
+        self.traction(self.components + column * (column + 1) / 2 + row)
+    }
+
+    /// `out` ← `out` + J `vector`.
+    pub(crate) fn add_product(&self, vector: &[f64], out: &mut [f64]) {
+        match self.components {
+            1 => self.add_product_of::<1>(vector, out),
+            2 => self.add_product_of::<2>(vector, out),
+            _ => self.add_product_of::<3>(vector, out),
+        }
+    }
+
+    fn add_product_of<const N: usize>(&self, vector: &[f64], out: &mut [f64]) {
+        let leaf = |start: usize, out: [&mut [f64]; N]| {
+            let stretch = start..start + out[0].len();
+            let v: [&[f64]; N] = std::array::from_fn(|b| &vector[b * self.points..][stretch.clone()]);
+            for (a, out) in out.into_iter().enumerate() {
+                let j: [&[f64]; N] = std::array::from_fn(|b| &self.entry(a, b)[stretch.clone()]);
+                for (k, out) in out.iter_mut().enumerate() {
+                    let products: [f64; N] = std::array::from_fn(|b| j[b][k] * v[b][k]);
+                    *out += products.into_iter().reduce(|sum, product| sum + product).unwrap_or_default();
+                }
+            }
+        };
+        for_each(split(out, self.points), &leaf);
+    }
+}
+
+/// A vector of `M` fields, field by field.
+fn split<const M: usize>(vector: &mut [f64], points: usize) -> [&mut [f64]; M] {
+    let mut fields = vector.chunks_exact_mut(points);
+    std::array::from_fn(|_| fields.next().unwrap_or_default())
+}

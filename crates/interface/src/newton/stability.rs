@@ -1,0 +1,56 @@
+//! Whether a state at rest is stable, and the way off it if not.
+
+use gfmd_vector::{for_each, reduce};
+
+use super::descent::{Change, Descent, ROUNDING};
+
+/// The accuracy of a search that only looks for negative curvature.
+const PROBE: f64 = 1e-3;
+/// The first step off a saddle, in rms heights, and how often it is doubled.
+const FIRST_SHIFT: f64 = 1e-9;
+const DOUBLINGS: u32 = 36;
+
+impl Descent<'_> {
+    /// Whether a state at rest is a saddle: a force in all directions, noise, shows a negative curvature that the force
+    /// at rest, or a symmetry, may hide. The direction is then one of escape.
+    pub(super) fn is_unstable(&mut self) -> bool {
+        if self.interface.law.stiffness_bound(f64::NEG_INFINITY) == 0.0 {
+            // Only the wall acts: the energy is convex.
+            self.lowest = 1.0;
+            return false;
+        }
+        let noise = |start: usize, [noise]: [&mut [f64]; 1]| {
+            for (k, noise) in noise.iter_mut().enumerate() {
+                // The golden ratio leaves no two points alike and prefers no wave.
+                *noise = (0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64).fract() - 0.5;
+            }
+        };
+        for_each([&mut self.region.residual], &noise);
+        let lowest = self.region.probe(&mut self.curvature, PROBE);
+        self.note(lowest);
+        lowest <= 0.0
+    }
+
+    /// Steps off a saddle along the direction, just far enough that the energy falls by more than rounding.
+    pub(super) fn leave(&mut self) -> bool {
+        let direction = &self.region.direction;
+        let longest = reduce(
+            direction.len(),
+            &|range| direction[range].iter().fold(0.0, |longest: f64, d| longest.max(d.abs())),
+            &f64::max,
+        );
+        let downhill = if self.slope() > 0.0 { -1.0 } else { 1.0 };
+        let mut share = downhill * FIRST_SHIFT * self.interface.length_scale() / longest;
+        for _ in 0..DOUBLINGS {
+            let Change { energy, size, .. } = self.try_step(share);
+            if energy < -10.0 * ROUNDING * size {
+                self.accept();
+                // The steps before say nothing about what lies ahead.
+                self.region.radius = f64::INFINITY;
+                return true;
+            }
+            share *= 2.0;
+        }
+        false
+    }
+}

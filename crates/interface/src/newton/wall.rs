@@ -1,0 +1,73 @@
+use gfmd_vector::{add, for_each, reduce};
+
+use crate::frame::Frame;
+
+/// The displacements that are allowed: w_z at most at the hard wall, a mean of 0 along the components whose mean is held.
+pub(crate) struct Wall {
+    /// Bounds of w_z; `None` of a law without a wall.
+    bound: Option<Vec<f64>>,
+    held: Vec<bool>,
+    points: usize,
+    /// Means smaller than this times ε count as 0.
+    length_scale: f64,
+}
+
+/// Rounds of lifting. A few suffice.
+const ROUNDS: usize = 50;
+
+impl Wall {
+    pub(crate) fn new(frame: &Frame, is_hard: bool, length_scale: f64) -> Self {
+        let bound = is_hard.then(|| frame.wall().collect());
+        Self { bound, held: frame.held.clone(), points: frame.points(), length_scale }
+    }
+
+    /// The bounds of component `c`.
+    pub(crate) fn bound(&self, c: usize) -> Option<&[f64]> {
+        self.bound.as_deref().filter(|_| c + 1 == self.held.len())
+    }
+
+    /// Brings `position` back to what is allowed: clips it at the wall, and restores the means that are held. Clipping
+    /// lowers the mean, so the free points rise to make up for it.
+    pub(crate) fn project_keeping_mean(&self, position: &mut [f64]) {
+        for (c, field) in position.chunks_exact_mut(self.points).enumerate() {
+            if let Some(bound) = self.bound(c) {
+                for_each([&mut *field], &|start, [w]| {
+                    w.iter_mut().zip(&bound[start..]).for_each(|(w, b)| *w = w.min(*b));
+                });
+            }
+            if self.held[c] {
+                self.restore_mean(self.bound(c), field);
+            }
+        }
+    }
+
+    /// Raises or lowers the free points until the mean is 0. A point that rises may meet the wall, so this is repeated
+    /// until no further one does.
+    fn restore_mean(&self, bound: Option<&[f64]>, field: &mut [f64]) {
+        for _ in 0..ROUNDS {
+            let [total, free] = reduce(
+                field.len(),
+                &|range| {
+                    range.fold([0.0; 2], |sums, i| {
+                        add(sums, [field[i], f64::from(bound.is_none_or(|bound| field[i] < bound[i]))])
+                    })
+                },
+                &add,
+            );
+            if free == 0.0 || total.abs() / field.len() as f64 <= f64::EPSILON * self.length_scale {
+                break;
+            }
+            let shift = -total / free;
+            let lift = |start: usize, [w]: [&mut [f64]; 1]| {
+                for (k, w) in w.iter_mut().enumerate() {
+                    match bound.map(|bound| bound[start + k]) {
+                        Some(bound) if *w < bound => *w = (*w + shift).min(bound),
+                        Some(_) => {}
+                        None => *w += shift,
+                    }
+                }
+            };
+            for_each([&mut *field], &lift);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+use std::ops::ControlFlow;
+
+use gfmd_vector::{add, for_each, reduce};
+
+/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set that is easy to project on.
+pub trait OnConvexSet {
+    /// `out` ← A `direction`. Entries that the set fixes may be left 0.
+    fn apply(&mut self, direction: &[f64], out: &mut [f64]);
+
+    /// `x` ← the nearest point of the set.
+    fn project(&self, x: &mut [f64]);
+
+    /// Distance of `x` from the minimum, comparable with the tolerance; the gradient there is A x + b.
+    fn residual(&self, x: &[f64], gradient: &[f64]) -> f64;
+}
+
+/// Projected gradients with the step lengths of Barzilai and Borwein, each ended at the lowest point of its segment (Birgin,
+/// Martínez & Raydan 2000, with an exact search in place of theirs).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectralProjectedGradient {
+    /// Length of the first step: x over gradient.
+    pub first_step: f64,
+}
+
+/// The way from the start to where [`SpectralProjectedGradient::minimise`] ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Descended {
+    /// Steps taken.
+    pub steps: u64,
+    /// Whether the watcher ended it.
+    pub interrupted: bool,
+}
+
+impl SpectralProjectedGradient {
+    /// Minimises from `x` on, a point of the set with `gradient` A x + b. Both follow the iterates. Ends when the residual
+    /// falls to `tolerance`, after `max_steps`, or where rounding leaves no direction that goes downhill.
+    pub fn minimise(
+        &self,
+        problem: &mut dyn OnConvexSet,
+        x: &mut [f64],
+        gradient: &mut [f64],
+        tolerance: f64,
+        max_steps: u64,
+        watch: &mut dyn FnMut(u64, f64) -> ControlFlow<()>,
+    ) -> Descended {
+        let mut direction = vec![0.0; x.len()];
+        let mut image = vec![0.0; x.len()];
+        let mut length = self.first_step;
+        let mut steps = 0;
+        loop {
+            let residual = problem.residual(x, gradient);
+            let interrupted = watch(steps, residual).is_break();
+            if residual <= tolerance || steps == max_steps || interrupted {
+                return Descended { steps, interrupted };
+            }
+            steps += 1;
+            for_each([&mut direction], &|start, [d]| {
+                let here = x[start..].iter().zip(&gradient[start..]);
+                d.iter_mut().zip(here).for_each(|(d, (x, g))| *d = x - length * g);
+            });
+            problem.project(&mut direction);
+            for_each([&mut direction], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+            problem.apply(&direction, &mut image);
+            let [slope, curvature, square, images] = reduce(
+                x.len(),
+                &|range| {
+                    range.fold([0.0; 4], |sums, k| {
+                        let (d, a) = (direction[k], image[k]);
+                        add(sums, [d * gradient[k], d * a, d * d, a * a])
+                    })
+                },
+                &add,
+            );
+            // NaN ends the descent here, too.
+            if !(slope < 0.0 && curvature > 0.0) {
+                return Descended { steps, interrupted: false };
+            }
+            let share = (-slope / curvature).min(1.0);
+            for_each([&mut *x, &mut *gradient], &|start, [x, g]| {
+                let along = direction[start..].iter().zip(&image[start..]);
+                for ((x, g), (d, a)) in x.iter_mut().zip(g).zip(along) {
+                    *x += share * d;
+                    *g += share * a;
+                }
+            });
+            length = if steps % 2 == 0 { square / curvature } else { curvature / images };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ½ Σ kᵢ xᵢ² − Σ bᵢ xᵢ in a disc.
+    struct InDisc {
+        stiffness: [f64; 2],
+        radius: f64,
+    }
+
+    impl OnConvexSet for InDisc {
+        fn apply(&mut self, direction: &[f64], out: &mut [f64]) {
+            (0..2).for_each(|i| out[i] = self.stiffness[i] * direction[i]);
+        }
+
+        fn project(&self, x: &mut [f64]) {
+            let length = x[0].hypot(x[1]);
+            if length > self.radius {
+                x.iter_mut().for_each(|x| *x *= self.radius / length);
+            }
+        }
+
+        fn residual(&self, x: &[f64], gradient: &[f64]) -> f64 {
+            let mut moved = [x[0] - gradient[0], x[1] - gradient[1]];
+            self.project(&mut moved);
+            (moved[0] - x[0]).hypot(moved[1] - x[1])
+        }
+    }
+
+    fn minimise(radius: f64, b: [f64; 2]) -> ([f64; 2], Descended) {
+        let mut problem = InDisc { stiffness: [1.0, 100.0], radius };
+        let (mut x, mut gradient) = ([0.0; 2], b.map(|b| -b));
+        let method = SpectralProjectedGradient { first_step: 0.01 };
+        let watch = &mut |_, _| ControlFlow::Continue(());
+        let descended = method.minimise(&mut problem, &mut x, &mut gradient, 1e-12, 1000, watch);
+        (x, descended)
+    }
+
+    #[test]
+    fn the_minimum_is_found_inside_the_set_and_on_its_edge() {
+        let ([x, y], _) = minimise(10.0, [1.0, 100.0]);
+        assert!((x - 1.0).abs() < 1e-11 && (y - 1.0).abs() < 1e-11, "{x} {y}");
+        // On the edge the gradient points inwards: (k + λ) x = b.
+        let ([x, y], _) = minimise(0.5, [1.0, 100.0]);
+        let multiplier = 1.0 / x - 1.0;
+        assert!((x.hypot(y) - 0.5).abs() < 1e-11 && multiplier > 0.0);
+        assert!(((100.0 + multiplier) * y - 100.0).abs() < 1e-9, "{x} {y}");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_end_the_descent() {
+        assert_eq!(minimise(1.0, [f64::NAN, 1.0]).1, Descended { steps: 1, interrupted: false });
+    }
+}
