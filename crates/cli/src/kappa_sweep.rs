@@ -24,8 +24,9 @@ pub use report::{Analysis, Area, Extrapolation, Report};
 
 use crate::failure::Failure;
 use crate::load::LoadRecord;
+use crate::memory::peak_bytes;
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
