@@ -10,7 +10,7 @@ use gfmd_measure::theory::{
 };
 use gfmd_measure::{contact_area, pressure_statistics};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
 
 use crate::check::{Worst, order};
@@ -206,7 +206,9 @@ fn full_contact() -> Result<Check, ValidationError> {
     let gradient = 0.1;
     let numbers = Discretisation { eps_t_inv: 4.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };
     let grid = Grid::square(numbers.points()?, 1.0)?;
-    let heights = numbers.self_affine(1.0, 0.5, gradient).heights(&grid, 5)?;
+    let heights = numbers
+        .self_affine(1.0, SelfAffine { hurst: 0.5, ..SelfAffine::with_rms_gradient(gradient) })
+        .heights(&grid, 5)?;
     let mut worst = Worst::new();
     for p_star in [4.0, 8.0] {
         let solution = press_on_half_space(heights.view(), p_star * gradient, TOLERANCE)?;

@@ -4,7 +4,7 @@ use gfmd_contact::{Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 use gfmd_tests::{SOLVERS, press};
 
 const TOLERANCE: f64 = 1e-10;
@@ -27,7 +27,10 @@ fn all_methods_agree_on_random_problems() {
                     let body = if slab { Body::slab(material, height).unwrap() } else { Body::half_space(material) };
                     let eps_f_inv = grid.points()[0] as f64 / 8.0;
                     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv, eps_c_inv: 4.0 };
-                    let heights = numbers.self_affine(1.0, spread(seed, 3), 0.1).heights(&grid, seed).unwrap();
+                    let heights = numbers
+                        .self_affine(1.0, SelfAffine { hurst: spread(seed, 3), ..SelfAffine::with_rms_gradient(0.1) })
+                        .heights(&grid, seed)
+                        .unwrap();
                     let response = NormalResponse::new(grid, &body);
                     let mean = 0.1 * 10f64.powf(-2.0 * spread(seed, 4));
                     let mut control = Control::MeanPressure(mean * 0.1);

@@ -3,7 +3,7 @@
 
 use std::sync::Mutex;
 
-use gfmd_field::{Grid, Mode};
+use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_relax::{Damping, Landscape, Method, ModeDamped, State, Verlet};
 use gfmd_response::{FullResponse, Operator, Workspace};
@@ -31,8 +31,7 @@ impl Landscape for Free<'_> {
 
 /// The operator with `f` of the stiffness of every mode.
 fn function(stiffness: &Operator, f: impl Fn(f64) -> f64 + Sync) -> Operator {
-    let index = |mode: &Mode| stiffness.grid().modes().position(|other| other.number == mode.number).unwrap();
-    stiffness.beside(|mode| stiffness.matrices()[index(mode)].function(&f))
+    stiffness.beside(|mode| stiffness.matrices()[stiffness.grid().index_of(mode.number).unwrap()].function(&f))
 }
 
 fn after<M: Method>(method: &M, free: &mut Free, start: &[f64], steps: u32) -> Vec<f64> {

@@ -5,14 +5,17 @@ use gfmd_contact::{Contact, Control, Settings, Solution};
 use gfmd_field::Grid;
 use gfmd_measure::contact_area;
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 use gfmd_tests::unit_half_space;
 
 #[test]
 fn a_higher_load_started_from_a_lower_one_is_the_same_contact() {
     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
     let grid = Grid::square(numbers.points().unwrap(), 1.0).unwrap();
-    let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 11).unwrap();
+    let heights = numbers
+        .self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) })
+        .heights(&grid, 11)
+        .unwrap();
     let response = NormalResponse::new(grid, &unit_half_space());
     let contact = Contact::new(&response, heights.view()).unwrap();
     let settings = Settings { tolerance: 1e-12, ..Settings::default() };

@@ -9,7 +9,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_plot::{Axis, Chart, Panel, Series};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 
 const POINTS: usize = 512;
 const RMS_GRADIENT: f64 = 0.1;
@@ -29,7 +29,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut panels = Vec::new();
     for hurst in [0.0, 0.8] {
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: POINTS as f64 / 8.0, eps_c_inv: 4.0 };
-        let heights = numbers.self_affine(1.0, hurst, RMS_GRADIENT).heights(&grid, 1)?;
+        let heights = numbers
+            .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(RMS_GRADIENT) })
+            .heights(&grid, 1)?;
         let contact = Contact::new(&response, heights.view())?;
         let mut series = Vec::new();
         for (hue, (solver, name)) in SOLVERS.into_iter().enumerate() {

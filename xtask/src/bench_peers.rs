@@ -241,7 +241,12 @@ fn problems(args: &Args, points: usize, hurst: f64, folder: &std::path::Path) ->
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
     let shortest = EPS_C_INV / points as f64;
-    let spectrum = SelfAffine::new(hurst, 1.0 / EPS_T_INV, shortest, RMS_GRADIENT);
+    let spectrum = SelfAffine {
+        hurst,
+        longest_wavelength: 1.0 / EPS_T_INV,
+        shortest_wavelength: shortest,
+        ..SelfAffine::with_rms_gradient(RMS_GRADIENT)
+    };
     let heights = spectrum.heights(&grid, args.seed).map_err(|error| refuse(&error))?;
     let statistics = Statistics::of(&heights, &grid).map_err(|error| refuse(&error))?;
     let rms_gradient = statistics.moments.rms_gradient();

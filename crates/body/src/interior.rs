@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gfmd_field::{Grid, Mode, ShapeError, Transform};
+use gfmd_field::{Grid, ShapeError, Transform};
 use gfmd_green::{Body, Complex64, GreenError};
 use gfmd_response::Components;
 use rayon::prelude::*;
@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use crate::Deformation;
 
 /// A body whose surface is displaced: the spectra from which every depth follows.
-pub struct Interior<'a> {
-    body: &'a Body,
+pub struct Interior {
+    body: Body,
     transform: Transform,
     components: Components,
     /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
@@ -50,7 +50,7 @@ pub enum InteriorError {
     },
 }
 
-impl<'a> Interior<'a> {
+impl Interior {
     /// Of a displacement of the surface, component after component (length): x, y, z, or x, z on a line.
     ///
     /// The mean of u_z of an incompressible slab on a rigid base is zero, and the mean pressure, which it says nothing
@@ -59,7 +59,7 @@ impl<'a> Interior<'a> {
     /// # Errors
     /// A displacement of the wrong length or with a value that is not finite; an incompressible slab whose volume would
     /// change.
-    pub fn new(body: &'a Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
+    pub fn new(body: &Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         let (axes, points) = (interior.components.axes(), grid.len());
         interior.check(displacement, axes.len() * points)?;
@@ -76,23 +76,22 @@ impl<'a> Interior<'a> {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn frictionless(body: &'a Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
+    pub fn frictionless(body: &Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         interior.check(normal, grid.len())?;
         let Self { transform, surface: [x, y, z], .. } = &mut interior;
         transform.forward(normal, z, &mut transform.workspace())?;
-        let mode = mode_of(&grid);
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
-            let factors = body.lateral_displacement(&mode(index));
+            let factors = body.lateral_displacement(&grid.mode_at(index));
             [*x, *y] = factors.map(|factor| factor * *z);
         });
         interior.keep_volume(normal)?;
         Ok(interior)
     }
 
-    fn at_rest(body: &'a Body, grid: Grid) -> Self {
+    fn at_rest(body: &Body, grid: Grid) -> Self {
         let surface = std::array::from_fn(|_| vec![Complex64::ZERO; grid.spectrum_len()]);
-        Self { body, transform: Transform::new(grid), components: Components::of(&grid), surface }
+        Self { body: body.clone(), transform: Transform::new(grid), components: Components::of(&grid), surface }
     }
 
     fn check(&self, displacement: &[f64], expected: usize) -> Result<(), InteriorError> {
@@ -117,8 +116,8 @@ impl<'a> Interior<'a> {
     }
 
     /// The body.
-    pub fn body(&self) -> &'a Body {
-        self.body
+    pub fn body(&self) -> &Body {
+        &self.body
     }
 
     /// The grid of the surface, and of every plane below it.
@@ -148,10 +147,10 @@ impl<'a> Interior<'a> {
     pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
         self.check_workspace(ws)?;
         let section = self.body.at_depth(depth)?;
-        let (mode, amplitude) = (mode_of(self.grid()), self.amplitude());
+        let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [x, y, z, ..] = &mut ws.spectra;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
-            [*x, *y, *z] = apply(&section.displacement_transfer_of(&mode(index)), amplitude(index));
+            [*x, *y, *z] = apply(&section.displacement_transfer_of(&grid.mode_at(index)), amplitude(index));
         });
         self.synthesise(self.components.axes(), ws)?;
         Ok(&ws.fields[..self.components.len() * self.grid().len()])
@@ -164,10 +163,10 @@ impl<'a> Interior<'a> {
     pub fn deformation<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
         self.check_workspace(ws)?;
         let section = self.body.at_depth(depth)?;
-        let (mode, amplitude) = (mode_of(self.grid()), self.amplitude());
+        let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [a, b, c, d, e, f] = &mut ws.spectra;
         (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {
-            let rows = section.continuous_transfer_of(&mode(index));
+            let rows = section.continuous_transfer_of(&grid.mode_at(index));
             [*a, *b, *c, *d, *e, *f] = apply(&rows, amplitude(index));
         });
         let rows: &[usize] = match self.components {
@@ -208,21 +207,15 @@ const CHUNK: usize = 512;
 /// A mean below this part of the largest value is the rounding error of a sum.
 const ROUNDING: f64 = 1e-12;
 
-/// The modes of a grid by their index in the half spectrum.
-fn mode_of(grid: &Grid) -> impl Fn(usize) -> Mode + Sync + '_ {
-    let [_, positions] = grid.spectrum_shape();
-    move |index| grid.mode(index / positions, index % positions)
-}
-
 /// What does not move has no part, even where the matrix is infinite: u_z of an incompressible slab at q = 0.
 fn apply<const ROWS: usize>(matrix: &[[Complex64; 3]; ROWS], surface: [Complex64; 3]) -> [Complex64; ROWS] {
     let product = |entry: &Complex64, u: Complex64| if u == Complex64::ZERO { u } else { entry * u };
     matrix.map(|row| row.iter().zip(surface).map(|(entry, u)| product(entry, u)).sum())
 }
 
-impl fmt::Debug for Interior<'_> {
+impl fmt::Debug for Interior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Interior").field("body", self.body).field("grid", self.grid()).finish_non_exhaustive()
+        f.debug_struct("Interior").field("body", &self.body).field("grid", self.grid()).finish_non_exhaustive()
     }
 }
 

@@ -1,4 +1,5 @@
 //! A volume takes the memory of a few planes: counted. A test file of its own, since the count is of the whole process.
+#![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

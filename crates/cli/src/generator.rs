@@ -5,7 +5,7 @@ use std::fmt;
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
 use gfmd_surface::{
-    Amplitudes, Dimension, Discretisation, Displacement, Normalisation, PowerSpectrum, RealSpace, RollOff, SelfAffine,
+    Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, SelfAffine,
     SurfaceError,
 };
 use ndarray::{Array2, s};
@@ -154,8 +154,8 @@ impl GeneratorArgs {
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
         match self.method {
             Method::Psd => self.spectrum(grid)?.heights(grid, self.seed).map_err(|error| flagged(&error)),
-            Method::Sra => self.subdivided(grid, Displacement::AllPoints),
-            Method::Rmd => self.subdivided(grid, Displacement::Midpoints),
+            Method::Sra => self.subdivided(grid, Displaced::AllPoints),
+            Method::Rmd => self.subdivided(grid, Displaced::Midpoints),
         }
     }
 
@@ -213,21 +213,24 @@ impl GeneratorArgs {
                 ),
             ));
         }
-        let roll_off = match (self.roll_off, self.roll_off_shape) {
-            (None, _) => RollOff::None,
-            (Some(wavelength), RollOffShape::Plateau) => RollOff::Plateau(wavelength),
-            (Some(wavelength), RollOffShape::Smooth) => RollOff::Smooth(wavelength),
+        let shape = match self.roll_off_shape {
+            RollOffShape::Plateau => gfmd_surface::RollOffShape::Plateau,
+            RollOffShape::Smooth => gfmd_surface::RollOffShape::Smooth,
         };
+        let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape });
         let amplitudes = match self.amplitudes {
             AmplitudeKind::Gaussian => Amplitudes::Gaussian,
             AmplitudeKind::Fixed => Amplitudes::Fixed,
         };
         let normalisation = self.normalisation();
         Ok(SelfAffine {
+            hurst: self.hurst,
+            longest_wavelength: longest,
+            shortest_wavelength: shortest,
             roll_off,
             amplitudes,
             normalisation,
-            ..SelfAffine::new(self.hurst, longest, shortest, self.rms_gradient)
+            ..SelfAffine::with_rms_gradient(self.rms_gradient)
         })
     }
 
@@ -243,7 +246,7 @@ impl GeneratorArgs {
     }
 
     /// The first points of a subdivision that has enough of them, without their mean, scaled to the size asked for.
-    fn subdivided(&self, grid: &Grid, method: Displacement) -> Result<Array2<f64>, Failure> {
+    fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Failure> {
         let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
             return Err(self.no_cut_offs(flag));
@@ -253,7 +256,7 @@ impl GeneratorArgs {
         }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
-        let generator = RealSpace { hurst: self.hurst, subdivisions, rms_increment: 1.0, method };
+        let generator = RealSpace { hurst: self.hurst, subdivisions, rms_increment: 1.0, displaced };
         let made = match Dimension::of(grid) {
             Dimension::Profile => generator.profile(self.seed),
             Dimension::Surface => generator.surface(self.seed),

@@ -15,6 +15,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
 use gfmd_files::Output;
 use gfmd_response::NormalResponse;
+use gfmd_surface::SelfAffine;
 use ndarray::Array2;
 use rayon::prelude::*;
 
@@ -207,7 +208,10 @@ fn solve(
 }
 
 fn heights(config: &Config, plan: &Plan, point: &Point, seed: u64) -> Result<Array2<f64>, Failure> {
-    let spectrum = point.discretisation.self_affine(1.0, point.hurst, config.surface.rms_gradient);
+    let spectrum = point.discretisation.self_affine(
+        1.0,
+        SelfAffine { hurst: point.hurst, ..SelfAffine::with_rms_gradient(config.surface.rms_gradient) },
+    );
     spectrum.heights(&plan.grid(point)?, seed).map_err(|error| Failure::input("surface", error))
 }
 

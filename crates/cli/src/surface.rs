@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args as ClapArgs;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
-use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RadialBin, RollOff, Statistics};
+use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics};
 use ndarray::{Array2, Axis};
 use ndarray_npy::WriteNpyExt;
 use serde::Serialize;
@@ -151,7 +151,9 @@ impl Args {
         let range = spectrum.map_or_else(
             || whole_band(grid),
             |spectrum| match spectrum.roll_off {
-                RollOff::Plateau(wavelength) => [wavelength, spectrum.shortest_wavelength],
+                Some(RollOff { wavelength, shape: RollOffShape::Plateau }) => {
+                    [wavelength, spectrum.shortest_wavelength]
+                }
                 _ => [spectrum.longest_wavelength, spectrum.shortest_wavelength],
             },
         );
@@ -187,7 +189,7 @@ impl Report {
             rms_gradient_forward: found.rms_gradient_forward,
             rms_gradient_inside: found.rms_gradient_inside,
             rms_curvature: found.moments.rms_curvature(),
-            rms_laplacian: found.moments.laplacian.sqrt(),
+            rms_laplacian: found.moments.rms_laplacian(),
             m0,
             m2,
             m4,

@@ -12,7 +12,7 @@ use gfmd_contact::{Contact, Control, Settings, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 
 const SOLVERS: [(Solver, bool); 8] = [
     (Solver::PreconditionedCg, true),
@@ -30,7 +30,10 @@ fn equilibration(criterion: &mut Criterion) {
     let named = std::env::args().skip(1).any(|argument| !argument.starts_with('-'));
     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
     let grid = Grid::square(n, 1.0).expect("a grid");
-    let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 1).expect("a surface");
+    let heights = numbers
+        .self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) })
+        .heights(&grid, 1)
+        .expect("a surface");
     let material = Material::from_contact_modulus(1.0, 0.0).expect("a material");
     let response = NormalResponse::new(grid, &Body::half_space(material));
     let contact = Contact::new(&response, heights.view()).expect("a contact");

@@ -16,7 +16,7 @@ use gfmd_contact::{Contact, Control, Settings, Solver};
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 
 const GRADIENTS: [Solver; 3] = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
 const DYNAMICS: [Solver; 5] =
@@ -43,7 +43,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let pair = time_of_a_pair(grid)?;
         for hurst in [0.0, 0.8] {
             let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
-            let heights = numbers.self_affine(1.0, hurst, 0.1).heights(&grid, 1)?;
+            let heights = numbers
+                .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(0.1) })
+                .heights(&grid, 1)?;
             let contact = Contact::new(&response, heights.view())?;
             for reduced_pressure in [0.01, 0.05, 0.2] {
                 print!("{n:5} {hurst:4} {reduced_pressure:5} ");

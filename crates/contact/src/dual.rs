@@ -145,7 +145,7 @@ pub(crate) fn solve(
 mod tests {
     use gfmd_field::Grid;
     use gfmd_green::{Body, Material};
-    use gfmd_surface::Discretisation;
+    use gfmd_surface::{Discretisation, SelfAffine};
 
     use super::*;
 
@@ -155,7 +155,10 @@ mod tests {
         let grid = Grid::square(64, 1.0).unwrap();
         let response = NormalResponse::new(grid, body);
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };
-        let heights = numbers.self_affine(1.0, 0.3, 0.1).heights(&grid, 1).unwrap();
+        let heights = numbers
+            .self_affine(1.0, SelfAffine { hurst: 0.3, ..SelfAffine::with_rms_gradient(0.1) })
+            .heights(&grid, 1)
+            .unwrap();
         let mut sorted: Vec<f64> = heights.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
         let cut = sorted[((1.0 - share) * sorted.len() as f64) as usize];

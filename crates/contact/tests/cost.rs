@@ -7,7 +7,7 @@ use gfmd_contact::{Contact, Control, Settings, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use gfmd_surface::Discretisation;
+use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
 
 const RMS_GRADIENT: f64 = 0.1;
@@ -15,7 +15,10 @@ const RMS_GRADIENT: f64 = 0.1;
 fn heights(grid: &Grid, hurst: f64) -> Array2<f64> {
     let n = grid.points()[0] as f64;
     let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n / 8.0, eps_c_inv: 4.0 };
-    numbers.self_affine(1.0, hurst, RMS_GRADIENT).heights(grid, 1).unwrap()
+    numbers
+        .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(RMS_GRADIENT) })
+        .heights(grid, 1)
+        .unwrap()
 }
 
 fn half_space() -> Body {

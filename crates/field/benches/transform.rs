@@ -1,7 +1,8 @@
 //! There and back: ours with a kernel in between, `ndrustfft` axis by axis, and FFTW where it is installed.
 //!
 //! `cargo bench -p gfmd-field` prints times and points per second; then ratios of times taken turn by turn, which hold
-//! on a machine that does other things, too: below 1 we are faster.
+//! on a machine that does other things, too: below 1 we are faster. With `--no-default-features` the transform runs
+//! without its hints to the cache.
 #![expect(clippy::print_stdout, reason = "the ratios are what it is for")]
 
 #[path = "transform/fftw.rs"]

@@ -1,5 +1,7 @@
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
+
 /// A periodic rectangular cell and the points on it: point `[i, j]` lies at `(i Lx/nx, j Ly/ny)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
@@ -46,19 +48,34 @@ pub enum GridError {
     /// An axis without points.
     #[error("a grid needs at least one point along each axis, found {0:?}")]
     NoPoints([usize; 2]),
+    /// More points than the half spectrum of one field can have in memory.
+    #[error("a grid of {found:?} points is too large; it can have at most {most} points in all")]
+    TooManyPoints {
+        /// Points along x and along y.
+        found: [usize; 2],
+        /// The largest number of points in all.
+        most: usize,
+    },
     /// A length that is zero, negative or not finite.
     #[error("cell lengths must be positive and finite, found {0:?}")]
     Length([f64; 2]),
 }
 
+/// The largest number of points: one complex number for each, more than a half spectrum has, is the largest slice that
+/// a program can address.
+const MOST_POINTS: usize = isize::MAX as usize / size_of::<Complex64>();
+
 impl Grid {
     /// A cell of `lengths` (Lx, Ly) with `points` (nx, ny).
     ///
     /// # Errors
-    /// No points along an axis, or a length that is not positive and finite.
+    /// No points along an axis, more points than memory can address, or a length that is not positive and finite.
     pub fn new(points: [usize; 2], lengths: [f64; 2]) -> Result<Self, GridError> {
         if points.contains(&0) {
             return Err(GridError::NoPoints(points));
+        }
+        if points[0].checked_mul(points[1]).is_none_or(|all| all > MOST_POINTS) {
+            return Err(GridError::TooManyPoints { found: points, most: MOST_POINTS });
         }
         if !lengths.iter().all(|l| l.is_finite() && *l > 0.0) {
             return Err(GridError::Length(lengths));
@@ -139,6 +156,22 @@ impl Grid {
         Mode { number, wavevector, weight: if alone { 1.0 } else { 2.0 }, nyquist }
     }
 
+    /// The mode at place `index` of the half spectrum in storage order: `[index / positions, index % positions]`.
+    pub fn mode_at(&self, index: usize) -> Mode {
+        let [_, positions] = self.spectrum_shape();
+        self.mode(index / positions, index % positions)
+    }
+
+    /// The place of the mode with wave numbers `number` in the half spectrum, the inverse of [`Self::mode_at`]. `None`
+    /// if the half spectrum does not hold it: it may hold the opposite mode instead.
+    pub fn index_of(&self, number: [i64; 2]) -> Option<usize> {
+        let [lanes, positions] = self.spectrum_shape();
+        let [x, y] = [0, 1].map(|axis| number[axis].rem_euclid(self.points[axis] as i64) as usize);
+        let [lane, position] = if self.is_line() { [0, x] } else { [y, x] };
+        let held = lane < lanes && position < positions && self.mode(lane, position).number == number;
+        held.then(|| lane * positions + position)
+    }
+
     /// All modes of the half spectrum in storage order.
     pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
         let [lanes, positions] = self.spectrum_shape();
@@ -159,6 +192,29 @@ mod tests {
             assert_eq!(grid.modes().count(), grid.spectrum_len());
             assert_eq!(grid.modes().filter(Mode::is_uniform).count(), 1);
         }
+    }
+
+    #[test]
+    fn each_stored_mode_is_found_at_its_place_and_no_other_mode_is() {
+        for points in [[8, 8], [7, 8], [8, 7], [9, 5], [1, 6], [6, 1], [7, 1], [1, 1], [2, 2]] {
+            let grid = Grid::new(points, [1.0, 2.0]).unwrap();
+            for (index, mode) in grid.modes().enumerate() {
+                assert_eq!(grid.mode_at(index), mode);
+                assert_eq!(grid.index_of(mode.number), Some(index), "{points:?}");
+            }
+            let stored = (-9..=9).flat_map(|m| (-9..=9).map(move |n| [m, n]));
+            assert_eq!(stored.filter(|number| grid.index_of(*number).is_some()).count(), grid.spectrum_len());
+        }
+    }
+
+    #[test]
+    fn grids_beyond_memory_are_refused() {
+        for points in [[usize::MAX, 2], [1 << 32, 1 << 32], [1 << 60, 1], [1, 1 << 60], [1 << 30, 1 << 30]] {
+            let refused = Grid::new(points, [1.0, 1.0]);
+            assert_eq!(refused, Err(GridError::TooManyPoints { found: points, most: MOST_POINTS }));
+        }
+        let largest = Grid::new([MOST_POINTS, 1], [1.0, 1.0]).unwrap();
+        assert!(largest.spectrum_len() <= MOST_POINTS);
     }
 
     #[test]

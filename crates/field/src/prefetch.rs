@@ -1,16 +1,23 @@
 //! A hint to the processor, the one thing here that safe Rust cannot say.
 
-/// Asks for `values` to be brought into the second-level cache, to be there when the transform of the row before is
-/// done. Measured on grids larger than the last-level cache: a tenth of the whole convolution.
+/// Asks the processor to bring `values` into the second-level cache while the row before them is transformed. Does
+/// nothing without the feature `prefetch` or on another processor than x86-64.
+///
+/// It takes 7 % off a convolution of 1024² and 2048² points on one thread, 2–5 % on two threads (medians of 100 and 40
+/// convolutions with and without it in turn, AMD EPYC, 1 MiB of second-level cache per core). To measure again:
+/// `cargo bench -p gfmd-field` with and without `--no-default-features`.
 #[inline]
 pub(crate) fn prefetch<T>(values: &[T]) {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(feature = "prefetch", target_arch = "x86_64"))]
     for line in values.chunks((LINE / size_of::<T>()).max(1)) {
         use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
         // SAFETY: SSE is part of x86_64, and a prefetch neither reads nor writes nor faults, whatever the address.
-        unsafe { _mm_prefetch::<_MM_HINT_T1>(line.as_ptr().cast()) }
+        #[allow(unsafe_code, reason = "the intrinsic has no safe form")]
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T1>(line.as_ptr().cast());
+        }
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(not(all(feature = "prefetch", target_arch = "x86_64")))]
     let _ = values;
 }
 

@@ -19,14 +19,15 @@
 //! use gfmd::green::{Body, Material};
 //! use gfmd::measure::{contact_area, kappa};
 //! use gfmd::response::NormalResponse;
-//! use gfmd::{field::Grid, surface::Discretisation};
+//! use gfmd::{field::Grid, surface::{Discretisation, SelfAffine}};
 //! use std::ops::ControlFlow;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let discretisation = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 8.0 };
 //! let grid = Grid::square(discretisation.points()?, 1.0)?;
 //! let (rms_gradient, p_star) = (0.1, 0.02);
-//! let heights = discretisation.self_affine(1.0, 0.8, rms_gradient).heights(&grid, 1)?;
+//! let rough = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(rms_gradient) };
+//! let heights = discretisation.self_affine(1.0, rough).heights(&grid, 1)?;
 //!
 //! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
 //! let response = NormalResponse::new(grid, &body);

@@ -101,7 +101,7 @@ impl LayerMode<'_> {
             [t.sinh - rh * t.cosh, t.sinh + rh * t.cosh]
         };
         let (determinant, unit) = (self.bonded_determinant(), self.unit());
-        let cross = |numerator: f64| unit * (t.one * numerator / determinant);
+        let cross = |numerator: f64| unit * (t.factor * numerator / determinant);
         Blocks {
             longitudinal: -cross(minus),
             normal: -cross(plus),

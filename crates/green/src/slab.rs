@@ -39,7 +39,7 @@ impl<'a> LayerMode<'a> {
     /// sinh h cosh h ∓ r h.
     fn bonded_numerators(&self) -> [f64; 2] {
         let (m, t) = (self.material, &self.t);
-        [m.one_minus_r(), m.one_plus_r()].map(|factor| factor * t.h_quadratic + t.sc_minus_h)
+        [m.one_minus_r(), m.one_plus_r()].map(|factor| factor * t.h_twice_scaled + t.sinh_cosh_minus_h)
     }
 
     /// s sinh² h − r² (1 + s) h².
@@ -52,7 +52,7 @@ impl<'a> LayerMode<'a> {
     fn full_determinant(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         let stretched = m.one_minus_s() * t.h;
-        t.one * t.one + m.one_minus_s_squared() * t.sinh * t.sinh + stretched * stretched
+        t.factor * t.factor + m.one_minus_s_squared() * t.sinh * t.sinh + stretched * stretched
     }
 
     /// Clamped base, u = 0 (theory.md, section 1).
@@ -79,7 +79,7 @@ impl<'a> LayerMode<'a> {
     /// s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
     fn sliding_coupling(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
-        m.s() * t.sc_minus_h - m.poisson() / (1.0 - m.poisson()) * t.h_quadratic
+        m.s() * t.sinh_cosh_minus_h - m.poisson() / (1.0 - m.poisson()) * t.h_twice_scaled
     }
 
     /// Frictionless rigid base, u_z = 0 and no shear traction (theory.md, section 4).
@@ -97,7 +97,7 @@ impl<'a> LayerMode<'a> {
 
     pub(crate) fn sliding_compliance(&self) -> Blocks {
         let t = &self.t;
-        let determinant = (t.sc_minus_h + 2.0 * t.h_quadratic) * self.contact_unit();
+        let determinant = t.sinh_cosh_plus_h() * self.contact_unit();
         Blocks::hermitian(
             t.cosh * t.cosh / determinant,
             -self.sliding_coupling() / determinant,
@@ -109,7 +109,7 @@ impl<'a> LayerMode<'a> {
     #[inline]
     pub(crate) fn sliding_normal_compliance(&self) -> f64 {
         let t = &self.t;
-        t.sinh * t.sinh / (t.sc_minus_h + 2.0 * t.h_quadratic) / self.contact_unit()
+        t.sinh * t.sinh / t.sinh_cosh_plus_h() / self.contact_unit()
     }
 
     /// s sinh² h + (1 − s) h².
@@ -124,9 +124,9 @@ impl<'a> LayerMode<'a> {
         let t = &self.t;
         let factor = self.contact_unit() / self.full_determinant();
         Blocks::hermitian(
-            factor * (t.sc_minus_h + 2.0 * t.h_quadratic),
+            factor * t.sinh_cosh_plus_h(),
             factor * self.free_coupling(),
-            factor * t.sc_minus_h,
+            factor * t.sinh_cosh_minus_h,
             self.shear_unit() * t.tanh(),
         )
     }
@@ -137,16 +137,16 @@ impl<'a> LayerMode<'a> {
         let t = &self.t;
         let determinant = self.free_determinant();
         Blocks::hermitian(
-            t.sc_minus_h / determinant,
+            t.sinh_cosh_minus_h / determinant,
             -self.free_coupling() / determinant,
-            (t.sc_minus_h + 2.0 * t.h_quadratic) / determinant,
+            t.sinh_cosh_plus_h() / determinant,
             t.coth() / self.shear_unit(),
         )
     }
 
     #[inline]
     pub(crate) fn free_normal_compliance(&self) -> f64 {
-        (self.t.sc_minus_h + 2.0 * self.t.h_quadratic) / self.free_determinant()
+        self.t.sinh_cosh_plus_h() / self.free_determinant()
     }
 
     /// (E* q/2)(sinh² h − h²).

@@ -134,7 +134,7 @@ impl LayerMode<'_> {
         let longitudinal = down[0].map(|entry| -entry / bottom[0][0]);
         let normal = [0, 1].map(|column| -down[1][column] - bottom[1][0] * longitudinal[column]);
         State {
-            displacement: blocks([longitudinal, [0.0; 2]], self.t.one / self.t.cosh),
+            displacement: blocks([longitudinal, [0.0; 2]], self.t.factor / self.t.cosh),
             traction: blocks([[0.0; 2], normal], 0.0),
         }
     }

@@ -6,22 +6,12 @@ use crate::{Body, Matrix3};
 /// How many modes of a line one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// Frictionless normal compliance G_zz (length/stress) of every mode of `grid`, laid out like [`Grid::modes`].
-///
-/// `uniform` is the entry of the mode q = 0. A slab on a rigid base has one of its own,
-/// [`body.normal_compliance(0.0)`](Body::normal_compliance). A half-space has none: 0 makes displacements zero on
-/// average, which leaves a problem of given load unchanged but for a shift of u_z (theory.md, section 7).
-///
-/// At a Nyquist mode this is G_zz(|q|) like everywhere else (theory.md, section 0).
-pub fn normal_compliance_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
-    isotropic_table(grid, uniform, |q| body.normal_compliance(q))
-}
-
 /// Frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
 ///
-/// `uniform` is the entry of the mode q = 0: [`body.normal_stiffness(0.0)`](Body::normal_stiffness) is that of the body
-/// itself, 0 of a half-space, infinite of a bonded incompressible slab (whose mean displacement is to be held at zero
-/// instead; theory.md, section 3).
+/// `uniform` is the entry of the mode q = 0. The body's own value is
+/// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, infinite for a bonded incompressible slab,
+/// whose mean displacement is held at zero instead (theory.md, section 3). At a Nyquist mode the entry is 1/G_zz(|q|) as at
+/// any other mode (theory.md, section 0).
 pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     isotropic_table(grid, uniform, |q| body.normal_stiffness(q))
 }

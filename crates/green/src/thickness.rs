@@ -1,26 +1,26 @@
 /// The functions of h = q·thickness that the kernels of a layer are made of, free of overflow and of cancellation.
 ///
-/// Numerators and denominators of a kernel are quadratic in them, so a common factor drops out. Thin layers (h < 1) are
-/// taken as they are, with Taylor series for the differences; thick ones are multiplied by 2 e^(−h), all quadratic
-/// quantities by 4 e^(−2h) (theory.md, section 1).
+/// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers
+/// (h < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite. Functions
+/// that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Thickness {
-    /// h as it is, up to the h beyond which nothing changes.
+    /// h itself, never scaled, up to the h beyond which no kernel changes.
     pub(crate) raw: f64,
-    /// h, linear.
+    /// The common factor f of the linear functions: 1, or 2 e^(−h) of a thick layer.
+    pub(crate) factor: f64,
+    /// f h.
     pub(crate) h: f64,
-    /// sinh h, linear.
+    /// f sinh h.
     pub(crate) sinh: f64,
-    /// cosh h, linear.
+    /// f cosh h.
     pub(crate) cosh: f64,
-    /// sinh h − h, linear.
+    /// f (sinh h − h).
     pub(crate) sinh_minus_h: f64,
-    /// 1, linear: 2 e^(−h) where scaled.
-    pub(crate) one: f64,
-    /// h, quadratic.
-    pub(crate) h_quadratic: f64,
-    /// sinh h cosh h − h, quadratic.
-    pub(crate) sc_minus_h: f64,
+    /// f² h.
+    pub(crate) h_twice_scaled: f64,
+    /// f² (sinh h cosh h − h).
+    pub(crate) sinh_cosh_minus_h: f64,
 }
 
 /// Beyond this h, e^(−h) is zero: the far face is out of reach.
@@ -37,41 +37,47 @@ impl Thickness {
                 sinh: h + sinh_minus_h,
                 cosh: h.cosh(),
                 sinh_minus_h,
-                one: 1.0,
-                h_quadratic: h,
-                sc_minus_h: 0.5 * sinh_minus(2.0 * h),
+                factor: 1.0,
+                h_twice_scaled: h,
+                sinh_cosh_minus_h: 0.5 * sinh_minus(2.0 * h),
             }
         } else {
             let raw = h.min(FARTHEST);
-            let one = 2.0 * (-raw).exp();
-            let e = 0.25 * one * one;
+            let factor = 2.0 * (-raw).exp();
+            let e = 0.25 * factor * factor;
             let sinh = -(-2.0 * raw).exp_m1();
             Self {
                 raw,
-                h: one * raw,
+                h: factor * raw,
                 sinh,
                 cosh: 1.0 + e,
-                sinh_minus_h: sinh - one * raw,
-                one,
-                h_quadratic: 4.0 * e * raw,
-                sc_minus_h: sinh * (1.0 + e) - 4.0 * e * raw,
+                sinh_minus_h: sinh - factor * raw,
+                factor,
+                h_twice_scaled: 4.0 * e * raw,
+                sinh_cosh_minus_h: sinh * (1.0 + e) - 4.0 * e * raw,
             }
         }
     }
 
-    /// coth h, as it is.
+    /// f² (sinh h cosh h + h).
+    #[inline]
+    pub(crate) fn sinh_cosh_plus_h(&self) -> f64 {
+        self.sinh_cosh_minus_h + 2.0 * self.h_twice_scaled
+    }
+
+    /// coth h, never scaled.
     pub(crate) fn coth(&self) -> f64 {
         self.cosh / self.sinh
     }
 
-    /// tanh h, as it is.
+    /// tanh h, never scaled.
     pub(crate) fn tanh(&self) -> f64 {
         self.sinh / self.cosh
     }
 
-    /// 1/sinh h, as it is.
+    /// 1/sinh h, never scaled.
     pub(crate) fn csch(&self) -> f64 {
-        self.one / self.sinh
+        self.factor / self.sinh
     }
 }
 
@@ -118,21 +124,21 @@ mod tests {
     #[test]
     fn both_branches_agree_up_to_the_common_factor() {
         let (thin, thick) = (Thickness::new(1.0f64.next_down()), Thickness::new(1.0));
-        let (linear, quadratic) = (thick.one, thick.one * thick.one);
+        let (linear, quadratic) = (thick.factor, thick.factor * thick.factor);
         let same = |a: f64, b: f64| approx::assert_relative_eq!(a, b, max_relative = 4e-15);
         same(thin.h * linear, thick.h);
         same(thin.sinh * linear, thick.sinh);
         same(thin.cosh * linear, thick.cosh);
         same(thin.sinh_minus_h * linear, thick.sinh_minus_h);
-        same(thin.h_quadratic * quadratic, thick.h_quadratic);
-        same(thin.sc_minus_h * quadratic, thick.sc_minus_h);
+        same(thin.h_twice_scaled * quadratic, thick.h_twice_scaled);
+        same(thin.sinh_cosh_minus_h * quadratic, thick.sinh_cosh_minus_h);
     }
 
     #[test]
     fn no_thickness_overflows() {
         for h in [1.0, 700.0, 745.0, 800.0, 1e6, 1e300, f64::INFINITY] {
             let t = Thickness::new(h);
-            for value in [t.h, t.sinh, t.cosh, t.sinh_minus_h, t.h_quadratic, t.sc_minus_h, t.coth()] {
+            for value in [t.h, t.sinh, t.cosh, t.sinh_minus_h, t.h_twice_scaled, t.sinh_cosh_minus_h, t.coth()] {
                 assert!(value.is_finite(), "{h}: {t:?}");
             }
         }

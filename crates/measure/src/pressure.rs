@@ -1,5 +1,7 @@
 use ndarray::ArrayView2;
 
+use crate::quantile;
+
 /// Pressure over the contact, in units of stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureStatistics {
@@ -35,17 +37,8 @@ pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
         mean_in_contact,
         deviation_in_contact: variance.sqrt(),
         moments: [2, 3, 4].map(|k| power(k) / n),
-        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&contact, level)),
+        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&contact, level).unwrap_or(0.0)),
     }
-}
-
-/// Linear interpolation between the sorted values.
-fn quantile(sorted: &[f64], level: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
-    let position = level * last as f64;
-    let below = position.floor() as usize;
-    let above = (below + 1).min(last);
-    sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// Elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards

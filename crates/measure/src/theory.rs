@@ -79,10 +79,92 @@ impl Westergaard {
         2.0 * mean_pressure * (PI * x / self.period).cos().abs() * (f - s).sqrt() / f
     }
 
+    /// Mean pressure with an adhesive interface of short range and work of adhesion `work` (stress × length) at the
+    /// contact area fraction a: p_full sin²(π a/2) − √(2 E* w tan(π a/2)/λ) (Johnson 1995). Negative: pulled.
+    pub fn adhesive_pressure(&self, work: f64, area_fraction: f64) -> f64 {
+        let angle = 0.5 * PI * area_fraction;
+        self.full_contact_pressure() * angle.sin().powi(2)
+            - (2.0 * self.modulus * work * angle.tan() / self.period).sqrt()
+    }
+
     /// Mean gap A (1 − f + f ln f), f = p̄/p_full.
     pub fn mean_gap(&self, mean_pressure: f64) -> f64 {
         let f = self.load(mean_pressure);
         if f == 0.0 { self.amplitude } else { self.amplitude * (1.0 - f + f * f.ln()) }
+    }
+}
+
+/// An adhesive sphere (parabola) on a half-space, of any range of adhesion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdhesiveSphere {
+    /// Contact modulus E*.
+    pub modulus: f64,
+    /// Radius of curvature R.
+    pub curvature_radius: f64,
+    /// Work of adhesion w, stress × length.
+    pub work: f64,
+}
+
+/// Contact of an adhesive sphere at one width of its adhesive zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdhesiveContact {
+    /// Contact radius a.
+    pub radius: f64,
+    /// Normal force, negative if pulled; stress × length².
+    pub force: f64,
+}
+
+impl AdhesiveSphere {
+    /// K = 4 E*/3.
+    fn stiffness(&self) -> f64 {
+        4.0 / 3.0 * self.modulus
+    }
+
+    /// Maugis' unit of force, π w R.
+    pub fn force_unit(&self) -> f64 {
+        PI * self.work * self.curvature_radius
+    }
+
+    /// Maugis' unit of the contact radius, (π w R²/K)^{1/3} with K = 4 E*/3.
+    pub fn radius_unit(&self) -> f64 {
+        (self.force_unit() * self.curvature_radius / self.stiffness()).cbrt()
+    }
+
+    /// Adhesive strength σ₀ (stress) at Maugis' parameter λ = 2 σ₀ (R/π w K²)^{1/3}.
+    pub fn strength(&self, lambda: f64) -> f64 {
+        0.5 * lambda * (PI * self.work * self.stiffness().powi(2) / self.curvature_radius).cbrt()
+    }
+
+    /// Pull-off force of a range of adhesion that vanishes, −(3/2) π w R (Johnson, Kendall and Roberts 1971).
+    pub fn jkr_pull_off(&self) -> f64 {
+        -1.5 * self.force_unit()
+    }
+
+    /// Contact with constant adhesive stress out to the radius m a, m = `zone` > 1 (Maugis 1992).
+    pub fn maugis(&self, lambda: f64, zone: f64) -> AdhesiveContact {
+        let m = zone;
+        let (root, arc) = ((m * m - 1.0).sqrt(), (1.0 / m).acos());
+        // b a² + c a = 1 for a in units of `radius_unit`.
+        let b = 0.5 * lambda * (root + (m * m - 2.0) * arc);
+        let c = 4.0 / 3.0 * lambda * lambda * (root * arc - m + 1.0);
+        let a = ((c * c + 4.0 * b).sqrt() - c) / (2.0 * b);
+        AdhesiveContact {
+            radius: a * self.radius_unit(),
+            force: (a.powi(3) - lambda * a * a * (root + m * m * arc)) * self.force_unit(),
+        }
+    }
+
+    /// Pull-off force with constant adhesive stress: the least force over all widths of the zone (Maugis 1992).
+    pub fn maugis_pull_off(&self, lambda: f64) -> f64 {
+        // The force has one minimum in m. Golden section in ln(m − 1), from m = 1.00005 to 22000.
+        const SHORTER: f64 = 0.618_033_988_749_894_9;
+        let force = |x: f64| self.maugis(lambda, 1.0 + x.exp()).force;
+        let [mut low, mut high] = [-10.0, 10.0];
+        for _ in 0..60 {
+            let step = SHORTER * (high - low);
+            if force(high - step) < force(low + step) { high = low + step } else { low = high - step }
+        }
+        force(0.5 * (low + high))
     }
 }
 
@@ -134,6 +216,41 @@ mod tests {
         assert_relative_eq!(2.0 / 3.0 * PI * point.radius.powi(2) * point.peak_pressure, 0.1, max_relative = 1e-14);
         let (half_width, peak) = hertz_line(3.0, 2.0, 0.1);
         assert_relative_eq!(0.5 * PI * half_width * peak, 0.1, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn an_adhesive_sphere_goes_from_jkr_to_dmt_as_its_range_grows() {
+        let sphere = AdhesiveSphere { modulus: 1.3, curvature_radius: 2.5, work: 1e-3 };
+        let reduced = |lambda: f64| sphere.maugis_pull_off(lambda) / sphere.force_unit();
+        assert_relative_eq!(sphere.jkr_pull_off() / sphere.force_unit(), -1.5);
+        assert_relative_eq!(reduced(20.0), -1.5, max_relative = 2e-3);
+        // Derjaguin, Muller and Toporov: −2 π w R.
+        assert_relative_eq!(reduced(1e-3), -2.0, max_relative = 2e-3);
+        let least = (1..4000).map(|i| sphere.maugis(1.0, 1.0 + 1e-3 * f64::from(i)).force).fold(0.0, f64::min);
+        assert_relative_eq!(sphere.maugis_pull_off(1.0), least, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn an_adhesive_sphere_of_jkr_obeys_their_force() {
+        // a³ − √(6 a³) in units of Maugis.
+        let sphere = AdhesiveSphere { modulus: 0.7, curvature_radius: 1.5, work: 2e-3 };
+        let contact = sphere.maugis(200.0, 1.000_02);
+        let a = contact.radius / sphere.radius_unit();
+        assert_relative_eq!(
+            contact.force / sphere.force_unit(),
+            a.powi(3) - (6.0 * a.powi(3)).sqrt(),
+            max_relative = 1e-3
+        );
+    }
+
+    #[test]
+    fn an_adhesive_wave_without_work_is_that_of_westergaard() {
+        let wave = Westergaard { modulus: 2.0, amplitude: 0.03, period: 1.5 };
+        for f in [0.1, 0.5, 0.9] {
+            let mean = f * wave.full_contact_pressure();
+            assert_relative_eq!(wave.adhesive_pressure(0.0, wave.area(mean)), mean, max_relative = 1e-14);
+            assert!(wave.adhesive_pressure(1e-3, wave.area(mean)) < mean);
+        }
     }
 
     #[test]

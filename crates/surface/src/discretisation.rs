@@ -51,9 +51,11 @@ impl Discretisation {
         length / (self.eps_t_inv * self.eps_f_inv)
     }
 
-    /// The spectrum without roll-off that these numbers ask for in a cell of `length`, scaled to `rms_gradient`.
-    pub fn self_affine(&self, length: f64, hurst: f64, rms_gradient: f64) -> SelfAffine {
-        SelfAffine::new(hurst, self.longest_wavelength(length), self.shortest_wavelength(length), rms_gradient)
+    /// Returns `spectrum` with the longest and shortest wavelength that these numbers ask for in a cell of `length`.
+    pub fn self_affine(&self, length: f64, spectrum: SelfAffine) -> SelfAffine {
+        let (longest_wavelength, shortest_wavelength) =
+            (self.longest_wavelength(length), self.shortest_wavelength(length));
+        SelfAffine { longest_wavelength, shortest_wavelength, ..spectrum }
     }
 }
 

@@ -119,6 +119,16 @@ pub enum SurfaceError {
     /// A taper that is not a fraction.
     #[error("the taper of a window must be from 0 to 1, found {0}")]
     Taper(f64),
+    /// A name that no value has.
+    #[error("the {subject} is {found:?}; it must be one of {allowed}")]
+    Name {
+        /// The kind of value.
+        subject: &'static str,
+        /// The name given.
+        found: String,
+        /// The names allowed.
+        allowed: String,
+    },
     /// A number of subdivisions that is zero or would not fit into memory.
     #[error("the number of subdivisions must be from 1 to {most}, found {found}")]
     Subdivisions {

@@ -8,6 +8,7 @@
 //! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
 //! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
+//! | the spectrum of a scan that is not periodic        | [`window`], then [`PowerSpectrum`]           |
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
 //!
 //! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Any consistent unit of length.
@@ -15,11 +16,12 @@
 //!
 //! ```
 //! use gfmd_field::Grid;
-//! use gfmd_surface::{Discretisation, PowerSpectrum, Statistics};
+//! use gfmd_surface::{Discretisation, PowerSpectrum, SelfAffine, Statistics};
 //!
 //! let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
 //! let grid = Grid::square(numbers.points()?, 1.0)?; // 128 points along a side of length 1
-//! let heights = numbers.self_affine(1.0, 0.8, 0.1).heights(&grid, 42)?;
+//! let spectrum = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
+//! let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 42)?;
 //!
 //! let measured = Statistics::of(&heights, &grid)?;
 //! assert!((measured.moments.rms_gradient() - 0.1).abs() < 1e-13);
@@ -43,13 +45,14 @@ mod preparation;
 mod statistics;
 
 mod error;
+mod names;
 mod random;
 
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use moments::{Dimension, Moments};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
-pub use preparation::{Periodisation, Trend, periodise, remove};
-pub use real_space::{Displacement, RealSpace};
-pub use self_affine::{Amplitudes, Normalisation, RollOff, Scaling, SelfAffine};
+pub use preparation::{Periodisation, Trend, periodise, remove, window};
+pub use real_space::{Displaced, RealSpace};
+pub use self_affine::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 pub use statistics::{Seam, Statistics};

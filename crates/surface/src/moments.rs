@@ -21,31 +21,36 @@ impl Dimension {
 pub struct Moments {
     /// Surface or profile: fixes what the profile moments and the curvature are.
     pub dimension: Dimension,
-    /// h_rms² = Σ |h̃|², length².
-    pub height: f64,
-    /// ḡ² = Σ q²|h̃|², dimensionless: the mean square of the full gradient |∇h|.
-    pub gradient: f64,
-    /// Σ q⁴|h̃|², 1/length²: the mean square of the Laplacian ∇²h.
-    pub laplacian: f64,
+    /// The mean square of the height, h_rms² = Σ |h̃|², length².
+    pub mean_square_height: f64,
+    /// The mean square of the full gradient |∇h|, ḡ² = Σ q²|h̃|², dimensionless.
+    pub mean_square_gradient: f64,
+    /// The mean square of the Laplacian ∇²h, Σ q⁴|h̃|², 1/length².
+    pub mean_square_laplacian: f64,
 }
 
 impl Moments {
     /// h_rms, length.
     pub fn rms_height(&self) -> f64 {
-        self.height.sqrt()
+        self.mean_square_height.sqrt()
     }
 
     /// ḡ, the root-mean-square of the full gradient |∇h| (of h′ for a profile), dimensionless.
     pub fn rms_gradient(&self) -> f64 {
-        self.gradient.sqrt()
+        self.mean_square_gradient.sqrt()
+    }
+
+    /// The root-mean-square of the Laplacian ∇²h (h″ of a profile), 1/length.
+    pub fn rms_laplacian(&self) -> f64 {
+        self.mean_square_laplacian.sqrt()
     }
 
     /// Root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half that of the Laplacian, or of h″ of a
     /// profile; 1/length.
     pub fn rms_curvature(&self) -> f64 {
         match self.dimension {
-            Dimension::Profile => self.laplacian.sqrt(),
-            Dimension::Surface => 0.5 * self.laplacian.sqrt(),
+            Dimension::Profile => self.rms_laplacian(),
+            Dimension::Surface => 0.5 * self.rms_laplacian(),
         }
     }
 
@@ -53,8 +58,10 @@ impl Moments {
     /// straight cut, m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which hold if it is isotropic.
     pub fn profile(&self) -> [f64; 3] {
         match self.dimension {
-            Dimension::Profile => [self.height, self.gradient, self.laplacian],
-            Dimension::Surface => [self.height, self.gradient / 2.0, 0.375 * self.laplacian],
+            Dimension::Profile => [self.mean_square_height, self.mean_square_gradient, self.mean_square_laplacian],
+            Dimension::Surface => {
+                [self.mean_square_height, self.mean_square_gradient / 2.0, 0.375 * self.mean_square_laplacian]
+            }
         }
     }
 
@@ -83,6 +90,11 @@ impl Sums {
     /// All of them, each multiplied by `factor`.
     pub(crate) fn moments(parts: &[Self], grid: &Grid, factor: f64) -> Moments {
         let total = |k: usize| factor * parts.iter().map(|part| part.0[k]).sum::<f64>();
-        Moments { dimension: Dimension::of(grid), height: total(0), gradient: total(1), laplacian: total(2) }
+        Moments {
+            dimension: Dimension::of(grid),
+            mean_square_height: total(0),
+            mean_square_gradient: total(1),
+            mean_square_laplacian: total(2),
+        }
     }
 }

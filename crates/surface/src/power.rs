@@ -66,14 +66,13 @@ impl PowerSpectrum {
         let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
         transform.forward(&heights, &mut spectrum, &mut transform.workspace())?;
         let power: Vec<f64> = spectrum.par_iter().map(Complex64::norm_sqr).collect();
-        let positions = grid.spectrum_shape()[1];
         let sums: Vec<Sums> = power
             .par_chunks(MODES_PER_TASK)
             .enumerate()
             .map(|(task, chunk)| {
                 let mut sums = Sums::default();
                 for (index, square) in (task * MODES_PER_TASK..).zip(chunk) {
-                    let mode = grid.mode(index / positions, index % positions);
+                    let mode = grid.mode_at(index);
                     if !mode.is_uniform() {
                         sums.add(&mode, *square);
                     }
@@ -122,7 +121,7 @@ impl PowerSpectrum {
     /// The longest and shortest wavelengths of modes that carry power, length: the cut-offs that the heights have.
     /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the band.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
-        let floor = CARRIES_POWER * self.moments.height;
+        let floor = CARRIES_POWER * self.moments.mean_square_height;
         let mut ends: Option<[f64; 2]> = None;
         for (mode, power) in self.grid.modes().zip(&self.power) {
             if *power > floor && !mode.is_uniform() {

@@ -4,6 +4,7 @@ use gfmd_field::Grid;
 use ndarray::{Array2, ArrayView2, s};
 
 use crate::SurfaceError;
+use crate::names::named;
 use crate::statistics::{checked, finite};
 
 /// What a scan of a surface holds besides roughness: the part that [`remove`] takes away.
@@ -20,8 +21,15 @@ pub enum Trend {
     Quadratic,
 }
 
+named! { Trend, "trend":
+    Mean = "mean", "the mean height";
+    Plane = "plane", "the least-squares plane";
+    Slope = "slope", "the plane of the mean slope, which joins opposite edges on average";
+    Quadratic = "quadratic", "the least-squares paraboloid";
+}
+
 /// How heights that are not periodic are made into one period of a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Periodisation {
     /// Not at all: the step from one edge to the opposite one becomes a cliff of the surface. It adds to all gradients
     /// and, as C ∝ q⁻² along the axes, to the spectrum. Right for heights that are periodic.
@@ -30,11 +38,11 @@ pub enum Periodisation {
     /// but a crease where the images meet. Height distribution and peak-to-valley stay exactly, gradients but for
     /// the seams; the cell has mirror planes, its longest wavelength doubles, any correlation of h_x with h_y is lost.
     Mirror,
-    /// The deviations from the mean times a window that falls to zero at the edges as a cosine over the given fraction
-    /// of each side (half of it at either end; Tukey; 1: Hann, 0: none), divided by the rms value of the window so that
-    /// the mean square of homogeneous roughness stays. For spectra: heights and gradients vary over the cell, which
-    /// no contact calculation should see.
-    Window(f64),
+}
+
+named! { Periodisation, "periodisation":
+    AsIs = "as-is", "not at all: opposite edges meet in a step";
+    Mirror = "mirror", "by mirror images: no step, four times the points";
 }
 
 /// The heights without their trend, same shape; fitted on the index lattice, so that no lengths matter.
@@ -78,15 +86,32 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
 /// Heights made periodic, and the grid they then live on.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite; a taper outside \[0, 1\].
+/// Heights of another shape than the grid or not finite.
 pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Result<(Array2<f64>, Grid), SurfaceError> {
     checked(heights, grid)?;
     match how {
         Periodisation::AsIs => Ok((heights.clone(), *grid)),
         Periodisation::Mirror => mirrored(heights, grid),
-        Periodisation::Window(taper) if (0.0..=1.0).contains(&taper) => Ok((windowed(heights, taper), *grid)),
-        Periodisation::Window(taper) => Err(SurfaceError::Taper(taper)),
     }
+}
+
+/// The deviations of `heights` from their mean times a Tukey window, for the spectrum of a scan that is not periodic.
+///
+/// The window falls to zero at the edges as a cosine over the fraction `taper` of each side, half of it at either end
+/// (1: Hann window, 0: no window). It is divided by its rms value, so that the mean square of homogeneous roughness stays.
+/// Heights and gradients then vary over the cell: not for contact calculations.
+///
+/// # Errors
+/// Heights that are not finite; a taper outside \[0, 1\].
+pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceError> {
+    finite(heights)?;
+    if !(0.0..=1.0).contains(&taper) {
+        return Err(SurfaceError::Taper(taper));
+    }
+    let (nx, ny) = heights.dim();
+    let (x, y) = (tukey(nx, taper), tukey(ny, taper));
+    let mean = heights.mean().unwrap_or(0.0);
+    Ok(Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j]))
 }
 
 /// Polynomials 1, i, i² on n points, each orthogonal to those before and to shifts: centred Legendre polynomials.
@@ -137,15 +162,8 @@ fn mirrored(heights: &Array2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), S
     Ok((Array2::from_shape_fn(twice.points(), |(i, j)| heights[[image(i, nx), image(j, ny)]]), twice))
 }
 
-fn windowed(heights: &Array2<f64>, taper: f64) -> Array2<f64> {
-    let (nx, ny) = heights.dim();
-    let (x, y) = (window(nx, taper), window(ny, taper));
-    let mean = heights.mean().unwrap_or(0.0);
-    Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j])
-}
-
 /// A cosine-tapered window over points in the middles of n intervals, divided by its rms value; 1 for a single point.
-fn window(points: usize, taper: f64) -> Vec<f64> {
+fn tukey(points: usize, taper: f64) -> Vec<f64> {
     if points == 1 {
         return vec![1.0];
     }

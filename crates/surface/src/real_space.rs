@@ -2,6 +2,7 @@ use ndarray::Array2;
 
 use crate::SurfaceError;
 use crate::error::positive;
+use crate::names::named;
 use crate::random::Normal;
 
 /// Most subdivisions of a profile: 2²⁸ + 1 points.
@@ -25,12 +26,12 @@ pub struct RealSpace {
     /// σ, root-mean-square increment of the height over one side, length.
     pub rms_increment: f64,
     /// Which points are displaced.
-    pub method: Displacement,
+    pub displaced: Displaced,
 }
 
 /// Which points a subdivision displaces, all by normal numbers of variance ∝ 2^{−2Hi} in the i-th halving of lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Displacement {
+pub enum Displaced {
     /// The new points only: random midpoint displacement, on a surface by diamonds and squares. The variance is
     /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which gives increments between neighbours of the lattice theirs exactly
     /// (profiles). Coarse points stay as they are when the number of subdivisions grows.
@@ -39,6 +40,11 @@ pub enum Displacement {
     /// increments on the lattice are too large by the same factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after many
     /// subdivisions (profiles).
     AllPoints,
+}
+
+named! { Displaced, "method of subdivision":
+    AllPoints = "sra", "successive random addition";
+    Midpoints = "rmd", "random midpoint displacement";
 }
 
 impl RealSpace {
@@ -56,9 +62,9 @@ impl RealSpace {
             for middle in (stride..intervals).step_by(2 * stride) {
                 heights[middle] = 0.5 * (heights[middle - stride] + heights[middle + stride]);
             }
-            let (first, step) = match self.method {
-                Displacement::Midpoints => (stride, 2 * stride),
-                Displacement::AllPoints => (0, stride),
+            let (first, step) = match self.displaced {
+                Displaced::Midpoints => (stride, 2 * stride),
+                Displaced::AllPoints => (0, stride),
             };
             for height in heights[first..].iter_mut().step_by(step) {
                 *height += displacement * normal.next();
@@ -83,7 +89,7 @@ impl RealSpace {
         }
         for level in 0..self.subdivisions {
             let stride = side >> (level + 1);
-            let all = self.method == Displacement::AllPoints;
+            let all = self.displaced == Displaced::AllPoints;
             interpolate(&mut heights, stride, is_centre, [[1, 1], [1, -1], [-1, 1], [-1, -1]]);
             let displacement = self.displacement(f64::from(2 * level + 1));
             displace(&mut heights, stride, |at| is_centre(at) || all && !is_edge(at), displacement, &mut normal);
@@ -97,9 +103,9 @@ impl RealSpace {
     /// Root-mean-square displacement after lengths were divided by √2 `half_steps` times.
     fn displacement(&self, half_steps: f64) -> f64 {
         let new = (1.0 - 2.0_f64.powf(2.0 * self.hurst - 2.0)) * 2.0_f64.powf(-self.hurst * half_steps);
-        let share = match self.method {
-            Displacement::Midpoints => 1.0,
-            Displacement::AllPoints => 0.5,
+        let share = match self.displaced {
+            Displaced::Midpoints => 1.0,
+            Displaced::AllPoints => 0.5,
         };
         self.rms_increment * (share * new).sqrt()
     }

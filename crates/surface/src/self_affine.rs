@@ -2,6 +2,7 @@ use gfmd_field::{Grid, Mode};
 
 use crate::SurfaceError;
 use crate::error::positive;
+use crate::names::named;
 
 /// Relative slack, in squared wavenumber, within which a mode counts as on the ring rather than outside: far above
 /// the rounding of |q|² and far below the distance of two rings of integer wave numbers.
@@ -19,8 +20,8 @@ pub struct SelfAffine {
     pub longest_wavelength: f64,
     /// Shortest wavelength λ_s, length: at least two grid spacings.
     pub shortest_wavelength: f64,
-    /// What becomes of the power law at long wavelengths.
-    pub roll_off: RollOff,
+    /// The roll-off of the power law at long wavelengths; `None` if it goes on to the longest wavelength.
+    pub roll_off: Option<RollOff>,
     /// What the heights are scaled to.
     pub normalisation: Normalisation,
     /// What the one factor of that scaling is computed from.
@@ -31,14 +32,26 @@ pub struct SelfAffine {
 
 /// The spectrum at wavelengths beyond the roll-off wavelength λ_r = 2π/q_r, up to the longest wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RollOff {
-    /// The power law goes on to the longest wavelength.
-    None,
-    /// C(q) = C(q_r) for q < q_r: a plateau with a kink at the roll-off wavelength (length) given here.
-    Plateau(f64),
-    /// C(q) ∝ (1 + (q/q_r)²)^{−(1+H)} at all q (−(½+H) for a profile): a smooth crossover around the roll-off
-    /// wavelength (length) given here.
-    Smooth(f64),
+pub struct RollOff {
+    /// Roll-off wavelength λ_r, length: between the shortest and the longest wavelength.
+    pub wavelength: f64,
+    /// The form of the crossover.
+    pub shape: RollOffShape,
+}
+
+/// The form of the crossover from the power law to the flat part of a spectrum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RollOffShape {
+    /// C(q) = C(q_r) for q < q_r: a plateau with a kink at q_r.
+    #[default]
+    Plateau,
+    /// C(q) ∝ (1 + (q/q_r)²)^{−(1+H)} at all q (−(½+H) for a profile): a smooth crossover around q_r.
+    Smooth,
+}
+
+named! { RollOffShape, "roll-off shape":
+    Plateau = "plateau", "constant beyond the roll-off wavelength";
+    Smooth = "smooth", "(1 + (q/q_r)²)^-(1+H)";
 }
 
 /// The size that one common factor gives to all heights.
@@ -60,23 +73,48 @@ pub enum Scaling {
 }
 
 /// How the size of a mode is drawn; its phase is uniform and the same in both cases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Amplitudes {
     /// Normal real and imaginary parts: a Gaussian random surface.
+    #[default]
     Gaussian,
     /// Every |h̃| as large as its expected root-mean-square: random phases only, the spectrum has no noise.
     Fixed,
 }
 
+named! { Amplitudes, "kind of amplitudes":
+    Gaussian = "gaussian", "normal real and imaginary parts";
+    Fixed = "fixed", "all as large as expected, with random phases";
+}
+
 impl SelfAffine {
-    /// Gaussian amplitudes, no roll-off, every realisation scaled to `rms_gradient` (spectral). Wavelengths in any
-    /// unit of length. Checked where it is used; the struct fields say what else can be chosen.
-    pub fn new(hurst: f64, longest_wavelength: f64, shortest_wavelength: f64, rms_gradient: f64) -> Self {
+    /// A spectrum with Gaussian amplitudes and without roll-off, every realisation scaled to the spectral `rms_gradient`.
+    ///
+    /// The Hurst exponent and the two wavelengths have no defaults: they are NaN here, which every use of the spectrum
+    /// refuses, and are named in a struct literal:
+    ///
+    /// ```
+    /// use gfmd_field::Grid;
+    /// use gfmd_surface::{SelfAffine, SurfaceError};
+    ///
+    /// let rough = SelfAffine {
+    ///     hurst: 0.8,
+    ///     longest_wavelength: 0.5,
+    ///     shortest_wavelength: 1.0 / 16.0,
+    ///     ..SelfAffine::with_rms_gradient(0.1)
+    /// };
+    /// let grid = Grid::square(64, 1.0)?;
+    /// assert_eq!(rough.heights(&grid, 1)?.dim(), (64, 64));
+    /// let forgotten = SelfAffine { hurst: f64::NAN, ..rough };
+    /// assert!(matches!(forgotten.heights(&grid, 1), Err(SurfaceError::Hurst(_))));
+    /// # Ok::<(), SurfaceError>(())
+    /// ```
+    pub fn with_rms_gradient(rms_gradient: f64) -> Self {
         Self {
-            hurst,
-            longest_wavelength,
-            shortest_wavelength,
-            roll_off: RollOff::None,
+            hurst: f64::NAN,
+            longest_wavelength: f64::NAN,
+            shortest_wavelength: f64::NAN,
+            roll_off: None,
             normalisation: Normalisation::RmsGradient(rms_gradient),
             scaling: Scaling::EachRealisation,
             amplitudes: Amplitudes::Gaussian,
@@ -112,9 +150,9 @@ impl SelfAffine {
             return Err(SurfaceError::BeyondNyquist { shortest, allowed });
         }
         let (floor, smooth) = match self.roll_off {
-            RollOff::None => (0.0, None),
-            RollOff::Plateau(found) => (self.between(found)?, None),
-            RollOff::Smooth(found) => (0.0, Some(self.between(found)?)),
+            None => (0.0, None),
+            Some(RollOff { wavelength, shape: RollOffShape::Plateau }) => (self.between(wavelength)?, None),
+            Some(RollOff { wavelength, shape: RollOffShape::Smooth }) => (0.0, Some(self.between(wavelength)?)),
         };
         let exponent = if grid.is_line() { 0.5 + hurst } else { 1.0 + hurst };
         Ok(Band { ring: Ring::new(shortest, longest), lengths, exponent, floor, smooth })

@@ -122,7 +122,7 @@ impl SelfAffine {
 
     /// The factor that gives the amplitudes the size asked for.
     fn factor(&self, unscaled: &Moments) -> Result<f64, SurfaceError> {
-        if unscaled.height <= 0.0 {
+        if unscaled.mean_square_height <= 0.0 {
             let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
             return Err(SurfaceError::NoModes { shortest, longest });
         }
@@ -135,6 +135,5 @@ impl SelfAffine {
 
 /// The modes of the half spectrum from storage index `first` on.
 fn modes_from(grid: &Grid, first: usize) -> impl Iterator<Item = Mode> + '_ {
-    let positions = grid.spectrum_shape()[1];
-    (first..grid.spectrum_len()).map(move |index| grid.mode(index / positions, index % positions))
+    (first..grid.spectrum_len()).map(|index| grid.mode_at(index))
 }

@@ -2,16 +2,25 @@
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
-use gfmd_surface::{Periodisation, SelfAffine, Statistics, SurfaceError, Trend, periodise, remove};
+use gfmd_surface::{Periodisation, SelfAffine, Statistics, SurfaceError, Trend, periodise, remove, window};
 use ndarray::Array2;
 use proptest::prelude::*;
 
 const TRENDS: [Trend; 4] = [Trend::Mean, Trend::Plane, Trend::Slope, Trend::Quadratic];
 
+fn self_affine(hurst: f64, longest: f64, shortest: f64, rms_gradient: f64) -> SelfAffine {
+    SelfAffine {
+        hurst,
+        longest_wavelength: longest,
+        shortest_wavelength: shortest,
+        ..SelfAffine::with_rms_gradient(rms_gradient)
+    }
+}
+
 /// A rough scan that is not periodic: part of a larger surface.
 fn scan(points: [usize; 2]) -> (Array2<f64>, Grid) {
     let whole = Grid::new([64, 96], [2.0, 3.0]).unwrap();
-    let heights = SelfAffine::new(0.7, 3.0, 0.1, 0.2).heights(&whole, 5).unwrap();
+    let heights = self_affine(0.7, 3.0, 0.1, 0.2).heights(&whole, 5).unwrap();
     let [nx, ny] = points;
     let grid = Grid::new(points, [nx as f64 / 32.0, ny as f64 / 32.0]).unwrap();
     (heights.slice(ndarray::s![..nx, ..ny]).to_owned(), grid)
@@ -90,8 +99,8 @@ fn a_mirrored_scan_is_periodic_and_keeps_its_heights() {
 #[test]
 fn a_window_closes_the_edges_and_keeps_the_mean_square_of_waves() {
     let grid = Grid::square(128, 1.0).unwrap();
-    let waves = SelfAffine::new(0.5, 1.0 / 20.0, 1.0 / 40.0, 0.3).heights(&grid, 2).unwrap();
-    let windowed = |taper| periodise(&(&waves + 3.0), &grid, Periodisation::Window(taper)).unwrap().0;
+    let waves = self_affine(0.5, 1.0 / 20.0, 1.0 / 40.0, 0.3).heights(&grid, 2).unwrap();
+    let windowed = |taper| window(&(&waves + 3.0), taper).unwrap();
     let hann = windowed(1.0);
     let edge = hann.row(0).iter().chain(hann.column(127)).map(|h| h.abs()).fold(0.0, f64::max);
     assert!(edge < 1e-3 * hann.iter().fold(0.0, |most: f64, h| most.max(h.abs())));
@@ -107,9 +116,8 @@ fn a_window_closes_the_edges_and_keeps_the_mean_square_of_waves() {
 
 #[test]
 fn a_full_taper_is_the_window_of_hann() {
-    let grid = Grid::line(64, 1.0).unwrap();
     let signs = Array2::from_shape_fn((64, 1), |(i, _)| if i % 2 == 0 { 1.0 } else { -1.0 });
-    let (windowed, _) = periodise(&signs, &grid, Periodisation::Window(1.0)).unwrap();
+    let windowed = window(&signs, 1.0).unwrap();
     for (i, (h, sign)) in windowed.iter().zip(&signs).enumerate() {
         let hann = (std::f64::consts::PI * (i as f64 + 0.5) / 64.0).sin().powi(2) / 0.375_f64.sqrt();
         assert_relative_eq!(*h, sign * hann, max_relative = 1e-12);
@@ -121,7 +129,7 @@ fn unusable_scans_are_refused() {
     let (mut scan, grid) = scan([2, 30]);
     let few = SurfaceError::TooFewPoints { what: "removing a paraboloid", least: 3, found: [2, 30] };
     assert_eq!(remove(&scan, Trend::Quadratic), Err(few));
-    assert_eq!(periodise(&scan, &grid, Periodisation::Window(1.5)), Err(SurfaceError::Taper(1.5)));
+    assert_eq!(window(&scan, 1.5), Err(SurfaceError::Taper(1.5)));
     scan[[1, 7]] = f64::NAN;
     for trend in TRENDS {
         assert!(matches!(remove(&scan, trend), Err(SurfaceError::NotFinite { count: 1, first: [1, 7], .. })));

@@ -1,11 +1,11 @@
 //! Subdivision generators: variance of increments on and off their lattice, seeds, refinement, bad input.
 
-use gfmd_surface::{Displacement, RealSpace, SurfaceError};
+use gfmd_surface::{Displaced, RealSpace, SurfaceError};
 
 const SIGMA: f64 = 0.7;
 
-fn generator(hurst: f64, subdivisions: u32, method: Displacement) -> RealSpace {
-    RealSpace { hurst, subdivisions, rms_increment: SIGMA, method }
+fn generator(hurst: f64, subdivisions: u32, displaced: Displaced) -> RealSpace {
+    RealSpace { hurst, subdivisions, rms_increment: SIGMA, displaced }
 }
 
 /// Mean square increment over `lag` points from every multiple of `lag` plus `offset`, over many seeds, in units of
@@ -30,7 +30,7 @@ fn increments(generator: RealSpace, lag: usize, offset: usize) -> [f64; 2] {
 fn midpoint_increments_on_the_lattice_have_the_right_variance() {
     for hurst in [0.0, 0.3, 0.5, 0.8, 1.0] {
         for lag in [1, 4, 16, 64] {
-            let [mean, error] = increments(generator(hurst, 6, Displacement::Midpoints), lag, 0);
+            let [mean, error] = increments(generator(hurst, 6, Displaced::Midpoints), lag, 0);
             assert!((mean - 1.0).abs() < 4.5 * error + 1e-12, "H = {hurst}, lag {lag}: {mean} +- {error}");
         }
     }
@@ -55,7 +55,7 @@ fn midpoint_increments_off_the_lattice_are_wrong_by_the_known_artefact() {
             let expected = misaligned(hurst, level);
             assert!((expected - 1.0 - quoted).abs() < 0.012, "H = {hurst}: {expected}");
             let lag = 1 << (6 - level);
-            let [mean, error] = increments(generator(hurst, 6, Displacement::Midpoints), lag, lag / 2);
+            let [mean, error] = increments(generator(hurst, 6, Displaced::Midpoints), lag, lag / 2);
             assert!((mean - expected).abs() < 4.5 * error, "H = {hurst}: {mean} +- {error} for {expected}");
         }
     }
@@ -73,7 +73,7 @@ fn random_addition_makes_all_scales_too_rough_by_one_factor() {
     for hurst in [0.3, 0.5, 0.8] {
         for level in [1, 3, 6] {
             let expected = excess(hurst, subdivisions - level);
-            let all = generator(hurst, subdivisions, Displacement::AllPoints);
+            let all = generator(hurst, subdivisions, Displaced::AllPoints);
             let [mean, error] = increments(all, 1 << (subdivisions - level), 0);
             assert!(
                 (mean - expected).abs() < 4.5 * error,
@@ -86,11 +86,11 @@ fn random_addition_makes_all_scales_too_rough_by_one_factor() {
 /// On a surface the mean square increment along x or y grows as lag^2H, times the excess of random addition.
 #[test]
 fn surface_increments_grow_with_the_hurst_exponent() {
-    for method in [Displacement::Midpoints, Displacement::AllPoints] {
+    for displaced in [Displaced::Midpoints, Displaced::AllPoints] {
         for hurst in [0.2, 0.5, 0.8] {
             let mut squares = [[0.0; 2]; 2];
             for seed in 0..40 {
-                let heights = generator(hurst, 7, method).surface(seed).unwrap();
+                let heights = generator(hurst, 7, displaced).surface(seed).unwrap();
                 assert_eq!(heights.dim(), (129, 129));
                 for (k, lag) in [2, 32].into_iter().enumerate() {
                     for i in (0..128).step_by(lag) {
@@ -104,11 +104,11 @@ fn surface_increments_grow_with_the_hurst_exponent() {
             }
             for [short, long] in squares {
                 let found = (long / short).log2() / 8.0;
-                let expected = match method {
-                    Displacement::Midpoints => hurst,
-                    Displacement::AllPoints => hurst + (excess(hurst, 5) / excess(hurst, 1)).log2() / 8.0,
+                let expected = match displaced {
+                    Displaced::Midpoints => hurst,
+                    Displaced::AllPoints => hurst + (excess(hurst, 5) / excess(hurst, 1)).log2() / 8.0,
                 };
-                assert!((found - expected).abs() < 0.05, "{method:?}, H = {hurst}: {found} for {expected}");
+                assert!((found - expected).abs() < 0.05, "{displaced:?}, H = {hurst}: {found} for {expected}");
             }
         }
     }
@@ -121,8 +121,8 @@ fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
     let (hurst, seeds) = (0.4, 40_000);
     let [first, second] =
         [1, 2].map(|i| SIGMA.powi(2) * (1.0 - 2.0_f64.powf(2.0 * hurst - 2.0)) / 2.0_f64.powf(hurst * f64::from(i)));
-    for method in [Displacement::Midpoints, Displacement::AllPoints] {
-        let (share, old) = if method == Displacement::AllPoints { (0.5, 1.0) } else { (1.0, 0.0) };
+    for displaced in [Displaced::Midpoints, Displaced::AllPoints] {
+        let (share, old) = if displaced == Displaced::AllPoints { (0.5, 1.0) } else { (1.0, 0.0) };
         let [first, second, corner] = [share * first, share * second, 0.5 * SIGMA.powi(2)];
         let expected = [
             ([0, 0], corner + old * (first + second)),
@@ -131,7 +131,7 @@ fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
         ];
         let mut squares = [0.0; 3];
         for seed in 0..seeds {
-            let heights = generator(hurst, 1, method).surface(seed).unwrap();
+            let heights = generator(hurst, 1, displaced).surface(seed).unwrap();
             for (square, (at, _)) in squares.iter_mut().zip(expected) {
                 *square += heights[at].powi(2) / seeds as f64;
             }
@@ -140,7 +140,7 @@ fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
             // Four standard errors of a mean square of normal numbers.
             assert!(
                 (found / expected - 1.0).abs() < 4.0 * (2.0 / seeds as f64).sqrt(),
-                "{method:?} {at:?}: {found} for {expected}"
+                "{displaced:?} {at:?}: {found} for {expected}"
             );
         }
     }
@@ -148,11 +148,11 @@ fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
 
 #[test]
 fn midpoints_refine_and_seeds_differ() {
-    let midpoints = |subdivisions, seed| generator(0.6, subdivisions, Displacement::Midpoints).profile(seed).unwrap();
+    let midpoints = |subdivisions, seed| generator(0.6, subdivisions, Displaced::Midpoints).profile(seed).unwrap();
     let (coarse, fine) = (midpoints(5, 3), midpoints(7, 3));
     assert!((0..=32).all(|i| coarse[[i, 0]] == fine[[4 * i, 0]]));
     assert_ne!(midpoints(5, 3), midpoints(5, 4));
-    let surface = |subdivisions, seed| generator(0.6, subdivisions, Displacement::Midpoints).surface(seed).unwrap();
+    let surface = |subdivisions, seed| generator(0.6, subdivisions, Displaced::Midpoints).surface(seed).unwrap();
     let (coarse, fine) = (surface(3, 3), surface(4, 3));
     assert!(coarse.indexed_iter().all(|((i, j), h)| *h == fine[[2 * i, 2 * j]]));
     assert_ne!(surface(3, 3), surface(3, 4));
@@ -160,7 +160,7 @@ fn midpoints_refine_and_seeds_differ() {
 
 #[test]
 fn impossible_subdivisions_are_refused() {
-    let good = generator(0.5, 4, Displacement::Midpoints);
+    let good = generator(0.5, 4, Displaced::Midpoints);
     assert_eq!(RealSpace { hurst: 1.5, ..good }.profile(1), Err(SurfaceError::Hurst(1.5)));
     assert_eq!(
         RealSpace { subdivisions: 0, ..good }.profile(1),

@@ -5,13 +5,30 @@ use std::f64::consts::{PI, TAU};
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
 use gfmd_surface::{
-    Amplitudes, Dimension, Normalisation, PowerSpectrum, RollOff, SelfAffine, Statistics, SurfaceError,
+    Amplitudes, Dimension, Normalisation, PowerSpectrum, RollOff, RollOffShape, SelfAffine, Statistics, SurfaceError,
 };
 use ndarray::{Array2, ShapeBuilder};
 
 /// The ring of a cell of side 1 with `longest` and `shortest` given by their wave numbers, without noise.
+fn self_affine(hurst: f64, longest: f64, shortest: f64, rms_gradient: f64) -> SelfAffine {
+    SelfAffine {
+        hurst,
+        longest_wavelength: longest,
+        shortest_wavelength: shortest,
+        ..SelfAffine::with_rms_gradient(rms_gradient)
+    }
+}
+
+fn plateau(wavelength: f64) -> Option<RollOff> {
+    Some(RollOff { wavelength, shape: RollOffShape::Plateau })
+}
+
+fn smooth(wavelength: f64) -> Option<RollOff> {
+    Some(RollOff { wavelength, shape: RollOffShape::Smooth })
+}
+
 fn quiet(hurst: f64, longest: f64, shortest: f64) -> SelfAffine {
-    SelfAffine { amplitudes: Amplitudes::Fixed, ..SelfAffine::new(hurst, 1.0 / longest, 1.0 / shortest, 0.1) }
+    SelfAffine { amplitudes: Amplitudes::Fixed, ..self_affine(hurst, 1.0 / longest, 1.0 / shortest, 0.1) }
 }
 
 fn square(points: usize) -> Grid {
@@ -104,7 +121,7 @@ fn discrete_sums_equal_the_reference() {
         let surface = SelfAffine {
             normalisation: Normalisation::RmsHeight(s0.sqrt()),
             amplitudes: Amplitudes::Fixed,
-            ..SelfAffine::new(hurst, TAU / nl, TAU / ns, 1.0)
+            ..self_affine(hurst, TAU / nl, TAU / ns, 1.0)
         };
         let spectrum = surface.spectrum(&grid, 1).unwrap();
         let count: f64 = grid.modes().zip(&spectrum).filter(|(_, h)| h.norm() > 0.0).map(|(mode, _)| mode.weight).sum();
@@ -112,9 +129,9 @@ fn discrete_sums_equal_the_reference() {
         let expected = surface.expected_moments(&grid).unwrap();
         let found = Statistics::of(&surface.heights(&grid, 1).unwrap(), &grid).unwrap();
         for moments in [expected, found.moments] {
-            assert_relative_eq!(moments.height, s0, max_relative = 1e-12);
-            assert_relative_eq!(moments.gradient, s2, max_relative = 1e-12);
-            assert_relative_eq!(moments.laplacian, s4, max_relative = 1e-12);
+            assert_relative_eq!(moments.mean_square_height, s0, max_relative = 1e-12);
+            assert_relative_eq!(moments.mean_square_gradient, s2, max_relative = 1e-12);
+            assert_relative_eq!(moments.mean_square_laplacian, s4, max_relative = 1e-12);
             assert_relative_eq!(
                 moments.rms_height() / moments.rms_gradient(),
                 height * TAU / TAU,
@@ -188,7 +205,7 @@ fn the_fit_finds_the_exponent_of_a_spectrum_without_noise() {
     for hurst in [0.0, 0.37, 1.0] {
         let lines = Grid::line(256, 1.0).unwrap();
         for grid in [square(128), Grid::new([128, 160], [1.0, 0.8]).unwrap(), lines] {
-            let surface = SelfAffine { roll_off: RollOff::Plateau(1.0 / 8.0), ..quiet(hurst, 1.0, 60.0) };
+            let surface = SelfAffine { roll_off: plateau(1.0 / 8.0), ..quiet(hurst, 1.0, 60.0) };
             let spectrum = PowerSpectrum::of(&surface.heights(&grid, 6).unwrap(), &grid).unwrap();
             let steep = spectrum.fit_hurst(1.0 / 8.0, 1.0 / 60.0).unwrap().hurst;
             assert!((steep - hurst).abs() < 1e-9, "{steep} for {hurst}");
@@ -223,7 +240,7 @@ fn the_fit_scatters_by_its_standard_error() {
 #[test]
 fn a_smooth_roll_off_bends_the_spectrum_as_its_formula() {
     for grid in [square(64), Grid::line(64, 1.0).unwrap()] {
-        let surface = SelfAffine { roll_off: RollOff::Smooth(1.0 / 6.0), ..quiet(0.7, 1.0, 30.0) };
+        let surface = SelfAffine { roll_off: smooth(1.0 / 6.0), ..quiet(0.7, 1.0, 30.0) };
         let found = PowerSpectrum::of(&surface.heights(&grid, 1).unwrap(), &grid).unwrap();
         let exponent = if grid.is_line() { 1.2 } else { 1.7 };
         let shape = |k: f64| (1.0 + (k / 6.0).powi(2)).powf(-exponent);
@@ -240,7 +257,7 @@ fn the_radial_spectrum_is_isotropic_and_keeps_the_variance() {
     let spectrum = PowerSpectrum::of(&heights, &grid).unwrap();
     let bins = spectrum.radial();
     let variance: f64 = bins.iter().map(|bin| bin.modes * bin.density * TAU * TAU).sum();
-    assert_relative_eq!(variance, spectrum.moments().height, max_relative = 1e-12);
+    assert_relative_eq!(variance, spectrum.moments().mean_square_height, max_relative = 1e-12);
     for (k, bin) in bins.iter().enumerate() {
         assert!((bin.wavenumber / TAU - (k + 1) as f64).abs() < 0.25, "ring {k}: {bin:?}");
     }
@@ -293,7 +310,7 @@ fn a_seam_shows_where_opposite_edges_do_not_meet() {
     assert_eq!(found.seam.ratio()[1], None);
     assert_relative_eq!(found.rms_gradient_inside, 5.0, max_relative = 1e-13);
     assert!(found.rms_gradient_forward > 20.0);
-    let wave = SelfAffine::new(0.8, 1.0, 0.3, 0.1).heights(&grid, 3).unwrap();
+    let wave = self_affine(0.8, 1.0, 0.3, 0.1).heights(&grid, 3).unwrap();
     for ratio in Statistics::of(&wave, &grid).unwrap().seam.ratio() {
         assert!((0.5..2.0).contains(&ratio.unwrap()), "{ratio:?}");
     }

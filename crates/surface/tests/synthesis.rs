@@ -2,10 +2,27 @@
 
 use approx::assert_relative_eq;
 use gfmd_field::{Grid, Transform};
-use gfmd_surface::{Amplitudes, Normalisation, RollOff, Scaling, SelfAffine};
+use gfmd_surface::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 use ndarray::Array2;
 use num_complex::Complex64;
 use proptest::prelude::*;
+
+fn self_affine(hurst: f64, longest: f64, shortest: f64, rms_gradient: f64) -> SelfAffine {
+    SelfAffine {
+        hurst,
+        longest_wavelength: longest,
+        shortest_wavelength: shortest,
+        ..SelfAffine::with_rms_gradient(rms_gradient)
+    }
+}
+
+fn plateau(wavelength: f64) -> Option<RollOff> {
+    Some(RollOff { wavelength, shape: RollOffShape::Plateau })
+}
+
+fn smooth(wavelength: f64) -> Option<RollOff> {
+    Some(RollOff { wavelength, shape: RollOffShape::Smooth })
+}
 
 fn spectrum_of(heights: &Array2<f64>, grid: &Grid) -> Vec<Complex64> {
     let transform = Transform::new(*grid);
@@ -25,14 +42,14 @@ fn moment(heights: &Array2<f64>, grid: &Grid, power: i32) -> f64 {
 fn the_size_asked_for_is_the_size_made() {
     for grid in [Grid::square(48, 2.5).unwrap(), Grid::new([45, 64], [2.5, 3.5]).unwrap(), Grid::line(91, 2.5).unwrap()]
     {
-        let gradient = SelfAffine::new(0.7, 2.0, 0.25, 0.03);
+        let gradient = self_affine(0.7, 2.0, 0.25, 0.03);
         assert_relative_eq!(moment(&gradient.heights(&grid, 5).unwrap(), &grid, 2).sqrt(), 0.03, max_relative = 1e-12);
         let height = SelfAffine { normalisation: Normalisation::RmsHeight(0.4), ..gradient };
         let heights = height.heights(&grid, 5).unwrap();
         assert_relative_eq!(moment(&heights, &grid, 0).sqrt(), 0.4, max_relative = 1e-12);
         assert_relative_eq!(heights.iter().map(|h| h * h).sum::<f64>() / grid.len() as f64, 0.16, max_relative = 1e-12);
         assert!(heights.mean().unwrap().abs() < 1e-15);
-        for roll_off in [RollOff::Plateau(0.8), RollOff::Smooth(0.8)] {
+        for roll_off in [plateau(0.8), smooth(0.8)] {
             let rolled = SelfAffine { roll_off, ..height }.heights(&grid, 5).unwrap();
             assert_relative_eq!(moment(&rolled, &grid, 0).sqrt(), 0.4, max_relative = 1e-12);
         }
@@ -43,7 +60,7 @@ fn the_size_asked_for_is_the_size_made() {
 fn nothing_lies_outside_the_ring_and_its_edges_lie_inside() {
     let grid = Grid::square(64, 1.0).unwrap();
     // 1/5 and 1/13 are the lengths of (3, 4) and (5, 12): rings with points off the axes, inexact in binary.
-    let surface = SelfAffine::new(0.3, 1.0 / 5.0, 1.0 / 13.0, 0.1);
+    let surface = self_affine(0.3, 1.0 / 5.0, 1.0 / 13.0, 0.1);
     let spectrum = surface.spectrum(&grid, 3).unwrap();
     for (mode, value) in grid.modes().zip(&spectrum) {
         let [m, n] = mode.number;
@@ -56,8 +73,7 @@ fn the_same_surface_on_finer_grids() {
     let coarse_points = 48;
     for (line, hurst) in [(false, 0.0), (false, 0.8), (true, 0.5)] {
         let grid = |points| if line { Grid::line(points, 1.7) } else { Grid::square(points, 1.7) }.unwrap();
-        let surface =
-            SelfAffine { roll_off: RollOff::Plateau(0.4), ..SelfAffine::new(hurst, 1.7 / 1.5, 1.7 / 14.0, 0.1) };
+        let surface = SelfAffine { roll_off: plateau(0.4), ..self_affine(hurst, 1.7 / 1.5, 1.7 / 14.0, 0.1) };
         let coarse = surface.heights(&grid(coarse_points), 11).unwrap();
         for ratio in [2, 3, 5] {
             let fine = surface.heights(&grid(coarse_points * ratio), 11).unwrap();
@@ -72,8 +88,8 @@ fn the_same_surface_on_finer_grids() {
 #[test]
 fn phases_do_not_depend_on_the_spectrum() {
     let grid = Grid::square(32, 1.0).unwrap();
-    let rough = SelfAffine::new(0.0, 0.5, 0.1, 0.1);
-    let smooth = SelfAffine { amplitudes: Amplitudes::Fixed, ..SelfAffine::new(1.0, 1.0, 0.08, 3.0) };
+    let rough = self_affine(0.0, 0.5, 0.1, 0.1);
+    let smooth = SelfAffine { amplitudes: Amplitudes::Fixed, ..self_affine(1.0, 1.0, 0.08, 3.0) };
     let [rough, smooth] = [rough, smooth].map(|surface| surface.spectrum(&grid, 9).unwrap());
     let mut shared = 0;
     for (a, b) in rough.iter().zip(&smooth).filter(|(a, _)| a.norm() > 0.0) {
@@ -89,7 +105,7 @@ fn the_half_spectrum_is_that_of_real_heights() {
         let grid = grid.unwrap();
         let allowed = 2.0 * if grid.is_line() { grid.spacing()[0] } else { grid.spacing()[0].max(grid.spacing()[1]) };
         for amplitudes in [Amplitudes::Gaussian, Amplitudes::Fixed] {
-            let surface = SelfAffine { amplitudes, ..SelfAffine::new(0.5, 1.0, allowed, 1.0) };
+            let surface = SelfAffine { amplitudes, ..self_affine(0.5, 1.0, allowed, 1.0) };
             let asked = surface.spectrum(&grid, 21).unwrap();
             let found = spectrum_of(&surface.heights(&grid, 21).unwrap(), &grid);
             let size = asked.iter().map(|h| h.norm()).fold(0.0, f64::max);
@@ -103,7 +119,7 @@ fn the_half_spectrum_is_that_of_real_heights() {
 #[test]
 fn seeds_make_different_surfaces_and_threads_make_the_same() {
     let grid = Grid::square(256, 1.0).unwrap();
-    let surface = SelfAffine::new(0.8, 0.5, 1.0 / 64.0, 0.1);
+    let surface = self_affine(0.8, 0.5, 1.0 / 64.0, 0.1);
     let on = |threads, seed| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| surface.heights(&grid, seed).unwrap())
@@ -122,7 +138,7 @@ fn seeds_make_different_surfaces_and_threads_make_the_same() {
 #[test]
 fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {
     let grid = Grid::square(8, 1.0).unwrap();
-    let base = SelfAffine::new(0.6, 1.0, 0.25, 0.2);
+    let base = self_affine(0.6, 1.0, 0.25, 0.2);
     let surface = SelfAffine { scaling: Scaling::Ensemble, ..base };
     let seeds = 20_000;
     let (mut squares, mut fourths) = (vec![0.0; grid.spectrum_len()], vec![0.0; grid.spectrum_len()]);
@@ -152,7 +168,7 @@ fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {
 #[test]
 fn unusable_spectra_are_refused_with_what_is_allowed() {
     let grid = Grid::square(32, 1.0).unwrap();
-    let base = SelfAffine::new(0.8, 0.5, 0.125, 0.1);
+    let base = self_affine(0.8, 0.5, 0.125, 0.1);
     let says = |surface: SelfAffine, grid: Grid, words: &str| {
         let message = surface.heights(&grid, 1).unwrap_err().to_string();
         assert!(message.contains(words), "{message:?} lacks {words:?}");
@@ -164,8 +180,8 @@ fn unusable_spectra_are_refused_with_what_is_allowed() {
     says(SelfAffine { shortest_wavelength: f64::NAN, ..base }, grid, "0 < shortest");
     says(SelfAffine { longest_wavelength: 1.1, ..base }, grid, "cell length 1, found 1.1");
     says(SelfAffine { shortest_wavelength: 0.06, ..base }, grid, "at least 0.0625, two grid spacings, found 0.06");
-    says(SelfAffine { roll_off: RollOff::Plateau(0.6), ..base }, grid, "from 0.125 to 0.5, found 0.6");
-    says(SelfAffine { roll_off: RollOff::Smooth(f64::NAN), ..base }, grid, "found NaN");
+    says(SelfAffine { roll_off: plateau(0.6), ..base }, grid, "from 0.125 to 0.5, found 0.6");
+    says(SelfAffine { roll_off: smooth(f64::NAN), ..base }, grid, "found NaN");
     says(SelfAffine { normalisation: Normalisation::RmsGradient(0.0), ..base }, grid, "rms gradient must be positive");
     says(SelfAffine { normalisation: Normalisation::RmsHeight(-1.0), ..base }, grid, "rms height must be positive");
     says(SelfAffine { longest_wavelength: 0.71, shortest_wavelength: 0.708, ..base }, grid, "no wave vector");
@@ -182,8 +198,8 @@ proptest! {
         let grid = Grid::new(points, sides).unwrap();
         let nyquist = 2.0 * grid.spacing()[0].max(grid.spacing()[1]);
         let longest = sides[0].max(sides[1]);
-        let roll_off = RollOff::Smooth(nyquist + inside * (longest - nyquist));
-        let surface = SelfAffine { roll_off, ..SelfAffine::new(hurst, longest, nyquist, gradient) };
+        let roll_off = smooth(nyquist + inside * (longest - nyquist));
+        let surface = SelfAffine { roll_off, ..self_affine(hurst, longest, nyquist, gradient) };
         let heights = surface.heights(&grid, seed).unwrap();
         let measured = moment(&heights, &grid, 2).sqrt();
         prop_assert!((measured / gradient - 1.0).abs() < 1e-11, "{} for {}", measured, gradient);
@@ -201,7 +217,7 @@ fn the_documentation_is_enough_to_make_the_same_surface_elsewhere() {
         let number = |key: &str| case[key].as_f64().unwrap();
         let [nx, ny] = [0, 1].map(|axis| case["points"][axis].as_u64().unwrap() as usize);
         let grid = Grid::new([nx, ny], [0, 1].map(|axis| case["lengths"][axis].as_f64().unwrap())).unwrap();
-        let surface = SelfAffine::new(number("hurst"), number("longest"), number("shortest"), number("rms_gradient"));
+        let surface = self_affine(number("hurst"), number("longest"), number("shortest"), number("rms_gradient"));
         let heights = surface.heights(&grid, case["seed"].as_u64().unwrap()).unwrap();
         for ((i, j), height) in heights.indexed_iter() {
             let expected = case["heights"][i][j].as_f64().unwrap();

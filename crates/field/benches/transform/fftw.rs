@@ -1,4 +1,5 @@
 //! FFTW 3 as a yardstick, loaded at run time where it is installed: nothing is linked against it.
+#![allow(unsafe_code, reason = "calls of a C library")]
 
 use std::ffi::{c_int, c_uint, c_void};
 use std::sync::OnceLock;
