@@ -1,5 +1,7 @@
 //! `contact`: one contact problem, one or more loads.
 
+mod figures;
+
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -204,7 +206,7 @@ impl Prepared {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix), Some(rest)) = (&failure, &args.plots, &last) {
             let pressure = rest.pressure.mapv(|p| p.max(0.0));
-            report.plots = crate::figures::contact(prefix, &report, &self.surface.grid, &pressure)?;
+            report.plots = figures::draw(prefix, &report, &self.surface.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&kept));

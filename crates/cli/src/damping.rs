@@ -1,5 +1,7 @@
 //! `damping`: what damping does to the relaxation of a free surface, predicted and measured.
 
+mod figures;
+
 use std::f64::consts::TAU;
 use std::fmt;
 use std::path::PathBuf;
@@ -182,7 +184,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         report.out = Some(write(output, &report, args, session)?);
     }
     if let Some(prefix) = &args.plots {
-        report.plots = crate::figures::damping(prefix, &report)?;
+        report.plots = figures::draw(prefix, &report)?;
     }
     Ok(report)
 }

@@ -1,5 +1,6 @@
 //! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
+mod figures;
 mod file;
 mod mechanics;
 mod record;
@@ -233,7 +234,7 @@ impl Prepared {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix)) = (&failure, &args.plots) {
             let pressure = mechanics.pressure().mapv(|p| p.max(0.0));
-            report.plots = crate::figures::path(prefix, &report, args.steps as usize, &self.surface.grid, &pressure)?;
+            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         Ok(Outcome { failure: failure.map(|failure| failure.with(&kept)), report })

@@ -21,6 +21,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 
 mod comparison;
+mod figures;
 mod refinement;
 mod report;
 
@@ -249,7 +250,7 @@ impl Prepared {
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
             let reference = reference.map(|reference| &reference.displacement);
-            report.plots = crate::figures::punch(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
+            report.plots = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
         }
         let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })
