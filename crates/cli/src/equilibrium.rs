@@ -11,9 +11,9 @@ use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::contact::SolverName;
 use crate::failure::Failure;
 use crate::load::LoadRecord;
+use crate::solver::SolverName;
 
 /// What is to be brought to rest.
 pub enum Problem<'a> {

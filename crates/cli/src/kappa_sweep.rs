@@ -1,6 +1,7 @@
 //! `kappa-sweep`: many contacts, one kappa in the thermodynamic, fractal and continuum limit.
 
 pub mod config;
+mod figures;
 mod journal;
 mod plan;
 mod record;
@@ -25,8 +26,9 @@ pub use report::{Analysis, Area, Extrapolation, Report};
 
 use crate::failure::Failure;
 use crate::load::LoadRecord;
+use crate::memory::peak_bytes;
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
@@ -94,7 +96,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let seconds = started.elapsed().as_secs_f64();
     let example = example(&config, &plan)?;
     let path = record::write(&output, &config, &plan, &records, &analysis, &example, session, seconds)?;
-    let plots = crate::figures::sweep(&args.out, &config, &plan, &analysis, &example)?;
+    let plots = figures::draw(&args.out, &config, &plan, &analysis, &example)?;
     journal.remove();
     Ok(Outcome::Done(Box::new(Report::new(&config, &plan, analysis, path, plots, seconds, peak_bytes()))))
 }
