@@ -1,5 +1,6 @@
 //! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
+mod figures;
 mod file;
 mod record;
 mod report;
@@ -10,7 +11,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{
@@ -24,11 +24,11 @@ use serde::Serialize;
 use self::file::PathFile;
 use self::record::{Recorded, Stop};
 use self::waypoints::WaypointArgs;
-use crate::contact::check_available;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
+use crate::memory::Held;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
@@ -106,10 +106,6 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// Fields of doubles that a path holds at its peak, with some room: of u_z alone, and of all components.
-const FIELDS_OF_ONE: u64 = 36;
-const FIELDS_OF_ALL: u64 = 92;
-
 /// What acts between the surfaces.
 enum Action {
     Law(Box<dyn Law>),
@@ -119,7 +115,6 @@ enum Action {
 /// Everything that can be refused is refused before the first solve.
 struct Prepared {
     surface: Surface,
-    grid: Grid,
     body: Body,
     action: Action,
     drives: Vec<Drive>,
@@ -133,7 +128,10 @@ impl Prepared {
             return Err(Failure::input("--tol", format!("1e-14 to 0.1 is allowed, found {}", args.tol)));
         }
         if !(1e-9..=0.1).contains(&args.energy_tol) {
-            return Err(Failure::input("--energy-tol", format!("1e-9 to 0.1 is allowed, found {}", args.energy_tol)));
+            return Err(Failure::input(
+                "--energy-tol",
+                format!("the tolerance is {:e}; it must be between 1e-9 and 0.1", args.energy_tol),
+            ));
         }
         let limit = (args.friction.map(Limit::Coulomb)).or(args.shear_strength.map(Limit::Tresca));
         let action = match limit {
@@ -145,17 +143,15 @@ impl Prepared {
             None => Action::Law(args.law.build()?),
         };
         let surface = args.source.surface()?;
-        let [nx, ny] = surface.heights.dim().into();
-        let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = if all { FIELDS_OF_ALL } else { FIELDS_OF_ONE };
-        check_available([nx, ny], 8 * fields * grid.len() as u64)?;
+        let fields = if all { Held::ALL_COMPONENTS } else { Held::PATH };
+        fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
+        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, grid, body, action, drives, output })
+        Ok(Self { surface, body, action, drives, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
@@ -163,7 +159,7 @@ impl Prepared {
         let heights = self.surface.heights.view();
         let law = match &self.action {
             Action::Friction(limit) => {
-                let response = FullResponse::new(self.grid, &self.body);
+                let response = FullResponse::new(self.surface.grid, &self.body);
                 let contact = FrictionalContact::new(&response, heights, *limit).map_err(refuse)?;
                 return self.follow(&contact, args, session);
             }
@@ -171,10 +167,10 @@ impl Prepared {
         };
         let (normal, full);
         let interface = if self.moves_sideways(args) {
-            full = FullResponse::new(self.grid, &self.body);
+            full = FullResponse::new(self.surface.grid, &self.body);
             Interface::full(&full, heights, law)
         } else {
-            normal = NormalResponse::new(self.grid, &self.body);
+            normal = NormalResponse::new(self.surface.grid, &self.body);
             Interface::normal(&normal, heights, law)
         };
         let interface = interface.map_err(refuse)?;
@@ -241,7 +237,7 @@ impl Prepared {
         let out = log.file.map(|file| file.finish(&log.steps, self.drives.len())).transpose()?;
         let mut report = Report { parted_at, out, ..Report::new(self.head(args), log.steps, args.steps as usize) };
         if let (None, Some(prefix), Some((_, pressure))) = (&failure, &args.plots, &log.widest) {
-            report.plots = crate::figures::path(prefix, &report, args.steps as usize, &self.grid, pressure)?;
+            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         Ok(Outcome { failure: failure.map(|failure| failure.with(&kept)), report })
@@ -249,11 +245,11 @@ impl Prepared {
 
     fn head(&self, args: &Args) -> Head {
         Head {
-            n: self.grid.points(),
-            length: self.grid.lengths(),
+            n: self.surface.grid.points(),
+            length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
-            rms_gradient: self.surface.rms_gradient,
+            rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.material().contact_modulus(),
             law: match &self.action {
@@ -285,7 +281,7 @@ impl<'a> Log<'a> {
             steps_of_leg: args.steps as usize,
             file: prepared.output.as_ref().map(create).transpose()?,
             widest: None,
-            unit_pressure: prepared.body.material().contact_modulus() * prepared.surface.rms_gradient,
+            unit_pressure: prepared.body.material().contact_modulus() * prepared.surface.rms_gradient(),
             tolerance: args.tol,
         })
     }

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::StepRecord;
-use crate::session::{list_files, peak_bytes};
+use crate::memory::peak_bytes;
+use crate::session::list_files;
 
 /// The problem that a path is followed in.
 #[derive(Clone, Debug, Serialize)]
