@@ -34,6 +34,8 @@ pub enum Bound {
 /// Checks that belong together.
 #[derive(Clone, Copy, Debug)]
 pub struct Topic {
+    /// The name of its file here, and of its test.
+    pub name: &'static str,
     /// In words.
     pub title: &'static str,
     /// Computes them.
@@ -87,8 +89,8 @@ impl Check {
         Self { name: name.into(), source, value, bound: Bound::AtMost(bound) }
     }
 
-    /// An order of convergence that must reach `bound`.
-    pub fn order(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
+    /// A number that must reach `bound`: an order of convergence, or a ratio.
+    pub fn at_least(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
         Self { name: name.into(), source, value, bound: Bound::AtLeast(bound) }
     }
 
@@ -154,7 +156,7 @@ mod tests {
         worst.compare(1.0, 1.0);
         worst.compare(1.1, 1.0);
         assert!(worst.check("far", "", 0.11).passes() && !worst.check("far", "", 0.09).passes());
-        assert!(!Check::order("slow", "", 0.5, 1.0).passes());
+        assert!(!Check::at_least("slow", "", 0.5, 1.0).passes());
     }
 
     #[test]

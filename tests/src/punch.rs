@@ -126,6 +126,8 @@ impl Case<'_> {
         }
         let what = if self.line { "strip" } else { "square" };
         let Some((_, [x, z])) = errors.iter().find(|(n, _)| *n == 128) else { return Ok(Vec::new()) };
+        // Alarms for a regression: a hair above 6.44e-4 and 6.32e-3 (strip), 6.35e-4 and 7.80e-3 (square), measured on
+        // x86-64. The claim against the source, 0.00196, holds by a factor of three.
         let [x_bound, z_bound] = if self.line { [0.00065, 0.0064] } else { [0.00064, 0.0079] };
         let mut checks = vec![
             Check::error(
@@ -138,16 +140,16 @@ impl Case<'_> {
         ];
         if errors.len() > 1 {
             let [order, _] = order(&errors);
-            checks.push(Check::order(format!("{what}, 64 to 256 points: order of u_x"), CONTINUUM, order, 0.85));
+            checks.push(Check::at_least(format!("{what}, 64 to 256 points: order of u_x"), CONTINUUM, order, 0.85));
         }
         Ok(checks)
     }
 
-    /// With its own strict inequality the source cannot have come so near.
+    /// Repeating the published set-up (strict inequality at the edge) gives at least twice the published error.
     fn strict(&self) -> Result<Check, ValidationError> {
         let [x, _] = rms(&self.solve(128, Edge::Strict)?, &self.displacement("continuum_u_n128")?);
         let name = "square, 128 points, edge not held: error of u_x over the source's";
-        Ok(Check::order(name, CONTINUUM, x / SOURCE_ERROR, 2.0))
+        Ok(Check::at_least(name, CONTINUUM, x / SOURCE_ERROR, 2.0))
     }
 
     /// Errors of the mean pressure on the grids n, 2 n, 4 n: their order is one, and without the first and second power of
