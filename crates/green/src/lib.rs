@@ -42,14 +42,14 @@ mod blocks;
 mod body;
 mod error;
 mod half_space;
+mod hyperbolic;
 mod layer;
 mod material;
 mod sagittal;
+mod section;
 mod slab;
 mod stack;
 mod tables;
-mod thickness;
-mod transfer;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
@@ -57,7 +57,7 @@ pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
+pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,
 };
-pub use transfer::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};

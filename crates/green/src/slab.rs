@@ -1,18 +1,18 @@
 //! A slab of finite height at one wavenumber, on each of the bases that have a closed form.
 
-use crate::{Blocks, Material, thickness::Thickness};
+use crate::{Blocks, Material, hyperbolic::Hyperbolic};
 
 /// One layer at one wavenumber q > 0.
 pub(crate) struct LayerMode<'a> {
     pub(crate) material: &'a Material,
     pub(crate) q: f64,
-    pub(crate) t: Thickness,
+    pub(crate) t: Hyperbolic,
 }
 
 impl<'a> LayerMode<'a> {
     #[inline]
     pub(crate) fn new(material: &'a Material, thickness: f64, q: f64) -> Self {
-        Self { material, q, t: Thickness::new(q * thickness) }
+        Self { material, q, t: Hyperbolic::new(q * thickness) }
     }
 
     /// P(q) = 2 C44 q/(1 + s), the unit of the sagittal stiffness.

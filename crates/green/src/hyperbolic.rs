@@ -4,7 +4,7 @@
 /// (h < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite. Functions
 /// that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Thickness {
+pub(crate) struct Hyperbolic {
     /// h itself, never scaled, up to the h beyond which no kernel changes.
     pub(crate) raw: f64,
     /// The common factor f of the linear functions: 1, or 2 e^(−h) of a thick layer.
@@ -26,7 +26,7 @@ pub(crate) struct Thickness {
 /// Beyond this h, e^(−h) is zero: the far face is out of reach.
 pub(crate) const FARTHEST: f64 = 800.0;
 
-impl Thickness {
+impl Hyperbolic {
     #[inline]
     pub(crate) fn new(h: f64) -> Self {
         if h < 1.0 {
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn both_branches_agree_up_to_the_common_factor() {
-        let (thin, thick) = (Thickness::new(1.0f64.next_down()), Thickness::new(1.0));
+        let (thin, thick) = (Hyperbolic::new(1.0f64.next_down()), Hyperbolic::new(1.0));
         let (linear, quadratic) = (thick.factor, thick.factor * thick.factor);
         let same = |a: f64, b: f64| approx::assert_relative_eq!(a, b, max_relative = 4e-15);
         same(thin.h * linear, thick.h);
@@ -137,11 +137,11 @@ mod tests {
     #[test]
     fn no_thickness_overflows() {
         for h in [1.0, 700.0, 745.0, 800.0, 1e6, 1e300, f64::INFINITY] {
-            let t = Thickness::new(h);
+            let t = Hyperbolic::new(h);
             for value in [t.h, t.sinh, t.cosh, t.sinh_minus_h, t.h_twice_scaled, t.sinh_cosh_minus_h, t.coth()] {
                 assert!(value.is_finite(), "{h}: {t:?}");
             }
         }
-        assert_eq!(Thickness::new(1e6).csch(), 0.0);
+        assert_eq!(Hyperbolic::new(1e6).csch(), 0.0);
     }
 }

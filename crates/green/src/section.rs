@@ -9,7 +9,7 @@ use crate::{
     sagittal::product,
     slab::LayerMode,
     stack::State,
-    thickness::{FARTHEST, cosh_minus, sinh_minus},
+    hyperbolic::{FARTHEST, cosh_minus, sinh_minus},
 };
 
 /// Stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
