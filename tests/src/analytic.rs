@@ -1,4 +1,4 @@
-//! Closed forms: the error must fall with the grid spacing, at an order that is measured here.
+//! Contacts with closed forms: the error must fall with the grid spacing at an order that is measured here.
 
 use std::f64::consts::{PI, TAU};
 
@@ -49,8 +49,8 @@ fn mean_gap(solution: &Solution) -> f64 {
     solution.gap.mean().unwrap_or(f64::NAN)
 }
 
-/// Errors at one grid: root mean square over contacts that are shifted by parts of the spacing, because a single one
-/// jumps with the place of its edge between two points.
+/// The errors on one grid, as root mean square over contacts that are shifted by parts of the spacing. The error of a single
+/// contact would jump with the position of its edge between two points.
 fn shifted<const K: usize>(
     n: usize,
     errors: impl Fn(f64) -> Result<[f64; K], ValidationError>,
@@ -60,7 +60,7 @@ fn shifted<const K: usize>(
     Ok(std::array::from_fn(|k| (all.iter().map(|e| e[k].powi(2)).sum::<f64>() / SHIFTS as f64).sqrt()))
 }
 
-/// Order at which the errors fall over all grids.
+/// The order at which the errors fall over all grids.
 fn convergence<const K: usize>(
     grids: &[usize],
     errors: impl Fn(usize) -> Result<[f64; K], ValidationError>,
@@ -69,7 +69,7 @@ fn convergence<const K: usize>(
     Ok(order(&errors))
 }
 
-/// Root mean square deviation of the pressure from `exact`, over the root mean square of `exact`.
+/// The root mean square deviation of the pressure from `exact`, over the root mean square of `exact`.
 fn deviation(solution: &Solution, exact: impl Fn(f64, f64) -> f64) -> f64 {
     let (nx, ny) = solution.pressure.dim();
     let sums = solution.pressure.indexed_iter().fold([0.0; 2], |sums, ((i, j), p)| {
@@ -109,7 +109,7 @@ fn westergaard() -> Result<Vec<Check>, ValidationError> {
             0.8,
         ));
     }
-    // Each of the two edges is known to the spacing, no better.
+    // The position of each of the two edges is known only to the spacing.
     checks.push(edges.check("wave, 1024 points: contact width, in spacings", WAVE, 2.0));
     Ok(checks)
 }
@@ -147,7 +147,7 @@ fn hertz() -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// A row of flat punches, whose edges carry singularities: m points act like a punch of nearly m spacings.
+/// A row of flat punches, with singular edges: m points act like a punch of nearly m spacings.
 fn flat_punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     const PUNCH: &str = "closed form of a row of flat punches";
     let file = reference.json("theory_curves.json")?;
@@ -186,7 +186,7 @@ fn johnson(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
             peak_error.compare(peak(&solution) / full, get("p_max_over_pstar"));
         }
     }
-    // The asymptotes hold at the ends only.
+    // The asymptotes hold only near zero and near full load.
     let low = contact_area(plane(wavy, 384, 0.002 * full)?.pressure.view()).corrected_fraction;
     let high = 1.0 - area(&plane(wavy, 384, 0.98 * full)?);
     let [mut at_low, mut at_high] = [Worst::new(); 2];

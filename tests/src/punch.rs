@@ -40,7 +40,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// One geometry, and where its references lie.
+/// One geometry and the folder of its references.
 struct Case<'a> {
     folder: &'static str,
     reference: &'a Reference,
@@ -84,7 +84,7 @@ impl Case<'_> {
         Ok(-self.summary()?["continuum_mean_sigma_zz_GPa"].as_f64().unwrap_or(f64::NAN))
     }
 
-    /// Every point, and the force.
+    /// The comparison of every point and of the force.
     fn points(
         &self,
         what: &str,
@@ -116,7 +116,7 @@ impl Case<'_> {
         Ok(worst.check("square, 64 points, three kinds of dynamics: displacement over the depth", DISCRETE, 1e-8))
     }
 
-    /// The source's measure, with points on the edge held.
+    /// The error measure of the source, with points on the edge held.
     fn nearness(&self) -> Result<Vec<Check>, ValidationError> {
         let continuum = self.displacement("continuum_u_n128")?;
         let grids = if self.line { vec![128] } else { vec![64, 128, 256] };
@@ -152,8 +152,8 @@ impl Case<'_> {
         Ok(Check::at_least(name, CONTINUUM, x / SOURCE_ERROR, 2.0))
     }
 
-    /// Errors of the mean pressure on the grids n, 2 n, 4 n: their order is one, and without the first and second power of
-    /// the spacing nothing is left.
+    /// The errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the first and second
+    /// power of the spacing removes them.
     fn force(&self, what: &str, n: usize, [order, limit]: [f64; 2]) -> Result<[Check; 2], ValidationError> {
         let continuum = self.continuum()?;
         let [mut orders, mut limits] = [Worst::new(); 2];
@@ -169,7 +169,7 @@ impl Case<'_> {
         ])
     }
 
-    /// Either convention stands for an effective width; interpolated to the true one.
+    /// The mean pressure interpolated to the true width, from the effective widths of the two conventions.
     fn effective_width(&self) -> Result<Check, ValidationError> {
         let grid = self.grid(128)?;
         let mut ends = [[0.0; 2]; 2];

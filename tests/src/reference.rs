@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::ValidationError;
 
-/// The folder with the check values.
+/// The folder with the reference files.
 #[derive(Clone, Debug)]
 pub struct Reference {
     folder: PathBuf,
@@ -90,7 +90,7 @@ impl Row {
         Complex64::new(self.get(&format!("Re_{column}")), self.get(&format!("Im_{column}")))
     }
 
-    /// Of the columns E and nu.
+    /// The material from the columns E and nu.
     pub(crate) fn material(&self) -> Result<Material, GreenError> {
         Material::from_young(self.get("E"), self.get("nu"))
     }

@@ -1,4 +1,4 @@
-/// The functions of h = q·thickness that the kernels of a layer are made of, free of overflow and of cancellation.
+/// The functions of h = q·thickness in the kernels of a layer, free of overflow and of cancellation.
 ///
 /// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers
 /// (h < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite. Functions
@@ -23,7 +23,7 @@ pub(crate) struct Hyperbolic {
     pub(crate) sinh_cosh_minus_h: f64,
 }
 
-/// Beyond this h, e^(−h) is zero: the far face is out of reach.
+/// The h beyond which e^(−h) is zero: a face of a layer no longer feels the other one.
 pub(crate) const FARTHEST: f64 = 800.0;
 
 impl Hyperbolic {
@@ -81,12 +81,12 @@ impl Hyperbolic {
     }
 }
 
-/// sinh x − x, by its series for |x| < 2.5.
+/// The difference sinh x − x, by its series for |x| < 2.5.
 pub(crate) fn sinh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 { x * x * x / 6.0 * tail(x, 3.0) } else { x.sinh() - x }
 }
 
-/// cosh x − 1 − x²/2, by its series for |x| < 2.5.
+/// The difference cosh x − 1 − x²/2, by its series for |x| < 2.5.
 pub(crate) fn cosh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 {
         let square = x * x;
@@ -96,7 +96,7 @@ pub(crate) fn cosh_minus(x: f64) -> f64 {
     }
 }
 
-/// 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)): the rest of the series that begins at xⁿ/n!.
+/// The series that begins at xⁿ/n!, over that term: 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)).
 fn tail(x: f64, n: f64) -> f64 {
     let square = x * x;
     (0..13).rev().fold(1.0, |sum, k| {
