@@ -1,6 +1,7 @@
 //! `kappa-sweep`: many contacts, one kappa in the thermodynamic, fractal and continuum limit.
 
 pub mod config;
+mod figures;
 mod journal;
 mod plan;
 mod record;
@@ -8,11 +9,11 @@ mod report;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_contact::{Budget, Contact, Equilibrium, Load, Solution, SolveError};
 use gfmd_files::Output;
 use gfmd_response::NormalResponse;
 use gfmd_surface::SelfAffine;
@@ -25,8 +26,9 @@ pub use report::{Analysis, Area, Extrapolation, Report};
 
 use crate::failure::Failure;
 use crate::load::LoadRecord;
+use crate::memory::peak_bytes;
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
@@ -94,7 +96,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let seconds = started.elapsed().as_secs_f64();
     let example = example(&config, &plan)?;
     let path = record::write(&output, &config, &plan, &records, &analysis, &example, session, seconds)?;
-    let plots = crate::figures::sweep(&args.out, &config, &plan, &analysis, &example)?;
+    let plots = figures::draw(&args.out, &config, &plan, &analysis, &example)?;
     journal.remove();
     Ok(Outcome::Done(Box::new(Report::new(&config, &plan, analysis, path, plots, seconds, peak_bytes()))))
 }
@@ -121,7 +123,7 @@ fn compute(
         if open.is_empty() {
             continue;
         }
-        let response = NormalResponse::new(plan.grid(point)?, &body);
+        let response = Arc::new(NormalResponse::new(plan.grid(point)?, &body));
         let one = |(number, run): &(usize, &Run)| {
             let loads = press(config, plan, point, run.seed, &response, session)?;
             journal.record(*number, &loads)?;
@@ -152,23 +154,23 @@ fn press(
     plan: &Plan,
     point: &Point,
     seed: u64,
-    response: &NormalResponse,
+    response: &Arc<NormalResponse>,
     session: &Session,
 ) -> Result<Vec<LoadRecord>, Failure> {
     let heights = heights(config, plan, point, seed)?;
-    let contact = Contact::new(response, heights.view()).map_err(|error| Failure::input("surface", error))?;
+    let contact = Contact::on(Arc::clone(response), &heights).map_err(|error| Failure::input("surface", error))?;
     let mut last: Option<Solution> = None;
     let mut records = Vec::new();
     for &p_star in &config.loads.p_star {
         let started = Instant::now();
-        let solution = solve(config, &contact, response, p_star, last.as_ref(), session).map_err(|error| {
+        let solution = solve(config, &contact, p_star, last.as_ref(), session).map_err(|error| {
             let d = point.discretisation;
             let place = format!(
                 "H = {}, 1/eps = ({}, {}, {}), seed {seed}, p* = {p_star}",
                 point.hurst, d.eps_t_inv, d.eps_f_inv, d.eps_c_inv
             );
             match error {
-                ContactError::Interrupted { .. } => Failure::Interrupted(format!("interrupted at {place}")),
+                SolveError::Interrupted { .. } => Failure::Interrupted(format!("interrupted at {place}")),
                 error => Failure::Computation(format!("{place}: {error}")),
             }
         })?;
@@ -187,23 +189,18 @@ fn press(
 fn solve(
     config: &Config,
     contact: &Contact,
-    response: &NormalResponse,
     p_star: f64,
     last: Option<&Solution>,
     session: &Session,
-) -> Result<Solution, ContactError> {
-    let settings = Settings {
-        solver: config.solver.method.into(),
-        tolerance: config.solver.tol,
-        max_iterations: config.solver.max_iter,
-    };
-    let pressure = p_star * response.contact_modulus() * config.surface.rms_gradient;
+) -> Result<Solution, SolveError<Solution>> {
+    let budget = Budget { tolerance: config.solver.tol, max_iterations: config.solver.max_iter };
+    let pressure = p_star * contact.response().contact_modulus() * config.surface.rms_gradient;
     let mut watch = |_: &gfmd_contact::Progress| match session.is_interrupted() {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
-    let start = last.map(|solution| solution.pressure.view());
-    contact.solve(Control::MeanPressure(pressure), &settings, start, &mut watch)
+    let press = contact.press(Load::MeanPressure(pressure)).budget(budget).solver(config.solver.method.into());
+    press.starting_from(last).watch(&mut watch).solve()
 }
 
 fn heights(config: &Config, plan: &Plan, point: &Point, seed: u64) -> Result<Array2<f64>, Failure> {
@@ -234,9 +231,9 @@ fn example(config: &Config, plan: &Plan) -> Result<Example, Failure> {
     let point = *moderate.max_by_key(|point| point.n).unwrap_or(&plan.points[0]);
     let response = NormalResponse::new(plan.grid(&point)?, &config.body()?);
     let heights = heights(config, plan, &point, point.first_seed)?;
-    let contact = Contact::new(&response, heights.view()).map_err(|error| Failure::input("surface", error))?;
+    let contact = Contact::on(response, &heights).map_err(|error| Failure::input("surface", error))?;
     let silent = Session::silent(crate::session::Common { json: false, threads: 0, quiet: true, verbose: 0 });
-    let solution = solve(config, &contact, &response, config.fit.p_star, None, &silent)
+    let solution = solve(config, &contact, config.fit.p_star, None, &silent)
         .map_err(|error| Failure::Computation(error.to_string()))?;
     Ok(Example { point, seed: point.first_seed, pressure: solution.pressure, heights })
 }

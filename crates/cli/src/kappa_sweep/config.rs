@@ -5,8 +5,8 @@ use gfmd_green::{Body, Height, Material};
 use gfmd_surface::Discretisation;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::SolverName;
 use crate::failure::Failure;
+use crate::solver::SolverName;
 
 /// A sweep. Every field has a default: those of the preset `default`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

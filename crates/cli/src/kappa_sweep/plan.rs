@@ -5,8 +5,8 @@ use gfmd_surface::Discretisation;
 use serde::Serialize;
 
 use super::config::Config;
-use crate::contact::{check_memory, memory_bytes};
 use crate::failure::Failure;
+use crate::memory::Held;
 
 /// Points along one axis up to which realisations run side by side; larger grids use all threads for one.
 pub(super) const SIDE_BY_SIDE: usize = 512;
@@ -63,7 +63,7 @@ impl Plan {
         let mut points = Vec::new();
         for (discretisation, n) in cells {
             let shape = if config.surface.dim == 2 { [n, 1] } else { [n, n] };
-            check_memory(shape)?;
+            Held::HARD_WALL.check("the grid", shape)?;
             let group = [discretisation.eps_t_inv, discretisation.eps_f_inv];
             let group = groups.iter().position(|other| *other == group).unwrap_or(0);
             for (family, &hurst) in config.surface.hurst.iter().enumerate() {
@@ -109,7 +109,7 @@ impl Plan {
 
     /// Memory that one run takes at its peak, in bytes.
     pub fn memory(&self, point: &Point) -> u64 {
-        memory_bytes(if self.dim == 2 { [point.n, 1] } else { [point.n; 2] })
+        Held::HARD_WALL.bytes(if self.dim == 2 { [point.n, 1] } else { [point.n; 2] })
     }
 
     /// Seconds that a transform pair of a million points takes here, now.

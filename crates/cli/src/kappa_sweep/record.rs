@@ -10,10 +10,10 @@ use ndarray::Array2;
 use super::config::Config;
 use super::report::{Analysis, Area, Extrapolation, numbers, term};
 use super::{Example, Plan};
-use crate::contact::axes;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, SCALARS};
 use crate::session::Session;
+use gfmd_files::axes;
 
 /// Writes everything; the file appears under its name when it is complete.
 ///
