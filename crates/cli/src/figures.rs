@@ -3,18 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
-use gfmd_fit::Axis as Limit;
 use gfmd_green::Body;
 use gfmd_law::Law;
-use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
+use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
 use gfmd_mixed::MixedSolution;
-use gfmd_plot::{Axis, Below, Chart, Level, Map, Mark, Panel, PlotError, Point, Series};
+use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, PlotError, Point, Series};
 use ndarray::{Array2, Array3, ArrayView3};
 
 use crate::contact;
 use crate::damping;
 use crate::failure::Failure;
-use crate::kappa_sweep::{Analysis, Area, Config, Example, Extrapolation, Plan};
 use crate::path::StepRecord;
 use crate::punch;
 
@@ -47,27 +45,6 @@ pub fn contact(
         series.extend(theories(loads.clone().fold(f64::INFINITY, f64::min), loads.fold(0.0, f64::max)));
         files.extend(area_chart(series).save(&named(prefix, "area")).map_err(failed)?);
     }
-    Ok(files)
-}
-
-/// The figures of a sweep: `NAME-extrapolation`, `NAME-area` and `NAME-map` beside its file.
-///
-/// # Errors
-/// Files that cannot be written.
-pub fn sweep(
-    out: &Path,
-    config: &Config,
-    plan: &Plan,
-    analysis: &Analysis,
-    example: &Example,
-) -> Result<Vec<PathBuf>, Failure> {
-    let stem = out.with_extension("");
-    let mut files = Vec::new();
-    files.extend(extrapolation(config, analysis).save(&named(&stem, "extrapolation")).map_err(failed)?);
-    files.extend(area(config, plan, analysis).save(&named(&stem, "area")).map_err(failed)?);
-    let grid = plan.grid(&example.point)?;
-    let modulus = config.body()?.material().contact_modulus();
-    files.extend(draw_pressure(&named(&stem, "map"), &grid, &example.pressure, modulus, "cell length")?);
     Ok(files)
 }
 
@@ -312,122 +289,16 @@ pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     if folder.is_dir() { Ok(prefix) } else { Err(format!("there is no folder {}", folder.display())) }
 }
 
-fn named(stem: &Path, what: &str) -> PathBuf {
+pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
     let name = stem.file_name().unwrap_or_default().to_string_lossy();
     stem.with_file_name(format!("{name}-{what}"))
 }
 
-fn failed(error: PlotError) -> Failure {
+pub(crate) fn failed(error: PlotError) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-/// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
-fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
-    let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
-    let result = &analysis.extrapolations[0];
-    let several = config.surface.hurst.len() > 1;
-    let mut panels = Vec::new();
-    for (position, axis) in Limit::ALL.into_iter().enumerate() {
-        let Some(term) = result.fit.terms.iter().find(|term| term.axis == axis) else { continue };
-        let alpha = term.exponent.value;
-        let mut series = Vec::new();
-        for extrapolation in &shown {
-            let Extrapolation { hurst, area, cells, fit, .. } = extrapolation;
-            let family = config.surface.hurst.iter().position(|h| h == hurst).unwrap_or(0);
-            let raw = *area == Area::Raw;
-            let hue = if several { family } else { usize::from(!raw) };
-            // The cells of the other axes' arms would pile up on one level here.
-            let on_arm = |eps: [f64; 3]| varies(cells.iter().map(|cell| cell.all_eps()), eps, position);
-            let points = (cells.iter().zip(&fit.cells))
-                .filter(|(cell, _)| on_arm(cell.all_eps()))
-                .map(|(cell, report)| {
-                    let value = fit.isolate(cell, axis);
-                    Point::with_error(cell.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
-                })
-                .collect();
-            let counting = if raw { "counted points" } else { "perimeter corrected" };
-            let label = if several { format!("*H* = {hurst}, {counting}") } else { counting.into() };
-            let mark = if raw { Mark::Points } else { Mark::HollowPoints };
-            let label = if position == 2 { label } else { String::new() };
-            series.push(Series { label, hue, mark, points });
-            let largest = cells.iter().map(|cell| cell.eps(axis)).fold(0.0, f64::max);
-            let mut others = [0.0; 3];
-            let curve = (0..=60).map(|i| {
-                let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
-                others[axis as usize] = eps;
-                (eps.powf(alpha), fit.predict(others))
-            });
-            let curve: Vec<(f64, f64)> = curve.collect();
-            let line = Series::line("", hue, curve);
-            series.push(if raw { line } else { Series { mark: Mark::Dashes, ..line } });
-        }
-        let letter = axis.letter();
-        let label = if (alpha - 1.0).abs() < 1e-12 {
-            format!("*ε*_{letter}")
-        } else {
-            format!("*ε*_{letter}^{{{alpha:.2}}}")
-        };
-        let mut levels = Vec::new();
-        if config.surface.dim == 3 {
-            levels.push(Level::line(PERSSON_KAPPA, "Persson"));
-            levels.push(Level::line(BUSH_GIBSON_THOMAS_KAPPA, "BGT"));
-        }
-        if let (Some(ci95), false) = (result.fit.kappa_tfc.ci95, several) {
-            levels.push(Level::band(ci95, "*κ*_{TFC}"));
-        }
-        let y = Axis::linear(&format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star));
-        panels.push(Panel { title: String::new(), x: Axis::linear(&label), y, levels, series });
-    }
-    Chart::new(panels)
-}
-
-/// Whether a cell lies on the arm of an axis: its other levels are the most frequent ones.
-fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
-    let all: Vec<[f64; 3]> = all.collect();
-    let others = |cell: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { cell[k] });
-    let count = |cell: &[f64; 3]| all.iter().filter(|other| others(other) == others(cell)).count();
-    let most = all.iter().map(count).max().unwrap_or(0);
-    count(&eps) == most
-}
-
-/// Contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
-fn area(config: &Config, plan: &Plan, analysis: &Analysis) -> Chart {
-    let loads = &config.loads.p_star;
-    let mut series = Vec::new();
-    for (family, &hurst) in config.surface.hurst.iter().enumerate() {
-        let finest = (0..plan.points.len()).filter(|index| plan.points[*index].hurst == hurst).max_by(|a, b| {
-            let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
-            eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n.cmp(&plan.points[*a].n))
-        });
-        let measured = analysis.measured.iter().filter(|m| Some(m.point) == finest);
-        let points = measured
-            .map(|m| {
-                let (kappa, error) = m.mean_and_error(0);
-                let p_star = loads[m.load];
-                Point::with_error(p_star, kappa * p_star, error.unwrap_or(0.0) * p_star)
-            })
-            .collect();
-        let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
-        series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
-        let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
-        let mut points: Vec<Point> = limits
-            .map(|e| {
-                let kappa = e.fit.kappa_tfc;
-                let point = Point::new(e.p_star, kappa.value * e.p_star);
-                Point { range: kappa.ci95.map(|ci95| ci95.map(|k| k * e.p_star)), ..point }
-            })
-            .collect();
-        points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        let label = format!("*H* = {hurst}, limit");
-        series.push(Series { label, hue: 2 * family + 1, mark: Mark::HollowPoints, points });
-    }
-    if config.surface.dim == 3 {
-        series.extend(theories(loads[0], loads[loads.len() - 1]));
-    }
-    area_chart(series)
-}
-
-fn area_chart(series: Vec<Series>) -> Chart {
+pub(crate) fn area_chart(series: Vec<Series>) -> Chart {
     Chart::new(vec![Panel {
         x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
         y: Axis::log("contact area fraction *a*_r"),
@@ -437,7 +308,7 @@ fn area_chart(series: Vec<Series>) -> Chart {
 }
 
 /// Area of Persson's theory, and the straight line of Bush, Gibson and Thomas where it is below one.
-fn theories(lowest: f64, highest: f64) -> [Series; 2] {
+pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
     let linear_to = highest.min(0.5 / BUSH_GIBSON_THOMAS_KAPPA).max(lowest);
@@ -449,7 +320,7 @@ fn theories(lowest: f64, highest: f64) -> [Series; 2] {
 const MOST_POINTS: usize = 4000;
 
 /// A map of the pressure, or its profile for a line contact.
-fn draw_pressure(
+pub(crate) fn draw_pressure(
     stem: &Path,
     grid: &Grid,
     pressure: &Array2<f64>,

@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use gfmd_files::{folder, sync_folder};
+use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::load::LoadRecord;
 
 /// Finished runs by number.
-pub(super) type Finished = BTreeMap<usize, Vec<LoadRecord>>;
+pub(super) type Finished = BTreeMap<usize, Vec<Pressed>>;
 
 /// The sweep that a journal belongs to.
 #[derive(Serialize, Deserialize, PartialEq)]
@@ -31,7 +31,7 @@ struct Head {
 #[derive(Serialize, Deserialize)]
 struct Entry {
     run: usize,
-    loads: Vec<LoadRecord>,
+    loads: Vec<Pressed>,
 }
 
 /// Number of runs of the sweep and of loads of each run.
@@ -108,7 +108,7 @@ impl Journal {
     ///
     /// # Errors
     /// A number that is not finite, which could not be read again; a file that cannot be written.
-    pub(super) fn record(&self, run: usize, loads: &[LoadRecord]) -> Result<(), Failure> {
+    pub(super) fn record(&self, run: usize, loads: &[Pressed]) -> Result<(), Failure> {
         let failed = |error| failed(&self.path, &error);
         let text = line(&Entry { run, loads: loads.to_vec() }).map_err(failed)?;
         if text.contains("null") {
@@ -240,7 +240,6 @@ mod tests {
     use std::rc::Rc;
 
     use super::*;
-    use crate::load::ResidualRecord;
 
     const SIZE: Size = Size { runs: 6, loads: 2 };
 
@@ -252,13 +251,12 @@ mod tests {
         line(&head()).unwrap()
     }
 
-    fn loads(run: usize) -> Vec<LoadRecord> {
+    fn loads(run: usize) -> Vec<Pressed> {
         let kappa = 2.0 + 1.0 / (run as f64 + 3.0);
-        let residual = ResidualRecord { complementarity: 1e-9, penetration: 0.0, negative_pressure: 0.0, load: 1e-16 };
-        let load = LoadRecord {
+        let load = Pressed {
             mean_pressure: 0.1,
             p_star: 0.02,
-            displacement: 0.3,
+            approach: 0.3,
             area_fraction: 0.04,
             area_fraction_corrected: 0.039,
             kappa,
@@ -273,12 +271,12 @@ mod tests {
             elastic_energy: 0.01,
             iterations: 12,
             transform_pairs: 24.0,
-            converged: true,
-            residual,
-            seconds: 0.0,
-            law: None,
+            residual_complementarity: 1e-9,
+            residual_penetration: 0.0,
+            residual_negative_pressure: 0.0,
+            residual_load: 1e-16,
         };
-        vec![load, LoadRecord { p_star: 0.05, ..load }]
+        vec![load, Pressed { p_star: 0.05, ..load }]
     }
 
     fn entry(run: usize) -> String {

@@ -1,0 +1,133 @@
+//! The figures of a sweep.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_fit::{Axis as Limit, Datum};
+use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
+use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
+use gfmd_sweep::{Analysis, Area, Config, Extrapolation, Plan, Study};
+
+use crate::failure::Failure;
+use crate::figures::{area_chart, draw_pressure, failed, named, theories};
+
+/// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
+///
+/// # Errors
+/// Files that cannot be written.
+pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
+    let Study { plan, analysis, example, .. } = study;
+    let stem = out.with_extension("");
+    let mut files = Vec::new();
+    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation")).map_err(failed)?);
+    files.extend(area(plan, analysis).save(&named(&stem, "area")).map_err(failed)?);
+    let modulus = plan.config.body()?.material().contact_modulus();
+    let map = named(&stem, "map");
+    files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);
+    Ok(files)
+}
+
+/// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
+fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
+    let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
+    let result = analysis.result();
+    let several = config.surface.hurst.len() > 1;
+    let mut panels = Vec::new();
+    for (position, axis) in Limit::ALL.into_iter().enumerate() {
+        let Some(term) = result.fit.term(axis) else { continue };
+        let alpha = term.exponent.value;
+        let mut series = Vec::new();
+        for extrapolation in &shown {
+            let Extrapolation { hurst, area, data, fit, .. } = extrapolation;
+            let family = config.surface.hurst.iter().position(|h| h == hurst).unwrap_or(0);
+            let raw = *area == Area::Raw;
+            let hue = if several { family } else { usize::from(!raw) };
+            // The data of the other axes' arms would pile up on one level here.
+            let on_arm = |eps: [f64; 3]| varies(data.iter().map(Datum::all_eps), eps, position);
+            let points = (data.iter().zip(&fit.data))
+                .filter(|(datum, _)| on_arm(datum.all_eps()))
+                .map(|(datum, report)| {
+                    let value = fit.isolate(datum, axis);
+                    Point::with_error(datum.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
+                })
+                .collect();
+            let counting = if raw { "counted points" } else { "perimeter corrected" };
+            let label = if several { format!("*H* = {hurst}, {counting}") } else { counting.into() };
+            let mark = if raw { Mark::Points } else { Mark::HollowPoints };
+            let label = if position == 2 { label } else { String::new() };
+            series.push(Series { label, hue, mark, points });
+            let largest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
+            let mut others = [0.0; 3];
+            let curve = (0..=60).map(|i| {
+                let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
+                others[axis as usize] = eps;
+                (eps.powf(alpha), fit.predict(others))
+            });
+            let curve: Vec<(f64, f64)> = curve.collect();
+            let line = Series::line("", hue, curve);
+            series.push(if raw { line } else { Series { mark: Mark::Dashes, ..line } });
+        }
+        let letter = axis.letter();
+        let label = if (alpha - 1.0).abs() < 1e-12 {
+            format!("*ε*_{letter}")
+        } else {
+            format!("*ε*_{letter}^{{{alpha:.2}}}")
+        };
+        let mut levels = Vec::new();
+        if config.surface.dim == 3 {
+            levels.push(Level::line(PERSSON_KAPPA, "Persson"));
+            levels.push(Level::line(BUSH_GIBSON_THOMAS_KAPPA, "BGT"));
+        }
+        if let (Some(ci95), false) = (result.fit.kappa_tfc.ci95, several) {
+            levels.push(Level::band(ci95, "*κ*_{TFC}"));
+        }
+        let y = Axis::linear(&format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star));
+        panels.push(Panel { title: String::new(), x: Axis::linear(&label), y, levels, series });
+    }
+    Chart::new(panels)
+}
+
+/// Returns true for a datum on the arm of an axis: its levels along the other axes are the most frequent ones.
+fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
+    let all: Vec<[f64; 3]> = all.collect();
+    let others = |eps: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { eps[k] });
+    let count = |eps: &[f64; 3]| all.iter().filter(|other| others(other) == others(eps)).count();
+    let most = all.iter().map(count).max().unwrap_or(0);
+    count(&eps) == most
+}
+
+/// Contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
+fn area(plan: &Plan, analysis: &Analysis) -> Chart {
+    let config = &plan.config;
+    let loads = &config.loads.p_star;
+    let mut series = Vec::new();
+    for (family, &hurst) in config.surface.hurst.iter().enumerate() {
+        let finest = (0..plan.points.len()).filter(|index| plan.points[*index].hurst == hurst).max_by(|a, b| {
+            let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
+            eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n().cmp(&plan.points[*a].n()))
+        });
+        let raw = analysis.data.iter().filter(|(key, _)| Some(key.point) == finest && key.area == Area::Raw);
+        let points = raw
+            .map(|(key, kappa)| {
+                let p_star = loads[key.load];
+                Point::with_error(p_star, kappa.mean() * p_star, kappa.standard_error().unwrap_or(0.0) * p_star)
+            })
+            .collect();
+        let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
+        series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
+        let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
+        let mut points: Vec<Point> = limits
+            .map(|e| {
+                let kappa = e.fit.kappa_tfc;
+                let point = Point::new(e.p_star, kappa.value * e.p_star);
+                Point { range: kappa.ci95.map(|ci95| ci95.map(|k| k * e.p_star)), ..point }
+            })
+            .collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let label = format!("*H* = {hurst}, limit");
+        series.push(Series { label, hue: 2 * family + 1, mark: Mark::HollowPoints, points });
+    }
+    if config.surface.dim == 3 {
+        series.extend(theories(loads[0], loads[loads.len() - 1]));
+    }
+    area_chart(series)
+}
