@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gfmd_contact::{Control, Settings, Solution};
+use gfmd_contact::{Load, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_measure::theory::{
     Westergaard, hertz_line, hertz_point, johnson_area_at_low_load, johnson_area_near_full_contact,
@@ -30,15 +30,14 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
 }
 
 fn line(profile: impl Fn(f64) -> f64, n: usize, mean_pressure: f64) -> Solved {
-    let response = NormalResponse::new(Grid::line(n, 1.0)?, &unit_half_space());
+    let response = NormalResponse::new(Grid::line(n, 1.0)?, &unit_half_space()).into();
     let heights = Array2::from_shape_fn((n, 1), |(i, _)| profile(i as f64 / n as f64));
-    let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
-    Ok(press(&response, heights.view(), Control::MeanPressure(mean_pressure), &settings)?)
+    Ok(press(&response, &heights, Load::MeanPressure(mean_pressure), Solver::Auto, TOLERANCE)?)
 }
 
 fn plane(profile: impl Fn(f64, f64) -> f64, n: usize, mean_pressure: f64) -> Solved {
     let heights = Array2::from_shape_fn((n, n), |(i, j)| profile(i as f64 / n as f64, j as f64 / n as f64));
-    press_on_half_space(heights.view(), mean_pressure, TOLERANCE)
+    press_on_half_space(&heights, mean_pressure, TOLERANCE)
 }
 
 fn peak(solution: &Solution) -> f64 {
@@ -211,7 +210,7 @@ fn full_contact() -> Result<Check, ValidationError> {
         .heights(&grid, 5)?;
     let mut worst = Worst::new();
     for p_star in [4.0, 8.0] {
-        let solution = press_on_half_space(heights.view(), p_star * gradient, TOLERANCE)?;
+        let solution = press_on_half_space(&heights, p_star * gradient, TOLERANCE)?;
         worst.compare(area(&solution), 1.0);
         let pressure = pressure_statistics(solution.pressure.view());
         worst.compare(pressure.moments[0] - pressure.mean.powi(2), (gradient / 2.0).powi(2));

@@ -1,5 +1,5 @@
 use gfmd_body::InteriorError;
-use gfmd_contact::ContactError;
+use gfmd_contact::{Refusal, Solution, SolveError};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
 use gfmd_interface::InterfaceError;
@@ -54,7 +54,10 @@ pub enum ValidationError {
     },
     /// A contact that could not be solved.
     #[error(transparent)]
-    Contact(#[from] ContactError),
+    Contact(#[from] SolveError<Solution>),
+    /// A contact that could not be posed.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
     /// An impossible body.
     #[error(transparent)]
     Green(#[from] GreenError),

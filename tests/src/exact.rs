@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_contact::{Control, Settings, Solution};
+use gfmd_contact::{Load, Solution};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use gfmd_measure::{contact_area, elastic_energy_density};
@@ -53,15 +53,14 @@ fn active_sets(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     let mut checks = Vec::new();
     for problem in file["problems"].as_array().into_iter().flatten() {
         let [delta, mean] = ["delta", "mean_pressure"].map(|key| get(problem, key));
-        let (response, heights) = (response(problem)?, heights(problem));
+        let (response, heights) = (response(problem)?.into(), heights(problem));
         let rows = problem["pressure_row_major"].as_array().into_iter().flatten();
         let values = rows.flat_map(|row| row.as_array().cloned().unwrap_or_else(|| vec![row.clone()]));
         let pressures: Vec<f64> = values.map(|p| p.as_f64().unwrap_or(f64::NAN)).collect();
         let mut worst = Worst::new();
-        for control in [Control::MeanPressure(mean), Control::Approach(delta)] {
+        for control in [Load::MeanPressure(mean), Load::Approach(delta)] {
             for solver in SOLVERS {
-                let settings = Settings { solver, tolerance: 1e-12, max_iterations: 100_000 };
-                let solution = press(&response, heights.view(), control, &settings)?;
+                let solution = press(&response, &heights, control, solver, 1e-12)?;
                 compare(&mut worst, &solution, problem, &pressures);
                 worst.compare(solution.approach, delta);
                 worst.compare(solution.mean_pressure, mean);
@@ -97,7 +96,7 @@ fn rough_surface(reference: &Reference) -> Result<Check, ValidationError> {
     let heights = reference.array::<Ix2>("rough_H08_n256/h.npy")?;
     let pressures: Vec<f64> = reference.array::<Ix2>("rough_H08_n256/p.npy")?.into_iter().collect();
     let summary = reference.json("rough_H08_n256/summary.json")?;
-    let solution = press_on_half_space(heights.view(), get(&summary, "p0"), 1e-12)?;
+    let solution = press_on_half_space(&heights, get(&summary, "p0"), 1e-12)?;
     let mut worst = Worst::new();
     compare(&mut worst, &solution, &summary, &pressures);
     let links = contact_area(solution.pressure.view()).boundary_links as f64;
@@ -118,7 +117,7 @@ fn four_waves() -> Result<Check, ValidationError> {
         (0.02, 1742, 0.127_922_891_2, 0.002_135_958_89),
         (0.05, 3344, 0.161_929_049_1, 0.000_247_824_448),
     ] {
-        let solution = press_on_half_space(heights.view(), pressure, 1e-12)?;
+        let solution = press_on_half_space(&heights, pressure, 1e-12)?;
         worst.compare(contact_area(solution.pressure.view()).nodes as f64, f64::from(nodes));
         worst.compare(solution.pressure.iter().copied().fold(0.0, f64::max), peak);
         worst.compare(average(&solution.gap), gap);

@@ -17,13 +17,13 @@ mod limits;
 mod punch;
 mod reference;
 
-use std::ops::ControlFlow;
+use std::sync::Arc;
 
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution, Solver};
+use gfmd_contact::{Contact, Equilibrium, Load, Solution, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
-use ndarray::ArrayView2;
+use ndarray::ArrayRef2;
 
 pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
@@ -63,26 +63,27 @@ pub fn unit_half_space() -> Body {
 /// Solves without watching.
 ///
 /// # Errors
-/// As [`Contact::solve`].
+/// As [`Equilibrium::equilibrate`].
 pub fn press(
-    response: &NormalResponse,
-    heights: ArrayView2<f64>,
-    control: Control,
-    settings: &Settings,
-) -> Result<Solution, ContactError> {
-    Contact::new(response, heights)?.solve(control, settings, None, &mut |_| ControlFlow::Continue(()))
+    response: &Arc<NormalResponse>,
+    heights: &ArrayRef2<f64>,
+    load: Load,
+    solver: Solver,
+    tolerance: f64,
+) -> Result<Solution, SolveError<Solution>> {
+    Contact::on(Arc::clone(response), heights)?.press(load).solver(solver).tolerance(tolerance).solve()
 }
 
 /// Presses `heights` on the unit half-space over a square cell of length 1, by the default method.
 ///
 /// # Errors
-/// As [`Contact::solve`], and a shape that is no grid.
+/// As [`Equilibrium::equilibrate`], and a shape that is no grid.
 pub fn press_on_half_space(
-    heights: ArrayView2<f64>,
+    heights: &ArrayRef2<f64>,
     mean_pressure: f64,
     tolerance: f64,
 ) -> Result<Solution, ValidationError> {
     let grid = Grid::new(heights.dim().into(), [1.0, 1.0])?;
-    let settings = Settings { tolerance, ..Settings::default() };
-    Ok(press(&NormalResponse::new(grid, &unit_half_space()), heights, Control::MeanPressure(mean_pressure), &settings)?)
+    let contact = Contact::new(&unit_half_space(), &grid, heights)?;
+    Ok(contact.press(Load::MeanPressure(mean_pressure)).tolerance(tolerance).solve()?)
 }

@@ -1,6 +1,6 @@
 //! All methods find the same contact, on random problems of every kind.
 
-use gfmd_contact::{Control, Settings, Solution, Solver};
+use gfmd_contact::{Load, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
@@ -31,17 +31,16 @@ fn all_methods_agree_on_random_problems() {
                         .self_affine(1.0, SelfAffine { hurst: spread(seed, 3), ..SelfAffine::with_rms_gradient(0.1) })
                         .heights(&grid, seed)
                         .unwrap();
-                    let response = NormalResponse::new(grid, &body);
+                    let response = NormalResponse::new(grid, &body).into();
                     let mean = 0.1 * 10f64.powf(-2.0 * spread(seed, 4));
-                    let mut control = Control::MeanPressure(mean * 0.1);
+                    let mut control = Load::MeanPressure(mean * 0.1);
                     let solve = |control, solver| {
-                        let settings = Settings { solver, tolerance: TOLERANCE, max_iterations: 100_000 };
-                        press(&response, heights.view(), control, &settings)
+                        press(&response, &heights, control, solver, TOLERANCE)
                             .unwrap_or_else(|error| panic!("{case}, {solver:?}: {error}"))
                     };
                     let reference = solve(control, Solver::Auto);
                     if !pressed {
-                        control = Control::Approach(reference.approach);
+                        control = Load::Approach(reference.approach);
                     }
                     for solver in SOLVERS {
                         let found = solve(control, solver);

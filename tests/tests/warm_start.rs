@@ -1,10 +1,9 @@
 //! A solution is the same wherever the search for it begins.
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Contact, Control, Settings, Solution};
+use gfmd_contact::{Contact, Equilibrium, Load, Solution};
 use gfmd_field::Grid;
 use gfmd_measure::contact_area;
-use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 use gfmd_tests::unit_half_space;
 
@@ -16,13 +15,9 @@ fn a_higher_load_started_from_a_lower_one_is_the_same_contact() {
         .self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) })
         .heights(&grid, 11)
         .unwrap();
-    let response = NormalResponse::new(grid, &unit_half_space());
-    let contact = Contact::new(&response, heights.view()).unwrap();
-    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
-    let mut watch = |_: &_| std::ops::ControlFlow::Continue(());
-    let mut solve = |p: f64, start: Option<&Solution>| {
-        let start = start.map(|s| s.pressure.view());
-        contact.solve(Control::MeanPressure(p), &settings, start, &mut watch).unwrap()
+    let contact = Contact::new(&unit_half_space(), &grid, &heights).unwrap();
+    let solve = |p: f64, start: Option<&Solution>| {
+        contact.press(Load::MeanPressure(p)).tolerance(1e-12).starting_from(start).solve().unwrap()
     };
     let low = solve(0.002, None);
     let [warm, cold] = [solve(0.01, Some(&low)), solve(0.01, None)];

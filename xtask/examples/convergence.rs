@@ -4,11 +4,10 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use gfmd_contact::{Contact, Control, Progress, Settings, Solver};
+use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_plot::{Axis, Chart, Panel, Series};
-use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 
 const POINTS: usize = 512;
@@ -25,25 +24,24 @@ const SOLVERS: [(Solver, &str); 5] = [
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grid = Grid::square(POINTS, 1.0)?;
-    let response = NormalResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.0)?));
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
     let mut panels = Vec::new();
     for hurst in [0.0, 0.8] {
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: POINTS as f64 / 8.0, eps_c_inv: 4.0 };
         let heights = numbers
             .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(RMS_GRADIENT) })
             .heights(&grid, 1)?;
-        let contact = Contact::new(&response, heights.view())?;
+        let contact = Contact::new(&body, &grid, &heights)?;
         let mut series = Vec::new();
         for (hue, (solver, name)) in SOLVERS.into_iter().enumerate() {
-            let settings = Settings { solver, ..Settings::default() };
             let mut seen = Vec::new();
             let mut watch = |now: &Progress| {
                 seen.push((now.iteration as f64, now.residual));
                 ControlFlow::Continue(())
             };
-            let load = Control::MeanPressure(REDUCED_PRESSURE * RMS_GRADIENT);
-            let solution = contact.solve(load, &settings, None, &mut watch)?;
-            let pairs = solution.transform_pairs / solution.iterations as f64;
+            let load = Load::MeanPressure(REDUCED_PRESSURE * RMS_GRADIENT);
+            let solution = contact.press(load).solver(solver).watch(&mut watch).solve()?;
+            let pairs = solution.effort.transform_pairs / solution.effort.iterations as f64;
             let history = seen.into_iter().filter(|(k, residual)| *k > 0.0 && *residual > 0.0);
             series.push(Series::line(name, hue, history.map(|(k, residual)| (k * pairs, residual))));
         }

@@ -17,9 +17,9 @@ mod tests;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_cli::contact::SolverName;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
+use gfmd_cli::solver::SolverName;
 use gfmd_field::Grid;
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;

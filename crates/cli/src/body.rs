@@ -15,10 +15,10 @@ use gfmd_files::Output;
 use gfmd_green::{Body, Height};
 use serde::Serialize;
 
-use crate::contact::check_available;
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use crate::memory::Held;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 
@@ -127,10 +127,6 @@ pub struct Level {
     pub mean_energy_density: f64,
 }
 
-/// Fields of doubles that are held at a time, with some room: spectra of the surface and of a plane, its fields, and what
-/// is written of them.
-const FIELDS_IN_MEMORY: u64 = 36;
-
 /// Runs the command.
 ///
 /// # Errors
@@ -143,7 +139,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
-    check_available(surface.grid.points(), 8 * FIELDS_IN_MEMORY * surface.grid.len() as u64)?;
+    Held::BODY.check(&args.surface, surface.grid.points())?;
     let interior = match surface.kind {
         Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement),
         Kind::Full => Interior::new(&body, surface.grid, &surface.displacement),

@@ -1,13 +1,15 @@
 //! `contact`: one contact problem, one or more loads.
 
+mod figures;
+
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_contact::{Control, Settings, Solver};
-use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Output, Variable};
+use clap::Args as ClapArgs;
+use gfmd_contact::Load;
+use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 use gfmd_green::Body;
 use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
@@ -20,8 +22,10 @@ use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
+use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::session::{Session, available_bytes, list_files, peak_bytes};
+use crate::session::{Session, list_files};
+use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 
 /// Flags of `contact`.
@@ -75,67 +79,6 @@ struct ControlArgs {
     displacement: Vec<f64>,
 }
 
-/// How to solve.
-#[derive(ClapArgs, Clone, Copy, Debug, Serialize)]
-pub struct SolverArgs {
-    /// The method (docs/solvers.md)
-    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
-    pub solver: SolverName,
-    /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    pub tol: f64,
-    /// Iterations, or time steps, after which a load is given up
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    pub max_iter: u64,
-}
-
-/// The names of the methods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SolverName {
-    /// The fastest that is safe
-    Auto,
-    /// Polonsky-Keer constrained conjugate gradients
-    Cg,
-    /// Conjugate gradients without restarts
-    ProjectedCg,
-    /// The same, preconditioned on the contact
-    PreconditionedCg,
-    /// Position Verlet with the best scalar damping
-    Verlet,
-    /// Position Verlet with the softest mode critically damped
-    VerletCritical,
-    /// Fast inertial relaxation engine
-    Fire,
-    /// The same, version 2.0
-    Fire2,
-    /// Dynamics with inertia that follows the stiffness
-    AugmentedLagrangian,
-}
-
-impl From<SolverName> for Solver {
-    fn from(name: SolverName) -> Self {
-        match name {
-            SolverName::Auto => Self::Auto,
-            SolverName::Cg => Self::PolonskyKeer,
-            SolverName::ProjectedCg => Self::ProjectedCg,
-            SolverName::PreconditionedCg => Self::PreconditionedCg,
-            SolverName::Verlet => Self::Verlet,
-            SolverName::VerletCritical => Self::VerletCritical,
-            SolverName::Fire => Self::Fire,
-            SolverName::Fire2 => Self::Fire2,
-            SolverName::AugmentedLagrangian => Self::AugmentedLagrangian,
-        }
-    }
-}
-
-impl SolverArgs {
-    /// The settings of the contact solver.
-    pub fn settings(&self) -> Settings {
-        Settings { solver: self.solver.into(), tolerance: self.tol, max_iterations: self.max_iter }
-    }
-}
-
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
@@ -153,49 +96,6 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
-}
-
-/// Fields of doubles that a solve holds at its peak, with some room.
-const FIELDS_IN_MEMORY: u64 = 13;
-
-/// The same of a law that reaches across the gap.
-const FIELDS_WITH_LAW: u64 = 27;
-
-/// Memory that a contact on so many points takes at its peak, in bytes.
-pub fn memory_bytes(points: [usize; 2]) -> u64 {
-    points[0] as u64 * points[1] as u64 * 8 * FIELDS_IN_MEMORY
-}
-
-/// Refuses a grid that does not fit into memory.
-///
-/// # Errors
-/// More memory needed than available.
-pub fn check_memory(points: [usize; 2]) -> Result<(), Failure> {
-    check_available(points, memory_bytes(points))
-}
-
-/// Refuses a grid that needs more bytes than there are.
-///
-/// # Errors
-/// More memory needed than available.
-pub fn check_available(points: [usize; 2], needed: u64) -> Result<(), Failure> {
-    match available_bytes() {
-        Some(available) if needed > available => Err(Failure::input(
-            "the grid",
-            format!(
-                "{} x {} points need about {:.1} GiB, {:.1} GiB are available",
-                points[0],
-                points[1],
-                gibibytes(needed),
-                gibibytes(available)
-            ),
-        )),
-        _ => Ok(()),
-    }
-}
-
-fn gibibytes(bytes: u64) -> f64 {
-    bytes as f64 / f64::from(1 << 30)
 }
 
 /// What was computed, and why it ended early if it did.
@@ -217,10 +117,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
 /// Everything that can be refused is refused before the first solve.
 struct Prepared {
     surface: Surface,
-    grid: Grid,
     body: Body,
     law: Box<dyn Law>,
-    controls: Vec<Control>,
+    controls: Vec<Load>,
     output: Option<Output>,
 }
 
@@ -246,33 +145,29 @@ impl Prepared {
             }
         }
         let surface = args.source.surface()?;
-        let [nx, ny] = surface.heights.dim().into();
-        let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
-        match args.law.law {
-            Kind::HardWall => check_memory([nx, ny])?,
-            _ => check_available([nx, ny], 8 * FIELDS_WITH_LAW * grid.len() as u64)?,
-        }
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
-        let controls = (args.control.pressure.iter().map(|p| Control::MeanPressure(*p)))
-            .chain(args.control.p_star.iter().map(|p| Control::MeanPressure(p * unit_pressure)))
-            .chain(args.control.displacement.iter().map(|d| Control::Approach(*d)))
+        let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
+        fields.check("the grid", surface.grid.points())?;
+        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
+            .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
+            .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, grid, body, law, controls, output })
+        Ok(Self { surface, body, law, controls, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
         let name = args.source.name();
-        let response = NormalResponse::new(self.grid, &self.body);
+        let response = Arc::new(NormalResponse::new(self.surface.grid, &self.body));
         let heights = self.surface.heights.view();
         let problem = Problem::new(&response, heights, args.law.law, self.law.as_ref(), args.solver.solver, &name)?;
         let mut report = Report {
-            n: self.grid.points(),
-            length: self.grid.lengths(),
+            n: self.surface.grid.points(),
+            length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
-            rms_gradient: self.surface.rms_gradient,
+            rms_gradient: self.surface.rms_gradient(),
             rms_height: problem.rms_height(),
             e_star: response.contact_modulus(),
             loads: Vec::new(),
@@ -282,7 +177,7 @@ impl Prepared {
         };
         let file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
         let mut file = file.transpose()?;
-        let settings = args.solver.settings();
+        let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
         let measures = Measures { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
         let mut last: Option<Rest> = None;
@@ -292,7 +187,7 @@ impl Prepared {
                 progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let (rest, stopped) = problem.solve(*control, &settings, &measures, last.as_ref(), &mut watch)?;
+            let (rest, stopped) = problem.solve(*control, &budget, &measures, last.as_ref(), &mut watch)?;
             if let Some(file) = &mut file {
                 file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
             }
@@ -312,7 +207,7 @@ impl Prepared {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix), Some(rest)) = (&failure, &args.plots, &last) {
             let pressure = rest.pressure.mapv(|p| p.max(0.0));
-            report.plots = crate::figures::contact(prefix, &report, &self.grid, &pressure)?;
+            report.plots = figures::draw(prefix, &report, &self.surface.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&kept));
@@ -338,9 +233,9 @@ impl<'a> FieldFile<'a> {
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let load = Dimension::index("load", prepared.controls.len(), "load step");
-        let unit = prepared.surface.unit.as_deref().unwrap_or("length");
-        let [x, y] = axes(&prepared.grid, unit);
-        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
+        let unit = prepared.surface.unit();
+        let [x, y] = axes(&prepared.surface.grid, unit);
+        prepared.surface.write(&mut archive, [&x, &y])?;
         for (path, units, long_name) in FIELDS {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
@@ -366,35 +261,6 @@ impl<'a> FieldFile<'a> {
         }
         Ok(self.archive.finish()?)
     }
-}
-
-/// The rigid surface of a file, with what is said of it.
-pub(crate) fn write_surface(
-    archive: &mut Archive,
-    surface: &Surface,
-    axes: [&Dimension; 2],
-    unit: &str,
-) -> Result<(), Failure> {
-    let long_name = "height of the rigid surface, peaks towards the elastic body";
-    let height = Variable { dimensions: &axes, units: unit, long_name };
-    archive.write("/surface/height", &height, &contiguous(&surface.heights))?;
-    archive.attribute("/surface", "description", surface.description.as_str())?;
-    archive.attribute("/surface", "rms_gradient", surface.rms_gradient)?;
-    Ok(())
-}
-
-/// The dimensions x and y of the fields on a grid.
-pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
-    let positions = |axis: usize| (0..grid.points()[axis]).map(|i| i as f64 * grid.spacing()[axis]).collect();
-    [
-        Dimension::values("x", positions(0), unit, "position along x"),
-        Dimension::values("y", positions(1), unit, "position along y"),
-    ]
-}
-
-/// The values of a field in storage order.
-pub fn contiguous(field: &Array2<f64>) -> std::borrow::Cow<'_, [f64]> {
-    field.as_slice().map_or_else(|| field.iter().copied().collect::<Vec<_>>().into(), Into::into)
 }
 
 impl fmt::Display for Report {

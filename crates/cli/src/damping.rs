@@ -1,5 +1,7 @@
 //! `damping`: what damping does to the relaxation of a free surface, predicted and measured.
 
+mod figures;
+
 use std::f64::consts::TAU;
 use std::fmt;
 use std::path::PathBuf;
@@ -12,9 +14,9 @@ use gfmd_relax::{Damping, Landscape, Method, Motion, RelaxError, Verlet};
 use gfmd_response::{Components, FullResponse, Workspace};
 use serde::Serialize;
 
-use crate::contact::check_available;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use crate::memory::Held;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 
@@ -182,7 +184,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         report.out = Some(write(output, &report, args, session)?);
     }
     if let Some(prefix) = &args.plots {
-        report.plots = crate::figures::damping(prefix, &report)?;
+        report.plots = figures::draw(prefix, &report)?;
     }
     Ok(report)
 }
@@ -243,7 +245,7 @@ impl Experiment {
         if args.n < 2 {
             return Err(refuse());
         }
-        check_available(grid.points(), 8 * FIELDS_IN_MEMORY * grid.len() as u64)?;
+        Held::DAMPING.check("--n", grid.points())?;
         let range = stiffness_range(&body, &grid).ok_or_else(refuse)?;
         if !(args.dt > 0.0 && args.dt < 1.0) {
             return Err(Failure::input("--dt", format!("found {}, allowed: between 0 and 1", args.dt)));
@@ -361,9 +363,6 @@ impl Experiment {
         oscillating / all
     }
 }
-
-/// Fields of doubles, one component each, that a run holds at its peak, with some room.
-const FIELDS_IN_MEMORY: u64 = 40;
 
 /// Powers of e by which the slowest run shrinks: rates then have settled to a few per cent.
 const DECAY: f64 = 70.0;

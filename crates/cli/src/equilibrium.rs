@@ -2,22 +2,23 @@
 //! law that reaches across the gap.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, Solution, SolveError};
 use gfmd_interface::{Drive, Interface, InterfaceError, Method, State};
 use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::contact::SolverName;
 use crate::failure::Failure;
 use crate::load::LoadRecord;
+use crate::solver::SolverName;
 
 /// What is to be brought to rest.
 pub enum Problem<'a> {
     /// A hard wall.
-    Wall(Contact<'a>),
+    Wall(Contact, SolverName),
     /// A law that reaches across the gap, and the method to solve with it.
     Law(Interface<'a>, Method),
 }
@@ -32,8 +33,13 @@ pub struct Rest {
     pub displacement: Array2<f64>,
     /// Distance between the surfaces.
     pub gap: Array2<f64>,
-    /// Where the next load of a law starts.
-    state: Option<State>,
+    /// Where the next load starts.
+    state: Reached,
+}
+
+enum Reached {
+    Wall(Solution),
+    Law(State),
 }
 
 /// What the scalars of a load are measured with.
@@ -51,7 +57,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// Heights that make no contact; a solver that cannot be used with the law.
     pub fn new(
-        response: &'a NormalResponse,
+        response: &'a Arc<NormalResponse>,
         heights: ArrayView2<f64>,
         kind: Kind,
         law: &'a dyn Law,
@@ -59,8 +65,8 @@ impl<'a> Problem<'a> {
         name: &str,
     ) -> Result<Self, Failure> {
         if kind == Kind::HardWall {
-            let contact = Contact::new(response, heights).map_err(|error| Failure::input(name, error))?;
-            return Ok(Self::Wall(contact));
+            let contact = Contact::on(Arc::clone(response), &heights).map_err(|error| Failure::input(name, error))?;
+            return Ok(Self::Wall(contact, solver));
         }
         let method = match solver {
             SolverName::Auto => Method::Auto,
@@ -77,7 +83,7 @@ impl<'a> Problem<'a> {
     /// Root mean square of the heights about their mean.
     pub fn rms_height(&self) -> f64 {
         match self {
-            Self::Wall(contact) => contact.rms_height(),
+            Self::Wall(contact, _) => contact.surface().rms_height(),
             Self::Law(interface, _) => interface.rms_height(),
         }
     }
@@ -88,8 +94,8 @@ impl<'a> Problem<'a> {
     /// A load that cannot be posed.
     pub fn solve(
         &self,
-        control: Control,
-        settings: &Settings,
+        load: Load,
+        budget: &Budget,
         measures: &Measures,
         last: Option<&Rest>,
         watch: &mut dyn FnMut(u64, f64) -> ControlFlow<()>,
@@ -98,23 +104,26 @@ impl<'a> Problem<'a> {
         let Measures { contact_modulus, rms_gradient } = *measures;
         let rms_height = self.rms_height();
         match self {
-            Self::Wall(contact) => {
-                let start = last.map(|rest| rest.pressure.view());
+            Self::Wall(contact, solver) => {
+                let start =
+                    last.and_then(|rest| if let Reached::Wall(start) = &rest.state { Some(start) } else { None });
                 let mut watch = |now: &gfmd_contact::Progress| watch(now.iteration, now.residual);
-                let (solution, failure) = judge(contact.solve(control, settings, start, &mut watch))?;
+                let press = contact.press(load).budget(*budget).solver((*solver).into()).starting_from(start);
+                let (solution, failure) = judge(press.watch(&mut watch).solve())?;
                 let seconds = started.elapsed().as_secs_f64();
-                let record = LoadRecord::measure(&solution, contact_modulus, rms_gradient, settings.tolerance, seconds);
-                let Solution { pressure, displacement, gap, .. } = solution;
-                Ok((Rest { record, pressure, displacement, gap, state: None }, failure))
+                let record = LoadRecord::measure(&solution, contact_modulus, rms_gradient, budget.tolerance, seconds);
+                let Solution { pressure, displacement, gap, .. } = solution.clone();
+                Ok((Rest { record, pressure, displacement, gap, state: Reached::Wall(solution) }, failure))
             }
             Self::Law(interface, method) => {
-                let drive = match control {
-                    Control::MeanPressure(pressure) => Drive::mean_pressure(pressure),
-                    Control::Approach(approach) => Drive::approach(approach),
+                let drive = match load {
+                    Load::MeanPressure(pressure) => Drive::mean_pressure(pressure),
+                    Load::Approach(approach) => Drive::approach(approach),
                 };
-                let Settings { tolerance, max_iterations, .. } = *settings;
+                let Budget { tolerance, max_iterations } = *budget;
                 let settings = gfmd_interface::Settings { method: *method, tolerance, max_iterations };
-                let start = last.and_then(|rest| rest.state.as_ref());
+                let start =
+                    last.and_then(|rest| if let Reached::Law(start) = &rest.state { Some(start) } else { None });
                 let mut watch = |now: &gfmd_interface::Progress| watch(now.iteration, now.residual);
                 let (state, failure) = judge_law(interface.solve(drive, &settings, start, &mut watch))?;
                 let seconds = started.elapsed().as_secs_f64();
@@ -125,7 +134,7 @@ impl<'a> Problem<'a> {
                     pressure: state.traction.index_axis(Axis(0), 0).mapv(|t| -t),
                     displacement: state.displacement.index_axis(Axis(0), 0).to_owned(),
                     gap: state.gap.clone(),
-                    state: Some(state),
+                    state: Reached::Law(state),
                 };
                 Ok((rest, failure))
             }
@@ -133,18 +142,18 @@ impl<'a> Problem<'a> {
     }
 }
 
-fn judge(outcome: Result<Solution, ContactError>) -> Result<(Solution, Option<Failure>), Failure> {
+fn judge(outcome: Result<Solution, SolveError<Solution>>) -> Result<(Solution, Option<Failure>), Failure> {
     match outcome {
         Ok(solution) => Ok((solution, None)),
-        Err(ContactError::NotConverged { solution, asked, reason }) => {
-            let text = not_converged(asked, solution.iterations, &reason, &solution.residual);
-            Ok((*solution, Some(Failure::Computation(text))))
+        Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
+        Err(SolveError::Refused(error @ Refusal::Approach { .. })) => Err(Failure::input("--displacement", error)),
+        Err(error) => {
+            let failure = Failure::Computation(error.to_string());
+            match error.into_state() {
+                Some(state) => Ok((state, Some(failure))),
+                None => Err(failure),
+            }
         }
-        Err(ContactError::Interrupted { solution }) => {
-            Ok((*solution, Some(Failure::Interrupted("interrupted".into()))))
-        }
-        Err(error @ ContactError::Approach { .. }) => Err(Failure::input("--displacement", error)),
-        Err(error) => Err(Failure::Computation(error.to_string())),
     }
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::process::ExitCode;
 
 use gfmd_files::FileError;
+use gfmd_plot::PlotError;
 
 /// Why a command did not do what it was asked. Each is one clear line.
 #[derive(Debug, thiserror::Error)]
@@ -57,6 +58,12 @@ impl Failure {
 
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
+        Self::Computation(error.to_string())
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Self {
         Self::Computation(error.to_string())
     }
 }

@@ -12,7 +12,7 @@ use ndarray::{Array2, s};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::session::available_bytes;
+use crate::memory::Held;
 
 /// Points of a generated surface along one side, unless a flag says otherwise.
 const POINTS: usize = 256;
@@ -25,9 +25,6 @@ const EPS_F_INV: f64 = 32.0;
 
 /// 1/eps_c that --n leaves room for unless a flag says otherwise.
 const EPS_C_INV: f64 = 4.0;
-
-/// Memory of a synthesis per point, in bytes: heights, half spectrum, work of the transform.
-const BYTES_PER_POINT: u64 = 40;
 
 /// Flags that describe a generated surface. Without any: 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
@@ -138,13 +135,7 @@ impl GeneratorArgs {
     /// Numbers that make no grid, lengths that make no cell, more points than fit into memory.
     pub fn grid(&self, length: &[f64]) -> Result<Grid, Failure> {
         let [nx, ny] = self.points()?;
-        let bytes = BYTES_PER_POINT.saturating_mul(nx as u64).saturating_mul(ny as u64);
-        if let Some(available) = available_bytes().filter(|available| bytes > *available) {
-            let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-            let reason =
-                format!("{nx} x {ny} points need {:.1} GiB, {:.1} GiB are available", gib(bytes), gib(available));
-            return Err(Failure::input("--n", reason));
-        }
+        Held::SURFACE.check("--n", [nx, ny])?;
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),

@@ -14,15 +14,16 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gfmd_contact::SolveError;
 use gfmd_files::Output;
 use gfmd_sweep::{Keep, Plan, Preset, Pressed, Study, SweepError};
 
 pub use report::{PlanReport, Report};
 
-use crate::contact::check_memory;
 use crate::failure::Failure;
+use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 use journal::{Finished, Journal, Size};
 
 /// Flags of `kappa-sweep`.
@@ -80,7 +81,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     };
     let text = config::text(&config)?;
     let plan = Plan::new(config)?;
-    plan.points.iter().try_for_each(|point| check_memory(point.grid.points()))?;
+    plan.points.iter().try_for_each(|point| Held::HARD_WALL.check("the grid", point.grid.points()))?;
     if args.show_config {
         return Ok(Outcome::Config(text));
     }
@@ -148,6 +149,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         let text = error.to_string();
         match error {
+            SweepError::Contact { source, .. } if matches!(*source, SolveError::Refused(_)) => Self::Input(text),
             SweepError::Contact { .. } | SweepError::Keep(_) => Self::Computation(text),
             SweepError::Interrupted(_) => Self::Interrupted(text),
             _ => Self::Input(text),

@@ -1,5 +1,7 @@
 //! `law`: evaluate a contact law, and the flags that name one.
 
+mod figures;
+
 use std::fmt;
 use std::path::PathBuf;
 
@@ -165,7 +167,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
         plots: Vec::new(),
     };
     if let Some(stem) = &args.plot {
-        report.plots = crate::figures::law(stem, law.as_ref(), &args.normal, tangential)?;
+        report.plots = figures::draw(stem, law.as_ref(), &args.normal, tangential)?;
     }
     Ok(report)
 }

@@ -1,8 +1,8 @@
 //! What is recorded of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Residual, Solution};
+use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_interface::State;
-use gfmd_measure::{contact_area, elastic_energy_density, kappa, pressure_statistics, reduced_pressure};
+use gfmd_measure::{Scales, Summary};
 use serde::{Deserialize, Serialize};
 
 /// The scalars of one load. Units: those of the input (stress, length).
@@ -61,31 +61,42 @@ impl From<Residual> for ResidualRecord {
 }
 
 impl LoadRecord {
-    /// Measures a solution. `rms_gradient` is the spectral one of the whole surface.
+    /// Measures the state of a hard wall. `rms_gradient` is the spectral one of the whole surface.
     pub fn measure(solution: &Solution, contact_modulus: f64, rms_gradient: f64, tolerance: f64, seconds: f64) -> Self {
-        let area = contact_area(solution.pressure.view());
-        let pressure = pressure_statistics(solution.pressure.view());
-        let p_star = reduced_pressure(solution.mean_pressure, contact_modulus, rms_gradient);
+        let summary = solution.summary_in(&Scales { contact_modulus, rms_gradient });
+        let converged = solution.worst() <= tolerance;
+        Self::of(&summary, solution.approach, solution.effort, solution.residual.into(), converged, seconds)
+    }
+
+    /// The record of a hard wall from its parts.
+    pub(crate) fn of(
+        summary: &Summary,
+        approach: f64,
+        effort: Effort,
+        residual: ResidualRecord,
+        converged: bool,
+        seconds: f64,
+    ) -> Self {
         Self {
-            mean_pressure: solution.mean_pressure,
-            p_star,
-            displacement: solution.approach,
-            area_fraction: area.fraction,
-            area_fraction_corrected: area.corrected_fraction,
-            kappa: kappa(area.fraction, p_star),
-            kappa_corrected: kappa(area.corrected_fraction, p_star),
-            contact_nodes: area.nodes as u64,
-            boundary_links: area.boundary_links as u64,
-            mean_gap: solution.gap.mean().unwrap_or(f64::NAN),
-            max_pressure: pressure.max,
-            mean_pressure_in_contact: pressure.mean_in_contact,
-            pressure_deviation_in_contact: pressure.deviation_in_contact,
-            pressure_moment_2: pressure.moments[0],
-            elastic_energy: elastic_energy_density(solution.pressure.view(), solution.displacement.view()),
-            iterations: solution.iterations,
-            transform_pairs: solution.transform_pairs,
-            converged: solution.residual.worst() <= tolerance,
-            residual: solution.residual.into(),
+            mean_pressure: summary.mean_pressure,
+            p_star: summary.p_star,
+            displacement: approach,
+            area_fraction: summary.area_fraction,
+            area_fraction_corrected: summary.area_fraction_corrected,
+            kappa: summary.kappa,
+            kappa_corrected: summary.kappa_corrected,
+            contact_nodes: summary.contact_nodes,
+            boundary_links: summary.boundary_links,
+            mean_gap: summary.mean_gap,
+            max_pressure: summary.max_pressure,
+            mean_pressure_in_contact: summary.mean_pressure_in_contact,
+            pressure_deviation_in_contact: summary.pressure_deviation_in_contact,
+            pressure_moment_2: summary.pressure_moment_2,
+            elastic_energy: summary.elastic_energy,
+            iterations: effort.iterations,
+            transform_pairs: effort.transform_pairs,
+            converged,
+            residual,
             seconds,
             law: None,
         }
@@ -109,30 +120,28 @@ impl LoadRecord {
         };
         let closed: f64 = (&state.wall_pressure * &state.gap).sum();
         let total = state.wall_pressure.sum();
-        let residual = Residual {
+        let residual = ResidualRecord {
             complementarity: if total > 0.0 { (closed / (total * rms_height)).abs() } else { 0.0 },
             penetration: state.residual.penetration,
             negative_pressure: state.residual.wall_tension,
             load: state.residual.load,
         };
-        let solution = Solution {
-            pressure: repulsion,
-            displacement: state.displacement.index_axis(ndarray::Axis(0), z).to_owned(),
-            gap: state.gap.clone(),
-            mean_pressure: state.mean_pressure,
-            approach: state.approach,
-            residual,
-            iterations: state.iterations,
-            transform_pairs: state.transform_pairs as f64,
-        };
-        let measured = Self::measure(&solution, contact_modulus, rms_gradient, tolerance, seconds);
+        let summary = Summary::of(
+            repulsion.view(),
+            state.displacement.index_axis(ndarray::Axis(0), z),
+            state.gap.view(),
+            state.mean_pressure,
+            &Scales { contact_modulus, rms_gradient },
+        );
+        let effort = Effort { iterations: state.iterations, transform_pairs: state.transform_pairs as f64 };
+        let converged = state.residual.worst() <= tolerance;
+        let measured = Self::of(&summary, state.approach, effort, residual, converged, seconds);
         // Area over pressure says nothing where attraction carries the load.
         let pressed = state.mean_pressure > 1e-6 * measured.max_pressure;
         Self {
             kappa: if pressed { measured.kappa } else { f64::NAN },
             kappa_corrected: if pressed { measured.kappa_corrected } else { f64::NAN },
             elastic_energy: state.elastic_energy,
-            converged: state.residual.worst() <= tolerance,
             law: Some(LawRecord {
                 interface_energy: state.interface_energy,
                 passed_instability: state.passed_instability,

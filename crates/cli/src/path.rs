@@ -1,5 +1,6 @@
 //! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
+mod figures;
 mod file;
 mod mechanics;
 mod record;
@@ -11,7 +12,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{Drive, FrictionalContact, Interface, InterfaceError, Method, Settings};
@@ -22,13 +22,13 @@ use serde::Serialize;
 use self::file::PathFile;
 use self::mechanics::{End, Mechanics};
 use self::waypoints::WaypointArgs;
-use crate::contact::check_available;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
+use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
 pub use self::record::{ResidualRecord, StepRecord};
@@ -98,10 +98,6 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// Fields of doubles that a path holds at its peak, with some room: of u_z alone, and of all components.
-const FIELDS_OF_ONE: u64 = 27;
-const FIELDS_OF_ALL: u64 = 75;
-
 /// What acts between the surfaces.
 enum Action {
     Law(Box<dyn Law>),
@@ -111,7 +107,6 @@ enum Action {
 /// Everything that can be refused is refused before the first solve.
 struct Prepared {
     surface: Surface,
-    grid: Grid,
     body: Body,
     action: Action,
     drives: Vec<Drive>,
@@ -134,17 +129,15 @@ impl Prepared {
             None => Action::Law(args.law.build()?),
         };
         let surface = args.source.surface()?;
-        let [nx, ny] = surface.heights.dim().into();
-        let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = if all { FIELDS_OF_ALL } else { FIELDS_OF_ONE };
-        check_available([nx, ny], 8 * fields * grid.len() as u64)?;
+        let fields = if all { Held::ALL_COMPONENTS } else { Held::LAW };
+        fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient;
+        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, grid, body, action, drives, output })
+        Ok(Self { surface, body, action, drives, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
@@ -155,16 +148,16 @@ impl Prepared {
         let (normal, full);
         let mut mechanics = match &self.action {
             Action::Friction(limit) => {
-                full = FullResponse::new(self.grid, &self.body);
+                full = FullResponse::new(self.surface.grid, &self.body);
                 let contact = FrictionalContact::new(&full, heights, *limit).map_err(refuse)?;
                 Mechanics::Friction(contact, None)
             }
             Action::Law(law) => {
                 let interface = if all {
-                    full = FullResponse::new(self.grid, &self.body);
+                    full = FullResponse::new(self.surface.grid, &self.body);
                     Interface::full(&full, heights, law.as_ref())
                 } else {
-                    normal = NormalResponse::new(self.grid, &self.body);
+                    normal = NormalResponse::new(self.surface.grid, &self.body);
                     Interface::normal(&normal, heights, law.as_ref())
                 };
                 let interface = interface.map_err(refuse)?;
@@ -178,11 +171,11 @@ impl Prepared {
             mechanics.check(*drive)?;
         }
         let mut report = Report {
-            n: self.grid.points(),
-            length: self.grid.lengths(),
+            n: self.surface.grid.points(),
+            length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
-            rms_gradient: self.surface.rms_gradient,
+            rms_gradient: self.surface.rms_gradient(),
             rms_height: heights.std(0.0),
             e_star: self.body.material().contact_modulus(),
             law: match &self.action {
@@ -241,7 +234,7 @@ impl Prepared {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix)) = (&failure, &args.plots) {
             let pressure = mechanics.pressure().mapv(|p| p.max(0.0));
-            report.plots = crate::figures::path(prefix, &report, args.steps as usize, &self.grid, &pressure)?;
+            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         Ok(Outcome { failure: failure.map(|failure| failure.with(&kept)), report })

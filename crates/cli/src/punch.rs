@@ -6,21 +6,22 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Output, Variable};
+use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
 use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed, Settings};
 use gfmd_response::{Components, FullResponse};
 use ndarray::{Array2, Array3};
 use serde::Serialize;
 
-use crate::contact::{axes, check_available};
 use crate::elastic::{BodyArgs, parse_height, serialize_height};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::session::{Session, peak_bytes};
+use crate::session::Session;
 
 mod comparison;
+mod figures;
 mod refinement;
 mod report;
 
@@ -169,9 +170,6 @@ pub struct Outcome {
 /// Deeper than this part of the punch's width, or of the height of the slab, strain is not small.
 const SMALL: f64 = 0.1;
 
-/// Fields of doubles, one component each, that a solve holds at its peak, with some room.
-const FIELDS_IN_MEMORY: u64 = 48;
-
 /// Runs the command.
 ///
 /// # Errors
@@ -203,8 +201,7 @@ impl Prepared {
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
         let finest = grids[grids.len() - 1].points();
-        let bytes = finest.iter().fold(8 * FIELDS_IN_MEMORY, |bytes, points| bytes.saturating_mul(*points as u64));
-        check_available(finest, bytes)?;
+        Held::PUNCH.check("--n", finest)?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
         let body = BodyArgs { young: args.young, poisson: args.poisson, e_star: None, height }.body()?;
         let edge = match args.nodes {
@@ -253,7 +250,7 @@ impl Prepared {
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
             let reference = reference.map(|reference| &reference.displacement);
-            report.plots = crate::figures::punch(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
+            report.plots = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
         }
         let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })

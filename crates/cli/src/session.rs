@@ -108,24 +108,12 @@ pub(crate) fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[Pa
 
 /// Processor, cores and operating system in words.
 pub fn machine() -> String {
-    let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+    let about = if cfg!(target_os = "linux") { std::fs::read_to_string("/proc/cpuinfo").ok() } else { None };
+    let processor = about.and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
         Some(line.split_once(':')?.1.trim().to_owned())
     });
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let processor = processor.unwrap_or_else(|| std::env::consts::ARCH.into());
     format!("{processor}, {cores} cores, {}", std::env::consts::OS)
-}
-
-/// Largest resident memory of this process so far, in bytes; 0 where the system does not tell.
-pub fn peak_bytes() -> u64 {
-    let usage = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF);
-    usage.map_or(0, |usage| usage.max_rss().unsigned_abs() * 1024)
-}
-
-/// Memory that a computation may use, in bytes: what the system says is available; `None` where it does not tell.
-pub fn available_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::Topography;
+use gfmd_files::{Archive, Dimension, Topography, Variable, contiguous};
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
@@ -66,14 +66,39 @@ pub enum Periodise {
 pub struct Surface {
     /// Heights `[x, y]`, peaks towards the body.
     pub heights: Array2<f64>,
-    /// Cell size.
-    pub lengths: [f64; 2],
+    /// Their points and the cell.
+    pub grid: Grid,
     /// Unit of heights and lengths, if known.
     pub unit: Option<String>,
-    /// Spectral rms gradient.
-    pub rms_gradient: f64,
+    /// Numbers of the heights.
+    pub statistics: Statistics,
     /// Where it comes from and what was done to it.
     pub description: String,
+}
+
+impl Surface {
+    /// The spectral rms gradient.
+    pub fn rms_gradient(&self) -> f64 {
+        self.statistics.moments.rms_gradient()
+    }
+
+    /// The unit of heights and lengths; `length` of an unknown one.
+    pub fn unit(&self) -> &str {
+        self.unit.as_deref().unwrap_or("length")
+    }
+
+    /// Writes the group `/surface` of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
+        let long_name = "height of the rigid surface, peaks towards the elastic body";
+        let height = Variable { dimensions: &axes, units: self.unit(), long_name };
+        archive.write("/surface/height", &height, &contiguous(&self.heights))?;
+        archive.attribute("/surface", "description", self.description.as_str())?;
+        archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
+        Ok(())
+    }
 }
 
 /// Steps across the periodic seam beyond this multiple of those inside are worth a warning.
@@ -120,8 +145,7 @@ impl SourceArgs {
                 );
             }
         }
-        let rms_gradient = statistics.moments.rms_gradient();
-        Ok(Surface { heights, lengths: grid.lengths(), unit, rms_gradient, description })
+        Ok(Surface { heights, grid, unit, statistics, description })
     }
 
     fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {

@@ -97,11 +97,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
     let surface = args.source.surface()?;
     let name = args.source.name();
-    let (nx, ny) = surface.heights.dim();
-    let unusable = |error| Failure::input(&name, error);
-    let grid = Grid::new([nx, ny], surface.lengths).map_err(|error| Failure::input("--length", error))?;
-    let statistics = Statistics::of(&surface.heights, &grid).map_err(unusable)?;
-    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(unusable)?;
+    let (grid, statistics) = (surface.grid, &surface.statistics);
+    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::input(&name, error))?;
     let (asked, range) = match &args.source.surface {
         None => args.asked(&grid)?,
         Some(_) => (None, whole_band(&grid)),
@@ -117,7 +114,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if !args.fit_range.is_empty() {
         fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
     }
-    let mut report = Report::new(&statistics, fit.ok(), &spectrum, &grid);
+    let mut report = Report::new(statistics, fit.ok(), &spectrum, &grid);
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.asked, report.hurst_range) = (asked, range);
     if let Some(target) = out {

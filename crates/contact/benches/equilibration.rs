@@ -4,14 +4,12 @@
 //! `cargo bench -p gfmd-contact -- Verlet`. A smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p gfmd-contact`.
 
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
-use gfmd_contact::{Contact, Control, Settings, Solver};
+use gfmd_contact::{Contact, Equilibrium, Load, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 
 const SOLVERS: [(Solver, bool); 8] = [
@@ -35,20 +33,16 @@ fn equilibration(criterion: &mut Criterion) {
         .heights(&grid, 1)
         .expect("a surface");
     let material = Material::from_contact_modulus(1.0, 0.0).expect("a material");
-    let response = NormalResponse::new(grid, &Body::half_space(material));
-    let contact = Contact::new(&response, heights.view()).expect("a contact");
+    let contact = Contact::new(&Body::half_space(material), &grid, &heights).expect("a contact");
     let mut group = criterion.benchmark_group(format!("equilibration_{n}"));
     group.sample_size(10).sampling_mode(SamplingMode::Flat).warm_up_time(Duration::from_millis(1));
     for (solver, fast) in SOLVERS {
         if !fast && !named && n > 512 {
             continue;
         }
-        let settings = Settings { solver, ..Settings::default() };
-        let mut watch = |_: &_| ControlFlow::Continue(());
         group.bench_function(format!("{solver:?}"), |bencher| {
             bencher.iter(|| {
-                let load = Control::MeanPressure(0.05 * 0.1);
-                black_box(contact.solve(load, &settings, None, &mut watch).expect("converges"))
+                black_box(contact.press(Load::MeanPressure(0.05 * 0.1)).solver(solver).solve().expect("converges"))
             });
         });
     }

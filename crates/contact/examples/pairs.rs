@@ -9,10 +9,10 @@
 //! over the vectors and the memory add to the transforms. It is only as steady as the machine.
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
-use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
-use gfmd_contact::{Contact, Control, Settings, Solver};
+use gfmd_contact::{Contact, Equilibrium, Load, Solver};
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
@@ -39,23 +39,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:>5} {:>4} {:>5}  pairs (time of the solution in pairs), {solvers:?}", "n", "H", "p*");
     for n in if sizes.is_empty() { vec![512] } else { sizes } {
         let grid = Grid::square(n, 1.0)?;
-        let response = NormalResponse::new(grid, &body);
+        let response = Arc::new(NormalResponse::new(grid, &body));
         let pair = time_of_a_pair(grid)?;
         for hurst in [0.0, 0.8] {
             let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
             let heights = numbers
                 .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(0.1) })
                 .heights(&grid, 1)?;
-            let contact = Contact::new(&response, heights.view())?;
+            let contact = Contact::on(Arc::clone(&response), &heights)?;
             for reduced_pressure in [0.01, 0.05, 0.2] {
                 print!("{n:5} {hurst:4} {reduced_pressure:5} ");
                 for &solver in &solvers {
-                    let settings = Settings { solver, ..Settings::default() };
-                    let load = Control::MeanPressure(reduced_pressure * 0.1);
+                    let load = Load::MeanPressure(reduced_pressure * 0.1);
                     let begin = Instant::now();
-                    let solution = contact.solve(load, &settings, None, &mut |_| ControlFlow::Continue(()))?;
+                    let solution = contact.press(load).solver(solver).solve()?;
                     let time = begin.elapsed().as_secs_f64() / pair;
-                    print!("{:7} ({time:4.0})", solution.transform_pairs);
+                    print!("{:7} ({time:4.0})", solution.effort.transform_pairs);
                 }
                 println!();
             }

@@ -2,60 +2,64 @@
 //! the mean of p prescribed and the approach as its multiplier (theory.md, section 7).
 
 use std::borrow::Cow;
-use std::cell::Cell;
-use std::ops::ControlFlow;
 
-use gfmd_relax::{Iterate, MinimiseError, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, Target};
-use gfmd_response::NormalResponse;
+use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, RelaxError, Target};
+use gfmd_response::NormalTransforms;
 
-use crate::extension::{Extension, Known};
-use crate::problem::{End, Ended, Transforms};
-use crate::{Contact, ContactError, Control, Progress, Settings, Solver, Watch};
+use crate::attempt::{Attempt, Ended};
+use crate::pull_push::{Known, PullPush};
+use crate::{Contact, Load};
+
+/// The methods of conjugate gradients by name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Gradients {
+    /// Preconditioned, and projected where that takes too long.
+    Auto,
+    PolonskyKeer,
+    Projected,
+    Preconditioned,
+}
 
 struct Dual<'a> {
-    response: &'a NormalResponse,
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
     stiffness: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
-    transforms: Transforms,
-    extension: Extension,
+    transforms: NormalTransforms,
+    extension: PullPush,
 }
 
 /// With prescribed approach, a half-space that keeps its mean level answers to a uniform displacement with any stiffness.
-/// What the contact makes of it depends on its area; this many times the softest other mode is a guess for the
-/// preconditioner.
+/// The stiffness of the uniform mode in contact depends on the contact area. The preconditioner assumes this many times
+/// the stiffness of the softest other mode.
 const LEVEL: f64 = 4.0;
 
 /// Iterations after which [`Solver::Auto`] goes on without the preconditioner. Some 30 are the rule; where its guess is bad,
 /// as on incompressible layers thinner than the grid is wide, the plain method is faster.
-const PATIENCE: usize = 100;
-
-/// The lengths are those of the grid, by construction: a transform cannot refuse them.
-const FITS: &str = "every field of a contact problem has the size of its grid";
+const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
-    fn new(contact: &'a Contact, control: Control) -> Self {
-        let response = contact.response;
-        let (compliance, stiffness, linear) = match control {
-            Control::MeanPressure(_) => {
-                (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(&contact.wall.clearance))
+    fn new(contact: &'a Contact, load: Load) -> Self {
+        let Contact { response, surface } = contact;
+        let (compliance, stiffness, linear) = match load {
+            Load::MeanPressure(_) => {
+                (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(surface.clearance()))
             }
-            Control::Approach(approach) => {
+            Load::Approach(approach) => {
                 let (mut compliance, mut stiffness) = (response.compliance().to_vec(), response.stiffness().to_vec());
                 let uniform = response.uniform_compliance();
                 compliance[0] = uniform;
                 stiffness[0] = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
-                let linear: Vec<f64> = contact.wall.clearance.iter().map(|c| c - approach).collect();
+                let linear: Vec<f64> = surface.clearance().iter().map(|c| c - approach).collect();
                 (Cow::from(compliance), Cow::from(stiffness), Cow::from(linear))
             }
         };
         let points = response.grid().points();
         // Waves along the longer side.
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
-        let floating = matches!(control, Control::MeanPressure(_));
-        let extension = Extension::new(points, floating, |periods| response.stiffness()[periods * stride]);
-        Self { response, compliance, stiffness, linear, transforms: Transforms::new(response), extension }
+        let floating = matches!(load, Load::MeanPressure(_));
+        let extension = PullPush::new(points, floating, |periods| response.stiffness()[periods * stride]);
+        Self { compliance, stiffness, linear, transforms: NormalTransforms::of(response), extension }
     }
 }
 
@@ -65,80 +69,55 @@ impl Quadratic for Dual<'_> {
     }
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.transforms.singles += 2;
-        self.response.transform().convolve(&self.compliance, x, out, &mut self.transforms.workspace).expect(FITS);
+        self.transforms.convolve(&self.compliance, x, out);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
-        self.transforms.singles += 1;
-        let mean =
-            self.response.transform().quadratic_form(&self.compliance, direction, &mut self.transforms.workspace);
-        mean.expect(FITS) * direction.len() as f64
+        self.transforms.quadratic_form(&self.compliance, direction) * direction.len() as f64
     }
 
     /// Eᵀ K E with E the extension from the contact to the whole surface: (G on the contact)⁻¹ is the least of ⟨u, K u⟩
     /// over all displacements that agree on the contact, and E makes a good guess of the one that is least.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
-        self.transforms.singles += 2;
         let known = Known { x, gradient, level: multiplier };
-        let Self { response, stiffness, transforms, extension, .. } = self;
+        let Self { stiffness, transforms, extension, .. } = self;
         extension.prepare(known);
-        let rows = |i: usize, row: &mut [f64]| extension.row(known, i, row);
-        response.transform().convolve_rows(stiffness, rows, out, |_, _| {}, &mut transforms.workspace).expect(FITS);
+        transforms.convolve_rows(stiffness, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
     }
 }
 
-pub(crate) fn solve(
-    contact: &Contact,
-    control: Control,
-    settings: &Settings,
-    start: Option<Vec<f64>>,
-    watch: Watch,
-) -> Result<Ended, ContactError> {
-    let mut dual = Dual::new(contact, control);
-    let n = contact.wall.clearance.len();
-    let mean = match control {
-        Control::MeanPressure(mean) => Some(mean),
-        Control::Approach(_) => None,
+pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
+    let contact = attempt.contact;
+    let mut dual = Dual::new(contact, attempt.load);
+    let mean = match attempt.load {
+        Load::MeanPressure(mean) => Some(mean),
+        Load::Approach(_) => None,
     };
-    let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); n]);
-    let target = Target {
-        mean,
-        gradient_scale: contact.wall.rms_height,
-        tolerance: settings.tolerance,
-        max_iterations: usize::try_from(settings.max_iterations).unwrap_or(usize::MAX),
-    };
-    let before = Cell::new(0);
-    let mut observe = |now: &Iterate| -> ControlFlow<()> {
-        watch(&Progress { iteration: before.get() + now.iteration as u64, residual: now.optimality.worst() })
-    };
-    let (problem, x, observe) = (&mut dual, &mut pressure, &mut observe);
-    let outcome = match settings.solver {
-        Solver::PolonskyKeer => PolonskyKeer.minimise(problem, x, &target, observe),
-        Solver::ProjectedCg => ProjectedCg.minimise(problem, x, &target, observe),
-        Solver::Auto => {
-            let patience = Target { max_iterations: target.max_iterations.min(PATIENCE), ..target };
-            match PreconditionedCg.minimise(problem, x, &patience, observe) {
-                Err(MinimiseError::NotConverged { reached, .. } | MinimiseError::Breakdown { reached, .. }) => {
-                    before.set(reached.iteration as u64);
-                    let rest = Target { max_iterations: target.max_iterations - reached.iteration, ..target };
-                    ProjectedCg.minimise(problem, x, &rest, observe)
-                }
-                outcome => outcome,
+    let uniform = || vec![mean.unwrap_or(0.0); contact.surface.clearance().len()];
+    let mut pressure = attempt.start.take().unwrap_or_else(uniform);
+    let x = &mut pressure;
+    let target = Target { mean, gradient_scale: contact.surface.rms_height(), budget: attempt.budget };
+    let minimum = match gradients {
+        Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
+        Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
+        Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
+        Gradients::Auto => {
+            let max_iterations = target.budget.max_iterations.min(PATIENCE);
+            let patience = Target { budget: Budget { max_iterations, ..target.budget }, ..target };
+            let minimum = PreconditionedCg.minimise(&mut dual, x, &patience, attempt.watch)?;
+            if let Ending::GaveUp(_) = minimum.ending {
+                attempt.effort.iterations = minimum.reached.iteration;
+                let rest = Target { budget: attempt.budget_left(), ..target };
+                ProjectedCg.minimise(&mut dual, x, &rest, &mut attempt.onlooker())?
+            } else {
+                minimum
             }
         }
-        _ => PreconditionedCg.minimise(problem, x, &target, observe),
     };
-    let transform_pairs = dual.transforms.pairs();
-    let (reached, end) = match outcome {
-        Ok(reached) => (reached, End::Converged),
-        Err(MinimiseError::Interrupted { reached }) => (reached, End::Interrupted),
-        Err(MinimiseError::NotConverged { reached, .. }) => (reached, End::GaveUp("the iteration limit".into())),
-        Err(MinimiseError::Breakdown { reached, reason }) => (reached, End::GaveUp(reason.into())),
-        Err(error) => return Err(ContactError::Start { reason: error.to_string() }),
-    };
-    Ok(Ended { pressure, iterations: before.get() + reached.iteration as u64, transform_pairs, end })
+    attempt.effort.iterations += minimum.reached.iteration;
+    attempt.effort.transform_pairs += dual.transforms.pairs();
+    Ok(Ended { pressure, effort: attempt.effort, ending: minimum.ending })
 }
 
 #[cfg(test)]
@@ -153,7 +132,6 @@ mod tests {
     /// noise, smooth, or in between.
     fn quotients(body: &Body, share: f64) -> Vec<f64> {
         let grid = Grid::square(64, 1.0).unwrap();
-        let response = NormalResponse::new(grid, body);
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };
         let heights = numbers
             .self_affine(1.0, SelfAffine { hurst: 0.3, ..SelfAffine::with_rms_gradient(0.1) })
@@ -162,8 +140,8 @@ mod tests {
         let mut sorted: Vec<f64> = heights.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
         let cut = sorted[((1.0 - share) * sorted.len() as f64) as usize];
-        let contact = Contact::new(&response, heights.view()).unwrap();
-        let mut dual = Dual::new(&contact, Control::MeanPressure(1.0));
+        let contact = Contact::new(body, &grid, &heights).unwrap();
+        let mut dual = Dual::new(&contact, Load::MeanPressure(1.0));
         let x: Vec<f64> = heights.iter().map(|h| f64::from(*h > cut)).collect();
         let touching: f64 = x.iter().sum();
         (0..12)

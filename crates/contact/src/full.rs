@@ -1,99 +1,65 @@
 //! The contact with every component of the surface moving, as the source of the method poses it: nothing is known of
 //! u_x and u_y but that no traction acts on them (theory.md, section 3, frictionless).
 
-use gfmd_relax::{Bounds, Landscape, Method, Outcome, RelaxError, State, Stop, Verlet, relax};
-use gfmd_response::{FullResponse, Workspace};
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Bounds, Budget, Landscape, Method, State, Verlet, Watch, relax_until, worst};
+use gfmd_response::{FullResponse, FullTransforms};
 use gfmd_vector::{pass, sum};
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
-use crate::dynamics::{FITS, SETTLED, STIFFNESS_LENGTH};
-use crate::wall::Wall;
-use crate::{ContactError, Control, Progress, Solution, Watch};
+use crate::layer::STIFFNESS_LENGTH;
+use crate::solution::field;
+use crate::{Drive, Effort, Equilibrium, Fields, Load, Refusal, RigidSurface, Solution, SolveError, Solver, judge};
 
-/// A rigid rough surface above an elastic one that moves in all its components, without friction or adhesion (hard wall).
-///
-/// Its u_z is that of [`Contact`](crate::Contact), but for the Nyquist modes of an even grid (theory.md, section 0).
-pub struct FullContact<'a> {
-    response: &'a FullResponse,
-    wall: Wall,
+/// A rigid rough surface above an elastic one that moves in all its components, without friction or adhesion (hard wall),
+/// under a prescribed mean pressure. It shows what theory.md, section 3, says: its u_z is that of
+/// [`Contact`](crate::Contact), but for the Nyquist modes of an even grid (section 0), at three times the cost.
+#[derive(Clone, Debug)]
+pub struct FullContact {
+    response: Arc<FullResponse>,
+    surface: Arc<RigidSurface>,
 }
 
 /// An equilibrated contact with all components of the displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FullSolution {
-    /// Pressure, gap, residuals and what else concerns u_z. Its transform pairs are those of one component.
+    /// Pressure, gap, residuals and effort, and u_z.
     pub normal: Solution,
-    /// u_x and u_y, or u_x of a line, in length: what the pressure alone does to them.
+    /// u_x and u_y, or u_x of a line, in length: the response to the pressure alone.
     pub lateral: Vec<Array2<f64>>,
     /// Largest lateral traction that the dynamics left, over the largest pressure.
     pub lateral_traction: f64,
 }
 
-impl<'a> FullContact<'a> {
-    /// `heights` is the rigid profile, peaks pointing at the body, in length; only differences matter.
+impl FullContact {
+    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
-    pub fn new(response: &'a FullResponse, heights: ArrayView2<f64>) -> Result<Self, ContactError> {
-        Ok(Self { response, wall: Wall::new(response.grid().points(), heights)? })
+    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        Self::on(FullResponse::new(*grid, body), heights)
     }
 
-    /// Presses with `mean_pressure`, by damped dynamics of all components with the best scalar damping, until the
-    /// residuals and the lateral tractions have fallen to `tolerance`.
+    /// As [`new`](Self::new), on a response that is there already.
     ///
     /// # Errors
-    /// An unusable load or tolerance; or [`ContactError::NotConverged`] after `max_steps` and
-    /// [`ContactError::Interrupted`], which carry the state reached.
-    pub fn press(
-        &self,
-        mean_pressure: f64,
-        tolerance: f64,
-        max_steps: u64,
-        watch: Watch,
-    ) -> Result<FullSolution, ContactError> {
-        if !(1e-15..=0.1).contains(&tolerance) {
-            return Err(ContactError::Tolerance { found: tolerance });
+    /// Heights of another shape than the grid, not finite, or all equal.
+    pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let response = response.into();
+        let surface = RigidSurface::new(response.grid(), heights)?;
+        if surface.rms_height() == 0.0 {
+            return Err(Refusal::Flat);
         }
-        if !(mean_pressure > 0.0 && mean_pressure.is_finite()) {
-            return Err(ContactError::MeanPressure { found: mean_pressure });
-        }
-        let mut layer = Layer::new(self, mean_pressure);
-        let [softest, stiffest] = self.response.stiffness_range();
-        let rigid = mean_pressure / (STIFFNESS_LENGTH * self.wall.rms_height);
-        let unusable = |error: RelaxError| ContactError::Start { reason: error.to_string() };
-        let verlet = Verlet::optimal(softest.min(rigid), stiffest).map_err(unusable)?;
-        let start = vec![0.0; layer.len()];
-        let mut state = verlet.start(&mut layer, start).map_err(unusable)?;
-        let mut observe = |now: &gfmd_relax::Progress, _: &_| {
-            Ok::<_, std::io::Error>(watch(&Progress { iteration: now.step, residual: now.residual }))
-        };
-        let mut stop = Stop { residual: tolerance, settled: SETTLED, max_steps };
-        loop {
-            let outcome = relax(&mut layer, &verlet, &mut state, &stop, &mut observe);
-            let mut solution = self.certify(&layer, &state)?;
-            solution.normal.iterations = state.step;
-            let pairs = (state.evaluations * self.response.components().len() as u64) as f64;
-            solution.normal.transform_pairs += pairs;
-            let worst = solution.normal.residual.worst().max(solution.lateral_traction);
-            match outcome {
-                Ok(Outcome::Converged(_)) if worst <= tolerance => return Ok(solution),
-                Ok(Outcome::Converged(now)) => {
-                    stop.residual = now.residual * (0.5 * tolerance / worst).clamp(1e-3, 0.5);
-                }
-                Ok(Outcome::Interrupted(_)) => {
-                    return Err(ContactError::Interrupted { solution: Box::new(solution.normal) });
-                }
-                Err(error) => {
-                    let (solution, reason) = (Box::new(solution.normal), error.to_string());
-                    return Err(ContactError::NotConverged { solution, asked: tolerance, reason });
-                }
-            }
-        }
+        Ok(Self { response, surface: surface.into() })
     }
 
-    /// From the force on the wall alone, with a fresh transform.
-    fn certify<Memory>(&self, layer: &Layer, state: &State<Memory>) -> Result<FullSolution, ContactError> {
-        let points = self.wall.clearance.len();
+    /// The state that belongs to the force on the wall alone, with a fresh transform.
+    fn certified<Memory>(&self, layer: &Layer, state: &State<Memory>) -> FullSolution {
+        let points = self.surface.clearance().len();
         let lateral = state.u.len() - points;
         let mut pressure: Vec<f64> = (lateral..state.u.len())
             .map(|i| if state.u[i] >= layer.wall[i] { state.force[i].max(0.0) } else { 0.0 })
@@ -106,43 +72,138 @@ impl<'a> FullContact<'a> {
         let mut traction = vec![0.0; state.u.len()];
         traction[lateral..].iter_mut().zip(&pressure).for_each(|(t, p)| *t = -p);
         let mut displacement = vec![0.0; state.u.len()];
-        self.response.compliance().apply(&traction, &mut displacement, &mut self.response.workspace())?;
+        let mut transforms = FullTransforms::of(&self.response);
+        transforms.compliance(&traction, &mut displacement);
         let normal = displacement.split_off(lateral);
         let peak = pressure.iter().copied().fold(0.0, f64::max);
-        let left = state.force[..lateral].iter().fold(0.0, |largest, f| f64::max(largest, f.abs()));
-        let field = |values: &[f64]| {
-            let [nx, ny] = self.wall.points;
-            Array2::from_shape_fn((nx, ny), |(i, j)| values[i * ny + j])
+        let left = worst(state.force[..lateral].iter().map(|f| f.abs()));
+        let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
+        let load = Load::MeanPressure(layer.push);
+        let modulus = self.response.contact_modulus();
+        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, load);
+        normal.effort = Effort { iterations: state.step, transform_pairs: transforms.pairs() };
+        FullSolution { normal, lateral, lateral_traction: left / peak }
+    }
+
+    /// The coordinates to start from: the displacement of `start`, in the frame in which the body moves and the rigid
+    /// surface does not.
+    fn starting_position(&self, start: Option<&FullSolution>) -> Result<Vec<f64>, Refusal> {
+        let expected = self.response.components().len() * self.response.grid().len();
+        let Some(FullSolution { normal, lateral, .. }) = start else { return Ok(vec![0.0; expected]) };
+        let mut u: Vec<f64> = lateral.iter().flatten().copied().collect();
+        u.extend(normal.displacement.iter().map(|u| u + normal.approach));
+        if u.len() == expected { Ok(u) } else { Err(Refusal::Start { found: u.len(), expected }) }
+    }
+}
+
+impl Equilibrium for FullContact {
+    type State = FullSolution;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &[Solver::Auto, Solver::Verlet]
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        match drive.load {
+            Load::MeanPressure(found) if found > 0.0 => Ok(()),
+            Load::MeanPressure(found) => Err(Refusal::MeanPressure { found }),
+            Load::Approach(_) => Err(Refusal::NoApproach),
+        }
+    }
+
+    /// Damped dynamics of all components with the best scalar damping.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&FullSolution>,
+        watch: &mut dyn Watch,
+    ) -> Result<FullSolution, SolveError<FullSolution>> {
+        budget.check()?;
+        self.check(drive)?;
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        let Load::MeanPressure(mean_pressure) = drive.load else { return Err(Refusal::NoApproach.into()) };
+        let mut layer = Layer::new(self, mean_pressure);
+        let [softest, stiffest] = self.response.stiffness_range();
+        let rigid = mean_pressure / (STIFFNESS_LENGTH * self.surface.rms_height());
+        let verlet = Verlet::optimal(softest.min(rigid), stiffest)?;
+        let mut state = verlet.start(&mut layer, self.starting_position(start)?)?;
+        let mut pairs = 0.0;
+        let mut certify = |layer: &mut Layer, state: &State<_>| {
+            let solution = self.certified(layer, state);
+            pairs += solution.effort().transform_pairs;
+            solution.worst()
         };
-        let lateral = displacement.chunks_exact(points).map(field).collect();
-        let mut normal = self.wall.certify(pressure, normal, Control::MeanPressure(layer.push))?;
-        normal.transform_pairs = self.response.components().len() as f64;
-        Ok(FullSolution { normal, lateral, lateral_traction: left / peak })
+        let ending = relax_until(&mut layer, &verlet, &mut state, budget, &mut certify, watch)?;
+        let mut solution = self.certified(&layer, &state);
+        solution.normal.effort.transform_pairs += pairs + layer.transforms.pairs();
+        judge(solution, ending, budget.tolerance)
+    }
+}
+
+impl Fields for FullSolution {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.normal.pressure.view().into()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.normal.displacement.view()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.normal.gap.view()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.normal.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.normal.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.normal.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        let mut residuals = self.normal.residuals();
+        residuals.push(("lateral_traction", self.lateral_traction));
+        residuals
+    }
+
+    fn scales(&self) -> Scales {
+        self.normal.scales()
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        self.normal.summary_in(scales)
     }
 }
 
 /// The elastic surface layer below a rigid wall, which bounds u_z only.
 struct Layer<'a> {
-    response: &'a FullResponse,
+    contact: &'a FullContact,
     wall: Vec<f64>,
     /// Uniform force per area that pushes the body up.
     push: f64,
     /// K_zz(0), which the push does not have to overcome: only the body's base would feel it.
     uniform: f64,
-    length_scale: f64,
-    workspace: Workspace,
+    transforms: FullTransforms,
 }
 
 impl<'a> Layer<'a> {
-    fn new(contact: &FullContact<'a>, push: f64) -> Self {
-        let FullContact { response, wall } = contact;
-        let points = wall.clearance.len();
-        let mut bounds = vec![f64::INFINITY; (response.components().len() - 1) * points];
-        bounds.extend(&wall.clearance);
+    fn new(contact: &'a FullContact, push: f64) -> Self {
+        let FullContact { response, surface } = contact;
+        let mut wall = vec![f64::INFINITY; (response.components().len() - 1) * response.grid().len()];
+        wall.extend(surface.clearance());
         // By index, never by value: the uniform mode is the first.
         let uniform = response.stiffness().matrices()[0].zz;
-        let workspace = response.workspace();
-        Self { response, wall: bounds, push, uniform, length_scale: wall.rms_height, workspace }
+        Self { contact, wall, push, uniform, transforms: FullTransforms::of(response) }
     }
 }
 
@@ -152,8 +213,8 @@ impl Landscape for Layer<'_> {
     }
 
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
-        self.response.stiffness().apply(u, force, &mut self.workspace).expect(FITS);
-        let points = self.response.grid().len();
+        self.transforms.stiffness(u, force);
+        let points = self.contact.surface.clearance().len();
         let first = u.len() - points;
         let mean = sum(points, &|range| u[first..][range].iter().sum()) / points as f64;
         let lift = self.uniform * mean;
@@ -178,6 +239,6 @@ impl Landscape for Layer<'_> {
     }
 
     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
-        self.bounds().natural_residual(u, force, self.push, self.length_scale)
+        self.bounds().natural_residual(u, force, self.push, self.contact.surface.rms_height())
     }
 }

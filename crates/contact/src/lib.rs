@@ -10,44 +10,61 @@
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
 //!
 //! ```
-//! use gfmd_contact::{Contact, Control, Settings};
-//! use gfmd_response::NormalResponse;
+//! use gfmd_contact::{Contact, Equilibrium, Load};
 //! use gfmd_field::Grid;
 //! use gfmd_green::{Body, Material};
 //! use ndarray::Array2;
-//! use std::ops::ControlFlow;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let n = 64;
+//! let grid = Grid::square(n, 1.0)?;
 //! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-//! let response = NormalResponse::new(Grid::square(n, 1.0)?, &body);
 //! let wave = |i: usize| (std::f64::consts::TAU * i as f64 / n as f64).cos();
 //! let heights = Array2::from_shape_fn((n, n), |(i, j)| 0.01 * wave(i) * wave(j));
 //!
-//! let contact = Contact::new(&response, heights.view())?;
-//! let mut watch = |_: &_| ControlFlow::Continue(());
-//! let solution = contact.solve(Control::MeanPressure(0.005), &Settings::default(), None, &mut watch)?;
-//! assert!(solution.residual.worst() <= 1e-8);
+//! let contact = Contact::new(&body, &grid, &heights)?;
+//! let solution = contact.press(Load::MeanPressure(0.005)).tolerance(1e-10).solve()?;
+//! assert!(solution.residual.worst() <= 1e-10);
 //! assert!((solution.pressure.mean().unwrap() - 0.005).abs() < 1e-16);
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]. [`FullContact`] lets the surface move sideways too. Not here: where heights come from (`gfmd-surface`), what is measured on the result
-//! (`gfmd-measure`), files (`xtask`).
+//! Start at [`Contact`]. The nouns that all contacts share: [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
+//! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
+//! [`FullContact`] lets the surface move sideways too. Not here: where heights come from (`gfmd-surface`), laws that
+//! reach across the gap, and friction (`gfmd-interface`), what is measured on the result (`gfmd-measure`).
 
+mod effort;
+mod equilibrium;
+mod fields;
+mod load;
+mod refusal;
+mod rigid_surface;
+mod solve_error;
+mod solver;
+
+mod contact;
+mod solution;
+
+mod attempt;
 mod dual;
 mod dynamics;
-mod error;
-mod extension;
 mod full;
-mod problem;
-mod solution;
-mod solver;
-mod wall;
+mod layer;
+mod load_search;
+mod pull_push;
+mod solve;
 
-pub use error::ContactError;
+pub use contact::Contact;
+pub use effort::Effort;
+pub use equilibrium::{Equilibrium, Press};
+pub use fields::Fields;
 pub use full::{FullContact, FullSolution};
-pub use problem::{Contact, Control, Progress, Settings, Watch};
+pub use gfmd_relax::{Budget, Progress, Watch, Why};
+pub use load::{Drive, Load};
+pub use refusal::Refusal;
+pub use rigid_surface::RigidSurface;
 pub use solution::{Residual, Solution};
-pub use solver::Solver;
+pub use solve_error::{SolveError, judge};
+pub use solver::{Solver, UnknownSolver};

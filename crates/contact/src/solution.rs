@@ -1,4 +1,10 @@
-use ndarray::Array2;
+use std::sync::Arc;
+
+use gfmd_measure::{Scales, Summary};
+use gfmd_vector::{add, pass, reduce};
+use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+
+use crate::{Effort, Fields, Load, RigidSurface};
 
 /// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,13 +21,13 @@ pub struct Solution {
     pub approach: f64,
     /// Distance from the exact solution, computed from the fields above.
     pub residual: Residual,
-    /// Iterations, or time steps, of the solver.
-    pub iterations: u64,
-    /// Forward and inverse real transforms of the full grid, in pairs; those that made the final fields included.
-    pub transform_pairs: f64,
+    /// Effort of the solve, the transforms that made the final fields included.
+    pub effort: Effort,
+    surface: Arc<RigidSurface>,
+    contact_modulus: f64,
 }
 
-/// How far a state is from satisfying the contact conditions; zero for the exact solution. Never carried along by a
+/// Distance of a state from satisfying the contact conditions; zero for the exact solution. Never carried along by a
 /// solver: computed from the final pressure with fresh transforms. h_rms is the rms height of the rigid surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
@@ -36,9 +42,135 @@ pub struct Residual {
 }
 
 impl Residual {
+    /// The parts with their names.
+    pub fn parts(&self) -> [(&'static str, f64); 4] {
+        [
+            ("complementarity", self.complementarity),
+            ("penetration", self.penetration),
+            ("negative_pressure", self.negative_pressure),
+            ("load", self.load),
+        ]
+    }
+
     /// The largest of the four; NaN if any is.
     pub fn worst(&self) -> f64 {
-        let all = [self.complementarity, self.penetration, self.negative_pressure, self.load];
-        all.into_iter().fold(0.0, |worst, r| if r.is_nan() { r } else { worst.max(r) })
+        gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
+}
+
+impl Fields for Solution {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.pressure.view().into()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.displacement.view()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.gap.view()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.residual.parts().into()
+    }
+
+    fn scales(&self) -> Scales {
+        Scales { contact_modulus: self.contact_modulus, rms_gradient: self.surface.rms_gradient() }
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        let Self { pressure, displacement, gap, mean_pressure, .. } = self;
+        Summary::of(pressure.view(), displacement.view(), gap.view(), *mean_pressure, scales)
+    }
+}
+
+impl Solution {
+    /// The state of `pressure` and of the displacement u_z that follows from it, with its residuals. Both have the size of
+    /// the grid.
+    pub(crate) fn of(
+        surface: &Arc<RigidSurface>,
+        contact_modulus: f64,
+        pressure: Vec<f64>,
+        displacement: Vec<f64>,
+        load: Load,
+    ) -> Self {
+        let (clearance, rms_height) = (surface.clearance(), surface.rms_height());
+        let n = pressure.len();
+        let [sum, touching] = reduce(
+            n,
+            &|range| pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from(*p > 0.0)])),
+            &add,
+        );
+        let mean_pressure = sum / n as f64;
+        let approach = match load {
+            // The mean of clearance − u_z over the contact is where the rigid surface must be.
+            Load::MeanPressure(_) => {
+                let room = |i: usize| if pressure[i] > 0.0 { clearance[i] - displacement[i] } else { 0.0 };
+                gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
+            }
+            Load::Approach(approach) => approach,
+        };
+        let mut gap = vec![0.0; n];
+        let sums = pass(
+            [&mut gap],
+            &|start, [gap]| {
+                let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
+                let others = clearance[start..].iter().zip(&displacement[start..]).zip(&pressure[start..]);
+                for (gap, ((c, u), p)) in gap.iter_mut().zip(others) {
+                    *gap = c - u - approach;
+                    sums = (sums.0 + p * *gap, lower(sums.1, *gap), lower(sums.2, *p));
+                }
+                sums
+            },
+            &|a, b| (a.0 + b.0, lower(a.1, b.1), lower(a.2, b.2)),
+        );
+        let residual = Residual {
+            complementarity: if sum == 0.0 { 0.0 } else { (sums.0 / (sum * rms_height)).abs() },
+            penetration: positive(-sums.1) / rms_height,
+            negative_pressure: if sum == 0.0 { 0.0 } else { positive(-sums.2) / mean_pressure },
+            load: match load {
+                Load::MeanPressure(asked) => (mean_pressure - asked).abs() / asked,
+                Load::Approach(_) => 0.0,
+            },
+        };
+        Self {
+            pressure: field(surface, pressure),
+            displacement: field(surface, displacement),
+            gap: field(surface, gap),
+            mean_pressure,
+            approach,
+            residual,
+            effort: Effort::default(),
+            surface: Arc::clone(surface),
+            contact_modulus,
+        }
+    }
+}
+
+/// Values, row by row, as a field on the grid of the surface.
+pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
+    Array2::from_shape_vec(surface.grid().points(), values).expect("every field has the size of the grid")
+}
+
+/// The smaller of two, NaN if either is.
+fn lower(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a < b { a } else { b }
+}
+
+/// The positive part, NaN of NaN.
+fn positive(a: f64) -> f64 {
+    if a <= 0.0 { 0.0 } else { a }
 }

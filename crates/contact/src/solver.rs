@@ -1,9 +1,13 @@
-/// The methods. All find the same state; they differ in cost. (docs/solvers.md)
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
+use std::fmt;
+use std::str::FromStr;
+
+/// The methods by name. All find the same state; they differ in cost, and in the problems that they can solve
+/// ([`Equilibrium::solvers`](crate::Equilibrium::solvers)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Solver {
-    /// The fastest that is safe: [`PreconditionedCg`](Self::PreconditionedCg), and where that takes more than 100
-    /// iterations, [`ProjectedCg`](Self::ProjectedCg) from there on.
+    /// The fastest that is safe. For a hard wall [`PreconditionedCg`](Self::PreconditionedCg), and where that takes more
+    /// than 100 iterations, [`ProjectedCg`](Self::ProjectedCg) from there on; for a law with an energy
+    /// [`Newton`](Self::Newton).
     #[default]
     Auto,
     /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).
@@ -20,8 +24,94 @@ pub enum Solver {
     VerletCritical,
     /// The fast inertial relaxation engine (Bitzek et al. 2006).
     Fire,
-    /// The same, version 2.0 (Guénolé et al. 2020).
+    /// The fast inertial relaxation engine, version 2.0 (Guénolé et al. 2020).
     Fire2,
     /// Dynamics with inertia K + ϱ, nearly that of the stiffness, under the reaction of the wall in place of clipping.
     AugmentedLagrangian,
+    /// Newton steps downhill in energy, for laws that have one.
+    Newton,
+}
+
+impl Solver {
+    /// All solvers.
+    pub const ALL: [Self; 10] = [
+        Self::Auto,
+        Self::PolonskyKeer,
+        Self::ProjectedCg,
+        Self::PreconditionedCg,
+        Self::Verlet,
+        Self::VerletCritical,
+        Self::Fire,
+        Self::Fire2,
+        Self::AugmentedLagrangian,
+        Self::Newton,
+    ];
+
+    /// Its name on a command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::PolonskyKeer => "cg",
+            Self::ProjectedCg => "projected-cg",
+            Self::PreconditionedCg => "preconditioned-cg",
+            Self::Verlet => "verlet",
+            Self::VerletCritical => "verlet-critical",
+            Self::Fire => "fire",
+            Self::Fire2 => "fire2",
+            Self::AugmentedLagrangian => "augmented-lagrangian",
+            Self::Newton => "newton",
+        }
+    }
+
+    /// Its meaning in a line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Auto => "the fastest that is safe",
+            Self::PolonskyKeer => "conjugate gradients on the pressure, restarted when the contact grows",
+            Self::ProjectedCg => "conjugate gradients on the pressure that are not restarted",
+            Self::PreconditionedCg => "conjugate gradients on the pressure, preconditioned by the stiffness",
+            Self::Verlet => "damped dynamics with the best scalar damping",
+            Self::VerletCritical => "damped dynamics, the softest mode critically damped",
+            Self::Fire => "FIRE (Bitzek et al. 2006)",
+            Self::Fire2 => "FIRE 2.0 (Guénolé et al. 2020)",
+            Self::AugmentedLagrangian => "dynamics with inertia like the stiffness, under the reaction of the wall",
+            Self::Newton => "Newton steps downhill in energy, for laws that have one",
+        }
+    }
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that no solver has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the solver is {found}; it must be one of {}", Solver::ALL.map(Solver::name).join(", "))]
+pub struct UnknownSolver {
+    /// The name given.
+    pub found: String,
+}
+
+impl FromStr for Solver {
+    type Err = UnknownSolver;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
+        let named = Self::ALL.into_iter().find(|solver| solver.name() == name);
+        named.ok_or_else(|| UnknownSolver { found: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for solver in Solver::ALL {
+            assert_eq!(solver.name().parse(), Ok(solver));
+        }
+        assert!("newton-cg".parse::<Solver>().is_err_and(|error| error.found == "newton-cg"));
+    }
 }

@@ -1,12 +1,9 @@
 //! What an equilibration costs, in transform pairs: numbers that do not depend on the machine. The bounds are about a
 //! fifth above what was needed when they were set.
 
-use std::ops::ControlFlow;
-
-use gfmd_contact::{Contact, Control, Settings, Solution, Solver};
+use gfmd_contact::{Contact, Equilibrium, Load, Solution, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
 
@@ -25,21 +22,18 @@ fn half_space() -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap())
 }
 
-fn press(grid: Grid, body: &Body, hurst: f64, control: Control, solver: Solver) -> Solution {
-    let response = NormalResponse::new(grid, body);
-    let heights = heights(&grid, hurst);
-    let contact = Contact::new(&response, heights.view()).unwrap();
-    let settings = Settings { solver, ..Settings::default() };
-    contact.solve(control, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap()
+fn press(grid: Grid, body: &Body, hurst: f64, load: Load, solver: Solver) -> Solution {
+    let contact = Contact::new(body, &grid, &heights(&grid, hurst)).unwrap();
+    contact.press(load).solver(solver).solve().unwrap()
 }
 
-fn load(reduced_pressure: f64) -> Control {
-    Control::MeanPressure(reduced_pressure * RMS_GRADIENT)
+fn load(reduced_pressure: f64) -> Load {
+    Load::MeanPressure(reduced_pressure * RMS_GRADIENT)
 }
 
 fn pairs(points: usize, hurst: f64, reduced_pressure: f64) -> f64 {
     let grid = Grid::square(points, 1.0).unwrap();
-    press(grid, &half_space(), hurst, load(reduced_pressure), Solver::Auto).transform_pairs
+    press(grid, &half_space(), hurst, load(reduced_pressure), Solver::Auto).effort.transform_pairs
 }
 
 #[test]
@@ -68,7 +62,7 @@ fn layers_of_any_height() {
     for (poisson, height, bound) in [(0.3, 0.125, 28.0), (0.3, 0.02, 28.0), (0.45, 0.125, 28.0), (0.5, 0.125, 32.0)] {
         let body = Body::slab(Material::from_contact_modulus(1.0, poisson).unwrap(), height).unwrap();
         for reduced_pressure in [0.01, 0.2] {
-            let pairs = press(grid, &body, 0.8, load(reduced_pressure), Solver::Auto).transform_pairs;
+            let pairs = press(grid, &body, 0.8, load(reduced_pressure), Solver::Auto).effort.transform_pairs;
             assert!(pairs <= bound, "nu {poisson}, height {height}, p* {reduced_pressure}: {pairs} > {bound}");
         }
     }
@@ -81,8 +75,8 @@ fn thin_rubber_is_left_to_the_plain_method() {
     let rubber = Body::slab(Material::from_contact_modulus(1.0, 0.5).unwrap(), 0.004).unwrap();
     let auto = press(grid, &rubber, 0.0, load(20.0), Solver::Auto);
     let plain = press(grid, &rubber, 0.0, load(20.0), Solver::ProjectedCg);
-    assert!(auto.iterations > 100, "otherwise this is no test of what comes after");
-    assert!(auto.transform_pairs <= 350.0 && auto.residual.worst() <= 1e-8);
+    assert!(auto.effort.iterations > 100, "otherwise this is no test of what comes after");
+    assert!(auto.effort.transform_pairs <= 350.0 && auto.residual.worst() <= 1e-8);
     let differing = auto.pressure.iter().zip(&plain.pressure).filter(|(a, b)| (**a > 0.0) != (**b > 0.0));
     assert_eq!(differing.count(), 0);
 }
@@ -100,7 +94,7 @@ fn prescribed_approach() {
         (&half_space(), 0.5, 40.0),
         (&half_space(), 0.9, 50.0),
     ] {
-        let pairs = press(grid, body, 0.8, Control::Approach(part * depth), Solver::Auto).transform_pairs;
+        let pairs = press(grid, body, 0.8, Load::Approach(part * depth), Solver::Auto).effort.transform_pairs;
         assert!(pairs <= bound, "{part} of {depth}: {pairs} > {bound}");
     }
 }
@@ -110,7 +104,7 @@ fn line_contacts() {
     for (points, bound) in [(1000, 32.0), (16384, 48.0)] {
         let grid = Grid::line(points, 1.0).unwrap();
         for reduced_pressure in [0.01, 0.2] {
-            let pairs = press(grid, &half_space(), 0.8, load(reduced_pressure), Solver::Auto).transform_pairs;
+            let pairs = press(grid, &half_space(), 0.8, load(reduced_pressure), Solver::Auto).effort.transform_pairs;
             assert!(pairs <= bound, "{points} points, p* {reduced_pressure}: {pairs} > {bound}");
         }
     }
@@ -123,7 +117,11 @@ fn other_methods_find_the_same_contact_at_a_higher_cost() {
         let fast = press(grid, &half_space(), hurst, load(0.2), Solver::Auto);
         for (solver, dearer) in [(Solver::ProjectedCg, 2.5), (Solver::PolonskyKeer, 5.0)] {
             let slow = press(grid, &half_space(), hurst, load(0.2), solver);
-            assert!(slow.transform_pairs > dearer * fast.transform_pairs, "{solver:?}: {}", slow.transform_pairs);
+            assert!(
+                slow.effort.transform_pairs > dearer * fast.effort.transform_pairs,
+                "{solver:?}: {}",
+                slow.effort.transform_pairs
+            );
             let differing = fast.pressure.iter().zip(&slow.pressure).filter(|(a, b)| (**a > 0.0) != (**b > 0.0));
             assert_eq!(differing.count(), 0, "{solver:?}");
         }
@@ -134,7 +132,7 @@ fn other_methods_find_the_same_contact_at_a_higher_cost() {
 fn dynamics_with_inertia_like_the_stiffness_hardly_feels_the_grid() {
     let cost = |points, hurst, reduced_pressure, solver| {
         let grid = Grid::square(points, 1.0).unwrap();
-        press(grid, &half_space(), hurst, load(reduced_pressure), solver).transform_pairs
+        press(grid, &half_space(), hurst, load(reduced_pressure), solver).effort.transform_pairs
     };
     for hurst in [0.0, 0.8] {
         for points in [64, 256] {

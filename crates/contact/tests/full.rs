@@ -1,11 +1,12 @@
 //! All components by dynamics against the normal component alone.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
-use gfmd_contact::{Contact, ContactError, Control, FullContact, Settings};
+use gfmd_contact::{Contact, Equilibrium, Fields, FullContact, Load, Progress, Refusal, SolveError, Solver, Why};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_response::{FullResponse, NormalResponse};
+use gfmd_response::FullResponse;
 use ndarray::Array2;
 
 /// A few waves, none along a lattice direction only.
@@ -29,17 +30,13 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
             let material = Material::from_young(1.0, poisson).unwrap();
             let body = height.map_or_else(|| Body::half_space(material), |h| Body::slab(material, h).unwrap());
             let heights = heights(&grid);
-            let (full, normal) = (FullResponse::new(grid, &body), NormalResponse::new(grid, &body));
+            let full = Arc::new(FullResponse::new(grid, &body));
             let mean = 0.01;
-            let found = FullContact::new(&full, heights.view())
-                .unwrap()
-                .press(mean, 1e-11, 200_000, &mut |_| ControlFlow::Continue(()))
-                .unwrap_or_else(|error| panic!("{case}: {error}"));
-            let settings = Settings { tolerance: 1e-12, ..Settings::default() };
-            let expected = Contact::new(&normal, heights.view())
-                .unwrap()
-                .solve(Control::MeanPressure(mean), &settings, None, &mut |_| ControlFlow::Continue(()))
-                .unwrap();
+            let contact = FullContact::on(Arc::clone(&full), &heights).unwrap();
+            let press = contact.press(Load::MeanPressure(mean)).tolerance(1e-11).max_iterations(200_000);
+            let found = press.solve().unwrap_or_else(|error| panic!("{case}: {error}"));
+            let contact = Contact::new(&body, &grid, &heights).unwrap();
+            let expected = contact.press(Load::MeanPressure(mean)).tolerance(1e-12).solve().unwrap();
             let peak = expected.pressure.iter().copied().fold(0.0, f64::max);
             let touching = expected.pressure.iter().filter(|p| **p > 0.0).count();
             assert!((5..grid.len() - 5).contains(&touching), "{case}: {touching}");
@@ -71,23 +68,30 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
 #[test]
 fn unusable_input_and_too_few_steps_are_errors() {
     let grid = Grid::square(9, 1.0).unwrap();
-    let response = FullResponse::new(grid, &Body::half_space(Material::from_young(1.0, 0.3).unwrap()));
-    let wrong = Array2::zeros((9, 8));
-    assert!(matches!(FullContact::new(&response, wrong.view()), Err(ContactError::Shape { .. })));
-    let heights = heights(&grid);
-    let contact = FullContact::new(&response, heights.view()).unwrap();
-    let press = |mean, tolerance, steps| contact.press(mean, tolerance, steps, &mut |_| ControlFlow::Continue(()));
-    assert!(matches!(press(-0.1, 1e-8, 10), Err(ContactError::MeanPressure { found: -0.1 })));
-    assert!(matches!(press(0.1, 0.0, 10), Err(ContactError::Tolerance { found: 0.0 })));
-    match press(0.001, 1e-8, 10) {
-        Err(ContactError::NotConverged { solution, asked, .. }) => {
-            assert_eq!((solution.iterations, asked), (10, 1e-8));
-            assert!(solution.residual.worst() > 1e-8);
+    let body = Body::half_space(Material::from_young(1.0, 0.3).unwrap());
+    assert!(matches!(FullContact::new(&body, &grid, &Array2::zeros((9, 8))), Err(Refusal::Shape { .. })));
+    let contact = FullContact::new(&body, &grid, &heights(&grid)).unwrap();
+    let press = |mean| contact.press(Load::MeanPressure(mean));
+    let refused = press(-0.1).solve().unwrap_err();
+    assert!(matches!(refused, SolveError::Refused(Refusal::MeanPressure { found: -0.1 })));
+    assert!(matches!(press(0.1).tolerance(0.0).solve(), Err(SolveError::Refused(Refusal::Tolerance(_)))));
+    let refused = press(0.1).solver(Solver::Fire).solve().unwrap_err();
+    assert_eq!(refused.to_string(), "the solver is fire; it must be auto or verlet");
+    let refused = contact.press(Load::Approach(0.1)).solve().unwrap_err();
+    assert!(matches!(refused, SolveError::Refused(Refusal::NoApproach)));
+    match press(0.001).max_iterations(10).solve() {
+        Err(SolveError::NotConverged { state, asked, why: Why::Iterations }) => {
+            assert_eq!((state.effort().iterations, asked), (10, 1e-8));
+            assert!(state.worst() > 1e-8);
         }
         other => panic!("{other:?}"),
     }
-    let stopped = contact.press(0.001, 1e-8, 1000, &mut |now| {
-        if now.iteration < 7 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    });
-    assert!(matches!(stopped, Err(ContactError::Interrupted { solution }) if solution.iterations == 7));
+    let mut watch = |now: &Progress| if now.iteration < 7 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+    let stopped = press(0.001).watch(&mut watch).solve().unwrap_err();
+    assert!(matches!(&stopped, SolveError::Interrupted { state } if state.effort().iterations == 7));
+    // Started from where it was stopped, and from the end.
+    let resting = press(0.001).starting_from(stopped.state()).solve().unwrap();
+    let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
+    // As many steps as the touching points must have kept still.
+    assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
 }

@@ -24,6 +24,7 @@
 
 mod archive;
 mod error;
+mod fields;
 pub mod npy;
 mod output;
 mod topography;
@@ -31,6 +32,7 @@ pub mod vti;
 
 pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
 pub use error::FileError;
+pub use fields::{axes, contiguous};
 pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{Topography, TopographyError};

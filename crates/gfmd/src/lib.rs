@@ -15,12 +15,10 @@
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
 //!
 //! ```
-//! use gfmd::contact::{Contact, Control, Settings};
+//! use gfmd::contact::{Contact, Equilibrium, Load};
 //! use gfmd::green::{Body, Material};
 //! use gfmd::measure::{contact_area, kappa};
-//! use gfmd::response::NormalResponse;
 //! use gfmd::{field::Grid, surface::{Discretisation, SelfAffine}};
-//! use std::ops::ControlFlow;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let discretisation = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 8.0 };
@@ -30,10 +28,8 @@
 //! let heights = discretisation.self_affine(1.0, rough).heights(&grid, 1)?;
 //!
 //! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
-//! let response = NormalResponse::new(grid, &body);
-//! let load = Control::MeanPressure(p_star * response.contact_modulus() * rms_gradient);
-//! let solution = Contact::new(&response, heights.view())?
-//!     .solve(load, &Settings::default(), None, &mut |_| ControlFlow::Continue(()))?;
+//! let contact = Contact::new(&body, &grid, &heights)?;
+//! let solution = contact.press(Load::MeanPressure(p_star * contact.reduced_pressure_unit())).solve()?;
 //!
 //! let kappa = kappa(contact_area(solution.pressure.view()).fraction, p_star);
 //! assert!((1.6..3.5).contains(&kappa), "{kappa}");

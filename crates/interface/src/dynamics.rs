@@ -43,7 +43,7 @@ pub(crate) fn relax_to_rest(
         loop {
             let left = settings.max_iterations.saturating_sub(iterations);
             let stop = Stop { residual: target, settled: 20, max_steps: left };
-            let mut observe = |now: &gfmd_relax::Progress, _: &_| -> std::io::Result<ControlFlow<()>> {
+            let mut observe = |now: &gfmd_relax::Status, _: &_| -> std::io::Result<ControlFlow<()>> {
                 Ok(watch(&Progress { iteration: iterations + now.step, residual: now.residual }))
             };
             let outcome = relax(&mut motion, &method, &mut state, &stop, &mut observe);

@@ -116,6 +116,13 @@ pub enum InterfaceError {
     },
 }
 
+impl InterfaceError {
+    /// Whether the observer asked to stop.
+    pub(crate) fn is_interruption(&self) -> bool {
+        matches!(self, Self::Interrupted { .. } | Self::FrictionInterrupted { .. })
+    }
+}
+
 impl std::fmt::Display for Residual {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { equilibrium, penetration, wall_tension, load } = self;

@@ -8,7 +8,7 @@ mod state;
 mod tangential;
 
 use gfmd_law::{LawError, Limit};
-use gfmd_relax::MinimiseError;
+use gfmd_relax::{Ending, Minimum};
 use gfmd_response::FullResponse;
 use ndarray::ArrayView2;
 
@@ -84,16 +84,16 @@ impl<'a> FrictionalContact<'a> {
             // The first rounds only have to be as good as the next one can use.
             let tolerance = SHARE * settings.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32));
             let limit = settings.max_iterations.saturating_sub(iterations);
-            let pressed = increment.press(tolerance, limit, &mut |now| {
-                watch(&Progress { iteration: iterations + now.iteration as u64, residual: now.optimality.worst() })
+            let pressed = increment.press(tolerance, limit, &mut |now: &gfmd_relax::Progress| {
+                watch(&Progress { iteration: iterations + now.iteration, residual: now.residual })
             });
             let interrupted = match pressed {
-                Ok(steps) => {
-                    iterations += steps;
+                Ok(Minimum { reached, ending: Ending::Converged }) => {
+                    iterations += reached.iteration;
                     false
                 }
-                Err(MinimiseError::Interrupted { .. }) => true,
-                Err(_) => {
+                Ok(Minimum { ending: Ending::Interrupted, .. }) => true,
+                Ok(Minimum { ending: Ending::GaveUp(_), .. }) | Err(_) => {
                     reason = "the normal problem does not converge";
                     break;
                 }

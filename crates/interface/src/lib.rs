@@ -4,6 +4,7 @@
 //!   rest the elastic traction balances that of law and wall; of several such states, the stable one that is met by going
 //!   downhill in energy from where the surfaces are.
 //! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, increment by increment.
+//! - [`Path`]: either of them along a path of drives, with the energy that is lost on the way.
 //!
 //! Two waves that stick, pressed together and pulled apart:
 //!
@@ -45,11 +46,13 @@ mod frame;
 mod friction;
 mod newton;
 mod numbers;
+mod path;
 mod problem;
 mod solve;
 mod state;
 
 pub use error::InterfaceError;
 pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
+pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
 pub use problem::{Drive, Interface, Method, Normal, Progress, Settings, Trapping, Watch};
 pub use state::{Residual, State};

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Contact, Control};
+use gfmd_contact::{Contact, Equilibrium, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{Drive, Interface, InterfaceError, Settings, State};
@@ -152,14 +152,11 @@ fn a_wall_alone_is_the_contact_of_the_dual_solver() {
         let response = NormalResponse::new(grid, &body);
         let heights = rough(points);
         let interface = Interface::normal(&response, heights.view(), &HardWall).unwrap();
-        let contact = Contact::new(&response, heights.view()).unwrap();
-        for (drive, control) in [
-            (Drive::mean_pressure(0.02), Control::MeanPressure(0.02)),
-            (Drive::approach(0.008), Control::Approach(0.008)),
-        ] {
-            let settings = gfmd_contact::Settings { tolerance: 1e-11, ..Default::default() };
-            let mut watch = |_: &_| ControlFlow::Continue(());
-            let wanted = contact.solve(control, &settings, None, &mut watch).unwrap();
+        let contact = Contact::new(&body, &grid, &heights).unwrap();
+        for (drive, control) in
+            [(Drive::mean_pressure(0.02), Load::MeanPressure(0.02)), (Drive::approach(0.008), Load::Approach(0.008))]
+        {
+            let wanted = contact.press(control).tolerance(1e-11).solve().unwrap();
             let settings = Settings { tolerance: 1e-11, ..Settings::default() };
             let found = interface.solve(drive, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap();
             let error = (&found.wall_pressure - &wanted.pressure).iter().fold(0.0_f64, |worst, e| worst.max(e.abs()));

@@ -23,11 +23,13 @@
 mod area;
 mod pressure;
 mod quantile;
+mod summary;
 pub mod theory;
 
 pub use area::{ContactArea, contact_area};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
+pub use summary::{Column, Scales, Summary};
 
 /// Reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean
 /// square of |∇h| over the whole surface (theory.md, section 10).

@@ -57,7 +57,7 @@ fn run<M: Method>(surface: &mut Surface, method: &M, settings: &Settings, watch:
         Ok(state) => state,
         Err(error) => return Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
     };
-    let mut observe = |now: &gfmd_relax::Progress, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
+    let mut observe = |now: &gfmd_relax::Status, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
         Ok(watch(&Progress { iteration: now.step, residual: now.residual }))
     };
     let mut stop = Stop { residual: settings.tolerance, settled: 0, max_steps: settings.max_iterations };

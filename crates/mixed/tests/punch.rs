@@ -4,11 +4,11 @@
 use std::ops::ControlFlow;
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Contact, Control};
+use gfmd_contact::{Contact, Equilibrium, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed, Settings};
-use gfmd_response::{FullResponse, NormalResponse};
+use gfmd_response::FullResponse;
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 
@@ -106,14 +106,12 @@ fn a_frictionless_punch_is_the_contact_of_a_flat_surface() {
     let points = middle(&grid, 5.0);
     let heights = points.mapv(|under| if under { 0.0 } else { -1.0 });
     for body in [Body::slab(material(0.33), 0.3).unwrap(), Body::slab(material(0.5), 0.3).unwrap()] {
-        let (full, normal) = (FullResponse::new(grid, &body), NormalResponse::new(grid, &body));
+        let full = FullResponse::new(grid, &body);
         let depth = 0.01;
         let held = Prescribed::frictionless(&grid, points.view(), -depth).unwrap();
         let solution = solve(&full, held, Method::ConjugateGradients, 1e-12);
-        let settings = gfmd_contact::Settings { tolerance: 1e-12, ..Default::default() };
-        let contact = Contact::new(&normal, heights.view()).unwrap();
-        let mut watch = |_: &_| ControlFlow::Continue(());
-        let expected = contact.solve(Control::Approach(depth), &settings, None, &mut watch).unwrap();
+        let contact = Contact::new(&body, &grid, &heights).unwrap();
+        let expected = contact.press(Load::Approach(depth)).tolerance(1e-12).solve().unwrap();
         let pressures = solution.traction.slice(s![2, .., ..]).mapv(|t| -t);
         let most = expected.pressure.iter().copied().fold(0.0, f64::max);
         for (found, expected) in pressures.iter().zip(&expected.pressure) {

@@ -1,6 +1,6 @@
 //! What can go wrong, with what was found and what is allowed.
 
-use crate::{Progress, Stop};
+use crate::{Status, Stop};
 
 /// Why a relaxation did not start or did not end well. The state stays with the caller in every case.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +26,17 @@ pub enum RelaxError {
         /// Its upper bound.
         upper: f64,
     },
+    /// A non-negative variable starts negative, infinite or as NaN.
+    #[error("variable {index} starts at {found:e}; it must be finite and not negative")]
+    Start {
+        /// Index of the variable.
+        index: usize,
+        /// Its value.
+        found: f64,
+    },
+    /// Every variable starts at zero although their mean is prescribed.
+    #[error("every variable starts at zero; where the mean is prescribed one of them must be positive")]
+    AllZero,
     /// A parameter of a method has no meaning.
     #[error("{name} is {found:e}, allowed is {allowed}")]
     Parameter {
@@ -51,7 +62,7 @@ pub enum RelaxError {
     )]
     NotConverged {
         /// Where the run ended.
-        reached: Progress,
+        reached: Status,
         /// What was asked.
         asked: Stop,
     },
@@ -62,7 +73,7 @@ pub enum RelaxError {
     )]
     Diverged {
         /// Where the run ended.
-        reached: Progress,
+        reached: Status,
         /// The sign of it.
         reason: Divergence,
         /// Largest stiffness (per mass) that the method can handle with its parameters.
@@ -72,7 +83,7 @@ pub enum RelaxError {
     #[error("{found} steps in a row went uphill, allowed are {allowed}; residual {:e}", reached.residual)]
     Uphill {
         /// Where the run ended.
-        reached: Progress,
+        reached: Status,
         /// Steps uphill.
         found: u32,
         /// As many as the method puts up with.

@@ -199,7 +199,7 @@ impl Method for Fire {
             flight.uphill = flight.uphill.saturating_add(1);
             if flight.uphill > self.max_uphill {
                 let (found, allowed) = (flight.uphill, self.max_uphill);
-                return Err(RelaxError::Uphill { reached: state.progress(problem), found, allowed });
+                return Err(RelaxError::Uphill { reached: state.status(problem), found, allowed });
             }
             if state.step >= self.grace {
                 flight.dt = self.dt_min.max(flight.dt * self.dt_shrink);

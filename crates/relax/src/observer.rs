@@ -2,47 +2,47 @@
 
 use std::{io, ops::ControlFlow};
 
-use crate::Progress;
+use crate::Status;
 
 /// Looks, never touches; may ask to stop. Logs, traces, checkpoint files, Ctrl-C: observers, outside this crate.
 ///
 /// An observer is called before every step and once after the last. A resumed run shows its first state again, so
-/// whatever is written should be keyed by [`Progress::step`]. Closures are observers, `()` is one that looks away, and
+/// whatever is written should be keyed by [`Status::step`]. Closures are observers, `()` is one that looks away, and
 /// a pair is one that asks both.
 ///
 /// ```
-/// use gfmd_relax::{Observer, Progress};
+/// use gfmd_relax::{Observer, Status};
 /// use std::ops::ControlFlow;
 ///
 /// let mut seen = 0;
-/// let mut watch = |_: &Progress, _: &()| {
+/// let mut watch = |_: &Status, _: &()| {
 ///     seen += 1;
 ///     Ok(if seen < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
 /// };
-/// let now = Progress { step: 0, energy: 1.0, residual: 0.5, settled: 0, evaluations: 1 };
+/// let now = Status { step: 0, energy: 1.0, residual: 0.5, settled: 0, evaluations: 1 };
 /// assert!(watch.observe(&now, &())?.is_continue());
 /// assert!(watch.observe(&now, &())?.is_break());
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub trait Observer<S> {
     /// Sees the state of one step. `Break` ends the run with [`Outcome::Interrupted`](crate::Outcome::Interrupted).
-    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>>;
+    fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>>;
 }
 
 impl<S> Observer<S> for () {
-    fn observe(&mut self, _: &Progress, _: &S) -> io::Result<ControlFlow<()>> {
+    fn observe(&mut self, _: &Status, _: &S) -> io::Result<ControlFlow<()>> {
         Ok(ControlFlow::Continue(()))
     }
 }
 
-impl<S, F: FnMut(&Progress, &S) -> io::Result<ControlFlow<()>>> Observer<S> for F {
-    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+impl<S, F: FnMut(&Status, &S) -> io::Result<ControlFlow<()>>> Observer<S> for F {
+    fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>> {
         self(progress, state)
     }
 }
 
 impl<S, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
-    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+    fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>> {
         let first = self.0.observe(progress, state)?;
         let second = self.1.observe(progress, state)?;
         Ok(if first.is_break() { first } else { second })
@@ -59,7 +59,7 @@ pub struct Every<O> {
 }
 
 impl<S, O: Observer<S>> Observer<S> for Every<O> {
-    fn observe(&mut self, progress: &Progress, state: &S) -> io::Result<ControlFlow<()>> {
+    fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>> {
         if progress.step.checked_rem(self.steps) == Some(0) {
             self.inner.observe(progress, state)
         } else {

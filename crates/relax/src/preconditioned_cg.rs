@@ -1,6 +1,7 @@
 use gfmd_vector::{add, for_each, pass, reduce};
 
-use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, rescale, total};
+use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Optimality, Quadratic, Target, rescale, total};
+use crate::{Ending, RelaxError, Watch, Why};
 
 /// Projected conjugate gradients for problems that can nearly invert A on the free variables
 /// ([`Quadratic::precondition`]). An iteration takes one image and one preconditioning.
@@ -22,7 +23,7 @@ use crate::quadratic::{Iterate, MinimiseError, Optimality, Quadratic, Target, Ve
 pub struct PreconditionedCg;
 
 /// Every so many directions one is the gradient itself.
-const PLAIN: usize = 25;
+const PLAIN: u64 = 25;
 
 /// A step that brings variables to zero is kept where this part of it, or more, was downhill. Half: then the function
 /// has not risen.
@@ -37,21 +38,18 @@ const HALVINGS: usize = 30;
 /// How well μ has to keep the mean; a factor does the rest.
 const MEAN: f64 = 1e-2;
 
-/// Part of the descent of z that a conjugate direction must keep to be used.
-const LEAST_DESCENT: f64 = 0.1;
-
 impl PreconditionedCg {
     /// Minimises from `x` on, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// [`MinimiseError`]; `x` is then the last iterate.
+    /// A start or a target that cannot be used. A search without success is no error but an [`Ending`].
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
         x: &mut [f64],
         target: &Target,
-        watch: Watch,
-    ) -> Result<Iterate, MinimiseError> {
+        watch: &mut dyn Watch,
+    ) -> Result<Minimum, RelaxError> {
         target.check(x, problem.linear())?;
         let n = x.len();
         rescale(x, total(x), target.mean);
@@ -67,8 +65,8 @@ impl PreconditionedCg {
             multiplier += shift;
             let optimality = sums.optimality(shift, target.gradient_scale);
             let now = Iterate { iteration, optimality, multiplier, positive: sums.positive };
-            if let Verdict::Converged = target.judge(now, watch)? {
-                return Ok(now);
+            if let Some(ending) = target.judge(&now, watch) {
+                return Ok(Minimum { reached: now, ending });
             }
 
             let mut path = None;
@@ -85,8 +83,7 @@ impl PreconditionedCg {
                 path = downhill(x, &step, squares / problem.curvature(&step), &gradient, multiplier, target.mean);
             }
             let Some(path) = path else {
-                let reason = "no way down: in this precision the function cannot be lowered any more";
-                return Err(MinimiseError::Breakdown { reached: now, reason });
+                return Ok(Minimum { reached: now, ending: Ending::GaveUp(Why::NoDescent) });
             };
 
             advance(x, &mut step, &path);

@@ -1,8 +1,9 @@
 use gfmd_vector::{add, for_each, pass};
 
 use crate::quadratic::{
-    Iterate, MinimiseError, Optimality, Quadratic, Target, Verdict, Watch, add_linear, rescale, step_length, total,
+    Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, total, turn,
 };
+use crate::{Ending, RelaxError, Watch, Why};
 
 /// Projected conjugate gradients that are never restarted when the set of positive variables changes (Vollebregt 2014,
 /// Bugnicourt et al. 2018).
@@ -15,21 +16,18 @@ use crate::quadratic::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProjectedCg;
 
-/// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
-const LEAST_DESCENT: f64 = 0.1;
-
 impl ProjectedCg {
     /// Minimises from `x` on, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// [`MinimiseError`]; `x` is then the last iterate.
+    /// A start or a target that cannot be used. A search without success is no error but an [`Ending`].
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
         x: &mut [f64],
         target: &Target,
-        watch: Watch,
-    ) -> Result<Iterate, MinimiseError> {
+        watch: &mut dyn Watch,
+    ) -> Result<Minimum, RelaxError> {
         target.check(x, problem.linear())?;
         let n = x.len();
         let constrained = target.mean.is_some();
@@ -44,15 +42,16 @@ impl ProjectedCg {
             problem.apply(x, &mut residual);
             let (sum, positive) = add_linear(problem.linear(), x, &mut residual);
             let multiplier = if constrained { sum / positive as f64 } else { 0.0 };
-            let judged = restrict(&mut residual, x, multiplier);
-            let now = Iterate { iteration, optimality: judged.optimality(target.gradient_scale), multiplier, positive };
-            if let Verdict::Converged = target.judge(now, watch)? {
-                return Ok(now);
+            let sweep = restrict(&mut residual, x, multiplier);
+            let now =
+                Iterate { iteration, optimality: sweep.judged.optimality(target.gradient_scale), multiplier, positive };
+            if let Some(ending) = target.judge(&now, watch) {
+                return Ok(Minimum { reached: now, ending });
             }
-            let mean = |sum: f64| if constrained && judged.free > 0.0 { sum / judged.free } else { 0.0 };
+            let mean = |sum: f64| if constrained && sweep.free > 0.0 { sum / sweep.free } else { 0.0 };
 
             if constrained {
-                remove_mean(&mut residual, x, mean(judged.residual));
+                remove_mean(&mut residual, x, mean(sweep.residual));
             }
             let [sum, square, before, before_sum, direction_sum] = products(x, &residual, &residual_before, &direction);
             let residual_mean = mean(sum);
@@ -62,12 +61,14 @@ impl ProjectedCg {
             product_before = product;
 
             let shift = residual_mean + beta * mean(direction_sum);
-            let mut slope = turn(&mut direction, x, &residual, beta, shift);
+            let mut slope = turn(&mut direction, x, &residual, beta, shift, &is_free);
             if slope < LEAST_DESCENT * product {
                 // What the projection left of the old direction leads uphill: start over from steepest descent.
-                slope = turn(&mut direction, x, &residual, 0.0, residual_mean);
+                slope = turn(&mut direction, x, &residual, 0.0, residual_mean, &is_free);
             }
-            let step = step_length(slope, problem.curvature(&direction), now)?;
+            let Some(step) = step_length(slope, problem.curvature(&direction)) else {
+                return Ok(Minimum { reached: now, ending: Ending::GaveUp(Why::Direction) });
+            };
             let sum = advance(x, &direction, step);
             rescale(x, sum, target.mean);
             iteration += 1;
@@ -81,32 +82,23 @@ fn is_free(x: f64, residual: f64) -> bool {
 }
 
 /// Sums over one iterate.
-struct Judged {
-    x: f64,
-    x_gradient: f64,
-    lowest: f64,
+struct Sweep {
+    judged: Judged,
+    /// Σ r over the free set.
     residual: f64,
+    /// Number of free variables.
     free: f64,
 }
 
-impl Judged {
-    fn optimality(&self, scale: f64) -> Optimality {
-        let complementarity = if self.x > 0.0 { self.x_gradient / (self.x * scale) } else { 0.0 };
-        Optimality { complementarity, violation: (-self.lowest).max(0.0) / scale }
-    }
-}
-
 /// g ← g − λ on the free set, zero elsewhere.
-fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Judged {
+fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Sweep {
     pass(
         [gradient],
         &|start, [g]| {
-            let mut sums = Judged { x: 0.0, x_gradient: 0.0, lowest: f64::INFINITY, residual: 0.0, free: 0.0 };
+            let mut sums = Sweep { judged: Judged::EMPTY, residual: 0.0, free: 0.0 };
             for (g, x) in g.iter_mut().zip(&x[start..]) {
                 let value = *g - multiplier;
-                sums.lowest = sums.lowest.min(value);
-                sums.x += x;
-                sums.x_gradient += x * value;
+                sums.judged.see(*x, value);
                 let free = is_free(*x, value);
                 *g = if free { value } else { 0.0 };
                 sums.residual += *g;
@@ -114,10 +106,8 @@ fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Judged {
             }
             sums
         },
-        &|a, b| Judged {
-            x: a.x + b.x,
-            x_gradient: a.x_gradient + b.x_gradient,
-            lowest: a.lowest.min(b.lowest),
+        &|a, b| Sweep {
+            judged: Judged::merge(a.judged, b.judged),
             residual: a.residual + b.residual,
             free: a.free + b.free,
         },
@@ -150,22 +140,6 @@ fn products(x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [
             sums
         },
         &add,
-    )
-}
-
-/// d ← r + β d − shift on the free set, zero elsewhere; returns ⟨r, d⟩.
-fn turn(direction: &mut [f64], x: &[f64], residual: &[f64], beta: f64, shift: f64) -> f64 {
-    pass(
-        [direction],
-        &|start, [d]| {
-            let mut slope = 0.0;
-            for ((d, x), r) in d.iter_mut().zip(&x[start..]).zip(&residual[start..]) {
-                *d = if is_free(*x, *r) { r + beta * *d - shift } else { 0.0 };
-                slope += *d * r;
-            }
-            slope
-        },
-        &|a, b| a + b,
     )
 }
 

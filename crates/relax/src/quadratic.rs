@@ -1,6 +1,6 @@
-use std::ops::ControlFlow;
-
 use gfmd_vector::{for_each, pass, reduce};
+
+use crate::{Budget, Divergence, Ending, Progress, RelaxError, Watch, Why, worst};
 
 /// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`: what the constrained
 /// conjugate-gradient methods minimise. A is symmetric and positive (semi-)definite, and only its action is needed.
@@ -18,7 +18,7 @@ pub trait Quadratic {
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]);
 }
 
-/// What is asked of the minimiser.
+/// The minimum that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Mean of x over all variables, when it is prescribed. The gradient is then determined up to a constant, the
@@ -26,10 +26,8 @@ pub struct Target {
     pub mean: Option<f64>,
     /// The size of gradient that counts as one: gradients are judged relative to it.
     pub gradient_scale: f64,
-    /// Both parts of [`Optimality`] must fall to this.
-    pub tolerance: f64,
-    /// Iterations after which the search is given up.
-    pub max_iterations: usize,
+    /// Both parts of [`Optimality`] must fall to its tolerance.
+    pub budget: Budget,
 }
 
 /// Distance from the minimum, by the conditions that define it: `x ≥ 0`, `g ≥ 0`, `x g = 0`, with `g = A x + b − λ` and
@@ -45,16 +43,15 @@ pub struct Optimality {
 impl Optimality {
     /// The larger of the two parts, in magnitude; NaN if either is.
     pub fn worst(&self) -> f64 {
-        let [a, b] = [self.complementarity.abs(), self.violation];
-        if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+        worst([self.complementarity.abs(), self.violation])
     }
 }
 
-/// Where a constrained minimisation stands.
+/// Status of a constrained minimisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Iterate {
     /// Iterations done.
-    pub iteration: usize,
+    pub iteration: u64,
     /// Distance from the minimum.
     pub optimality: Optimality,
     /// The multiplier λ of the prescribed mean; 0 without one.
@@ -63,90 +60,43 @@ pub struct Iterate {
     pub positive: usize,
 }
 
-/// How a constrained minimisation ended before it met its target. `x` stays with the caller as it was at the last
-/// iterate.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MinimiseError {
-    /// The iteration limit was reached.
-    #[error(
-        "not converged after {} iterations: complementarity {:e}, violation {:e}, asked {asked:e}",
-        reached.iteration, reached.optimality.complementarity, reached.optimality.violation
-    )]
-    NotConverged {
-        /// The last iterate.
-        reached: Iterate,
-        /// The tolerance asked for.
-        asked: f64,
-    },
-    /// A number stopped being finite, or the function has no minimum along a direction.
-    #[error("broke down after {} iterations: {reason}", reached.iteration)]
-    Breakdown {
-        /// The last iterate.
-        reached: Iterate,
-        /// What happened.
-        reason: &'static str,
-    },
-    /// The observer asked to stop.
-    #[error("interrupted after {} iterations", reached.iteration)]
-    Interrupted {
-        /// The last iterate.
-        reached: Iterate,
-    },
-    /// The start or the target cannot be used.
-    #[error("unusable start: {reason}")]
-    Start {
-        /// What was found, and what is allowed.
-        reason: &'static str,
-    },
-}
-
-/// Sees every iterate; may ask to stop.
-pub type Watch<'a> = &'a mut dyn FnMut(&Iterate) -> ControlFlow<()>;
-
-/// What follows from the judgement of an iterate.
-pub(crate) enum Verdict {
-    Converged,
-    Continue,
+/// Result of a constrained minimisation; x is that of the last iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Minimum {
+    /// The last iterate.
+    pub reached: Iterate,
+    /// How the search ended.
+    pub ending: Ending,
 }
 
 impl Target {
-    pub(crate) fn check(&self, x: &[f64], b: &[f64]) -> Result<(), MinimiseError> {
-        let refuse = |reason| Err(MinimiseError::Start { reason });
-        if x.len() != b.len() {
-            return refuse("x and b differ in length");
+    pub(crate) fn check(&self, x: &[f64], b: &[f64]) -> Result<(), RelaxError> {
+        RelaxError::check_length("variables", x.len(), b.len())?;
+        if let Some(index) = x.iter().position(|x| !(x.is_finite() && *x >= 0.0)) {
+            return Err(RelaxError::Start { index, found: x[index] });
         }
-        if !x.iter().all(|x| x.is_finite() && *x >= 0.0) {
-            return refuse("every variable must start finite and not negative");
-        }
-        if self.mean.is_some_and(|mean| !mean.is_finite() || mean <= 0.0) {
-            return refuse("the prescribed mean must be positive and finite");
-        }
-        if self.mean.is_some() && !x.iter().any(|x| *x > 0.0) {
-            return refuse("with a prescribed mean, some variable must start positive");
-        }
-        if !(self.gradient_scale > 0.0 && self.gradient_scale.is_finite()) {
-            return refuse("the gradient scale must be positive and finite");
-        }
-        Ok(())
+        let positive = |name, found: f64| {
+            RelaxError::check_parameter(name, found, found > 0.0 && found.is_finite(), "positive and finite")
+        };
+        positive("the gradient scale", self.gradient_scale)?;
+        let Some(mean) = self.mean else { return Ok(()) };
+        positive("the prescribed mean", mean)?;
+        if x.iter().all(|x| *x == 0.0) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 
-    pub(crate) fn judge(&self, now: Iterate, watch: Watch) -> Result<Verdict, MinimiseError> {
-        let stop = watch(&now).is_break();
+    /// How the search ends with this iterate, if it does.
+    pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch) -> Option<Ending> {
         let worst = now.optimality.worst();
-        if worst <= self.tolerance {
-            return Ok(Verdict::Converged);
+        let stop = watch.see(&Progress { iteration: now.iteration, residual: worst }).is_break();
+        if worst <= self.budget.tolerance {
+            Some(Ending::Converged)
+        } else if !worst.is_finite() {
+            Some(Ending::GaveUp(Why::Diverged(Divergence::NotFinite)))
+        } else if stop {
+            Some(Ending::Interrupted)
+        } else {
+            (now.iteration >= self.budget.max_iterations).then_some(Ending::GaveUp(Why::Iterations))
         }
-        if !worst.is_finite() {
-            return Err(MinimiseError::Breakdown { reached: now, reason: "the gradient is not finite" });
-        }
-        if stop {
-            return Err(MinimiseError::Interrupted { reached: now });
-        }
-        if now.iteration >= self.max_iterations {
-            return Err(MinimiseError::NotConverged { reached: now, asked: self.tolerance });
-        }
-        Ok(Verdict::Continue)
     }
 }
 
@@ -182,11 +132,61 @@ pub(crate) fn add_linear(b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, us
     )
 }
 
-/// The exact step ⟨g, d⟩/⟨d, A d⟩ along −d.
-pub(crate) fn step_length(slope: f64, curvature: f64, reached: Iterate) -> Result<f64, MinimiseError> {
+/// The exact step ⟨g, d⟩/⟨d, A d⟩ along −d, if the way leads down to a lowest point.
+pub(crate) fn step_length(slope: f64, curvature: f64) -> Option<f64> {
     let step = slope / curvature;
-    if step.is_finite() && step > 0.0 {
-        return Ok(step);
+    (step.is_finite() && step > 0.0).then_some(step)
+}
+
+/// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
+pub(crate) const LEAST_DESCENT: f64 = 0.1;
+
+/// d ← g + ratio d − mean on the free variables, zero elsewhere; returns ⟨g, d⟩.
+pub(crate) fn turn(
+    direction: &mut [f64],
+    x: &[f64],
+    gradient: &[f64],
+    ratio: f64,
+    mean: f64,
+    free: &(impl Fn(f64, f64) -> bool + Sync),
+) -> f64 {
+    pass(
+        [direction],
+        &|start, [d]| {
+            let mut slope = 0.0;
+            for ((d, x), g) in d.iter_mut().zip(&x[start..]).zip(&gradient[start..]) {
+                *d = if free(*x, *g) { g + ratio * *d - mean } else { 0.0 };
+                slope += *d * g;
+            }
+            slope
+        },
+        &|a, b| a + b,
+    )
+}
+
+/// Sums over one iterate that judge it, with gradients less the multiplier.
+#[derive(Clone, Copy)]
+pub(crate) struct Judged {
+    pub(crate) x: f64,
+    pub(crate) x_gradient: f64,
+    pub(crate) lowest: f64,
+}
+
+impl Judged {
+    pub(crate) const EMPTY: Self = Self { x: 0.0, x_gradient: 0.0, lowest: f64::INFINITY };
+
+    pub(crate) fn see(&mut self, x: f64, gradient: f64) {
+        self.lowest = self.lowest.min(gradient);
+        self.x += x;
+        self.x_gradient += x * gradient;
     }
-    Err(MinimiseError::Breakdown { reached, reason: "no descent, or no curvature, along the search direction" })
+
+    pub(crate) fn merge(a: Self, b: Self) -> Self {
+        Self { x: a.x + b.x, x_gradient: a.x_gradient + b.x_gradient, lowest: a.lowest.min(b.lowest) }
+    }
+
+    pub(crate) fn optimality(&self, scale: f64) -> Optimality {
+        let complementarity = if self.x > 0.0 { self.x_gradient / (self.x * scale) } else { 0.0 };
+        Optimality { complementarity, violation: (-self.lowest).max(0.0) / scale }
+    }
 }

@@ -64,8 +64,8 @@ impl<Memory> State<Memory> {
     }
 
     /// Where the run stands. Costs one [`Landscape::residual`], no force.
-    pub fn progress(&self, problem: &dyn Landscape) -> Progress {
-        Progress {
+    pub fn status(&self, problem: &dyn Landscape) -> Status {
+        Status {
             step: self.step,
             energy: self.energy,
             residual: problem.residual(&self.u, &self.force),
@@ -101,7 +101,7 @@ impl<Memory> State<Memory> {
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub struct Status {
     /// Steps done.
     pub step: u64,
     /// U.
@@ -130,9 +130,9 @@ pub struct Stop {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// [`Stop`] is satisfied.
-    Converged(Progress),
+    Converged(Status),
     /// An observer asked to stop.
-    Interrupted(Progress),
+    Interrupted(Status),
 }
 
 /// Steps until `stop` is satisfied. Whatever the result, `state` stays with the caller: to save, to inspect, to resume.
@@ -148,7 +148,7 @@ pub fn relax<M: Method>(
     state.check(problem)?;
     problem.bounds().check(state.u.len())?;
     loop {
-        let now = state.progress(problem);
+        let now = state.status(problem);
         let divergence = state.divergence().or((!now.residual.is_finite()).then_some(Divergence::NotFinite));
         if let Some(reason) = divergence {
             return Err(RelaxError::Diverged { reached: now, reason, stable_up_to: method.stiffness_limit() });

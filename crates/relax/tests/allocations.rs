@@ -73,7 +73,7 @@ fn allocations_per_thousand_steps(method: &(impl Method + Sync)) -> u64 {
         let mut steps = |count| {
             for _ in 0..count {
                 method.step(&mut problem, &mut state).unwrap();
-                assert!(state.progress(&problem).residual.is_finite());
+                assert!(state.status(&problem).residual.is_finite());
             }
         };
         steps(10); // what the thread pool sets up once

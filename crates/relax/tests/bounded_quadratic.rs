@@ -3,7 +3,10 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_relax::{Iterate, MinimiseError, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, Target};
+use gfmd_relax::{
+    Budget, Divergence, Ending, Iterate, Minimum, PolonskyKeer, PreconditionedCg, Progress, ProjectedCg, Quadratic,
+    RelaxError, Target, Why,
+};
 use proptest::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -78,19 +81,26 @@ impl Quadratic for Dense {
 }
 
 impl Dense {
-    fn minimise(&self, method: Method, start: &[f64], target: &Target) -> Result<(Vec<f64>, Iterate), MinimiseError> {
+    fn minimise(&self, method: Method, start: &[f64], target: &Target) -> Result<(Vec<f64>, Minimum), RelaxError> {
         let mut x = start.to_vec();
-        let mut watch = |_: &Iterate| ControlFlow::Continue(());
         let mut problem = self.clone();
         let reached = match method {
-            Method::PolonskyKeer => PolonskyKeer.minimise(&mut problem, &mut x, target, &mut watch)?,
-            Method::ProjectedCg => ProjectedCg.minimise(&mut problem, &mut x, target, &mut watch)?,
+            Method::PolonskyKeer => PolonskyKeer.minimise(&mut problem, &mut x, target, &mut ())?,
+            Method::ProjectedCg => ProjectedCg.minimise(&mut problem, &mut x, target, &mut ())?,
             Method::Preconditioned(preconditioner) => {
                 problem.preconditioner = preconditioner;
-                PreconditionedCg.minimise(&mut problem, &mut x, target, &mut watch)?
+                PreconditionedCg.minimise(&mut problem, &mut x, target, &mut ())?
             }
         };
         Ok((x, reached))
+    }
+
+    /// The minimum, which must be found.
+    fn minimum(&self, method: Method, start: &[f64], target: &Target) -> (Vec<f64>, Iterate) {
+        match self.minimise(method, start, target) {
+            Ok((x, Minimum { reached, ending: Ending::Converged })) => (x, reached),
+            other => panic!("{method:?}: {other:?}"),
+        }
     }
 
     fn gradient(&self, x: &[f64]) -> Vec<f64> {
@@ -162,7 +172,7 @@ fn matrix(entries: &[f64], n: usize, shift: f64) -> Vec<Vec<f64>> {
 }
 
 fn target(mean: Option<f64>) -> Target {
-    Target { mean, gradient_scale: 1.0, tolerance: 1e-12, max_iterations: 20_000 }
+    Target { mean, gradient_scale: 1.0, budget: Budget { tolerance: 1e-12, max_iterations: 20_000 } }
 }
 
 fn difference(a: &[f64], b: &[f64]) -> f64 {
@@ -172,7 +182,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// How far x may be off at this tolerance: both parts of it together bound ⟨x − x*, A (x − x*)⟩ = ⟨x − x*, g − g*⟩, and
 /// A ≥ 0.1 in these tests. That is half the digits.
 fn error(x: &[f64], exact: &[f64]) -> f64 {
-    (target(None).tolerance * (x.iter().sum::<f64>() + exact.iter().sum::<f64>()) / 0.1).sqrt()
+    (target(None).budget.tolerance * (x.iter().sum::<f64>() + exact.iter().sum::<f64>()) / 0.1).sqrt()
 }
 
 /// What a variable and its gradient are at the minimum: one of them is zero, or both.
@@ -196,7 +206,7 @@ proptest! {
         };
         let exact = dense.exact(mean);
         for method in METHODS {
-            let (x, _) = dense.minimise(method, &start[..n], &target(mean)).unwrap_or_else(|error| panic!("{method:?}: {error}"));
+            let (x, _) = dense.minimum(method, &start[..n], &target(mean));
             prop_assert!(difference(&x, &exact) <= error(&x, &exact), "{method:?}: {x:?}, exact {exact:?}");
         }
     }
@@ -216,7 +226,7 @@ proptest! {
             let b = a.iter().zip(&slack).map(|(row, slack)| slack + multiplier - dot(row, &exact)).collect();
             let dense = Dense { a: a.clone(), b, preconditioner: Preconditioner::Scale(1.0) };
             for method in METHODS {
-                let (x, reached) = dense.minimise(method, &start[..n], &target(mean)).unwrap_or_else(|error| panic!("{method:?}: {error}"));
+                let (x, reached) = dense.minimum(method, &start[..n], &target(mean));
                 let error = error(&x, &exact);
                 prop_assert!(difference(&x, &exact) <= error, "{method:?}: {x:?}, exact {exact:?}");
                 let stiffest = a.iter().map(|row| dot(row, row).sqrt()).fold(0.0, f64::max);
@@ -236,10 +246,10 @@ proptest! {
         let mut half = entries[..n * n].to_vec();
         half[n * n / 2..].fill(0.0);
         let dense = Dense { a: matrix(&half, n, 0.0), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0) };
-        let target = Target { tolerance: 1e-7, ..target(Some(mean)) };
+        let target = Target { budget: Budget { tolerance: 1e-7, ..Budget::default() }, ..target(Some(mean)) };
         let methods = [1.0, 1e-3, 1e3].map(|scale| Method::Preconditioned(Preconditioner::Scale(scale)));
         for method in methods {
-            let (x, reached) = dense.minimise(method, &vec![1.0; n], &target).unwrap_or_else(|error| panic!("{method:?}: {error}"));
+            let (x, reached) = dense.minimum(method, &vec![1.0; n], &target);
             let gradient = dense.gradient(&x);
             prop_assert!(gradient.iter().all(|g| *g >= reached.multiplier - 1e-6));
             let work: f64 = gradient.iter().zip(&x).map(|(g, x)| (g - reached.multiplier) * x).sum();
@@ -264,7 +274,7 @@ fn ring(n: usize) -> Dense {
 #[test]
 fn newton_steps_need_few_iterations() {
     let dense = ring(200);
-    let run = |method| dense.minimise(method, &[1.0; 200], &target(None)).unwrap();
+    let run = |method| dense.minimum(method, &[1.0; 200], &target(None));
     let (x, newton) = run(Method::Preconditioned(Preconditioner::Inverse));
     let (same, without) = run(Method::PolonskyKeer);
     assert!(newton.iteration <= 10, "{newton:?}");
@@ -277,7 +287,7 @@ fn a_preconditioner_of_the_wrong_size_costs_little() {
     let dense = ring(200);
     let iterations = |scale| {
         let method = Method::Preconditioned(Preconditioner::Scale(scale));
-        dense.minimise(method, &[1.0; 200], &target(None)).unwrap().1.iteration
+        dense.minimum(method, &[1.0; 200], &target(None)).1.iteration
     };
     let right = iterations(1.0);
     for scale in [1e-2, 1e2] {
@@ -288,9 +298,8 @@ fn a_preconditioner_of_the_wrong_size_costs_little() {
 #[test]
 fn what_cannot_be_started_is_refused() {
     let dense = ring(4);
-    let refused = |start: &[f64], target: &Target| {
-        METHODS.iter().all(|method| matches!(dense.minimise(*method, start, target), Err(MinimiseError::Start { .. })))
-    };
+    let refused =
+        |start: &[f64], target: &Target| METHODS.iter().all(|method| dense.minimise(*method, start, target).is_err());
     let good = target(Some(1.0));
     assert!(refused(&[1.0; 3], &good));
     assert!(refused(&[1.0, -1.0, 1.0, 1.0], &good));
@@ -308,14 +317,14 @@ fn what_cannot_be_started_is_refused() {
 fn what_ends_early_says_why_and_where() {
     let dense = ring(50);
     for method in METHODS {
-        let target = Target { max_iterations: 2, ..target(None) };
-        let error = dense.minimise(method, &[1.0; 50], &target).unwrap_err();
-        assert!(matches!(error, MinimiseError::NotConverged { reached, .. } if reached.iteration == 2), "{error}");
+        let target = Target { budget: Budget { tolerance: 1e-12, max_iterations: 2 }, ..target(None) };
+        let (_, minimum) = dense.minimise(method, &[1.0; 50], &target).unwrap();
+        assert_eq!((minimum.ending, minimum.reached.iteration), (Ending::GaveUp(Why::Iterations), 2));
     }
     let mut x = vec![1.0; 50];
-    let mut stop = |now: &Iterate| if now.iteration == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let error = PreconditionedCg.minimise(&mut dense.clone(), &mut x, &target(None), &mut stop).unwrap_err();
-    assert!(matches!(error, MinimiseError::Interrupted { reached } if reached.iteration == 1), "{error}");
+    let mut stop = |now: &Progress| if now.iteration == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let minimum = PreconditionedCg.minimise(&mut dense.clone(), &mut x, &target(None), &mut stop).unwrap();
+    assert_eq!((minimum.ending, minimum.reached.iteration), (Ending::Interrupted, 1));
 }
 
 #[test]
@@ -326,15 +335,16 @@ fn what_has_no_minimum_breaks_down() {
         b: vec![1.0, -1.0],
         preconditioner: Preconditioner::Scale(1.0),
     };
-    let target = Target { max_iterations: 200, ..target(None) };
+    let target = Target { budget: Budget { tolerance: 1e-12, max_iterations: 200 }, ..target(None) };
     for method in METHODS {
-        let error = dense.minimise(method, &[1.0; 2], &target).map(|_| ()).unwrap_err();
-        assert!(matches!(error, MinimiseError::Breakdown { .. } | MinimiseError::NotConverged { .. }), "{error}");
+        let (_, minimum) = dense.minimise(method, &[1.0; 2], &target).unwrap();
+        assert!(matches!(minimum.ending, Ending::GaveUp(_)), "{minimum:?}");
     }
     let mut broken = ring(8);
     broken.b[3] = f64::NAN;
     for method in METHODS {
-        let error = broken.minimise(method, &[1.0; 8], &target).unwrap_err();
-        assert!(matches!(error, MinimiseError::Breakdown { .. }), "{method:?}: {error}");
+        let (_, minimum) = broken.minimise(method, &[1.0; 8], &target).unwrap();
+        let not_finite = Ending::GaveUp(Why::Diverged(Divergence::NotFinite));
+        assert_eq!(minimum.ending, not_finite, "{method:?}");
     }
 }

@@ -15,6 +15,7 @@ pub struct FullResponse {
     compliance: Operator,
     uniform_compliance: [f64; 3],
     stiffness_range: [f64; 2],
+    contact_modulus: f64,
 }
 
 impl FullResponse {
@@ -30,6 +31,7 @@ impl FullResponse {
             compliance,
             uniform_compliance: [xx, yy, zz],
             stiffness_range: range.map_or([0.0; 2], |range| [range.softest, range.stiffest]),
+            contact_modulus: body.material().contact_modulus(),
         }
     }
 
@@ -61,6 +63,11 @@ impl FullResponse {
     /// G_xx(0), G_yy(0), G_zz(0) in length/stress; 0 where the mean displacement does not answer to the mean traction.
     pub fn uniform_compliance(&self) -> [f64; 3] {
         self.uniform_compliance
+    }
+
+    /// E* of the body, in stress.
+    pub fn contact_modulus(&self) -> f64 {
+        self.contact_modulus
     }
 
     /// Smallest and largest eigenvalue of the stiffness over all modes, in stress/length, those that are zero or

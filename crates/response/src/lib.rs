@@ -3,6 +3,7 @@
 //!
 //! - [`NormalResponse`]: one number per mode, for problems in which only u_z and the pressure matter.
 //! - [`FullResponse`]: a matrix per mode, for problems in which every component moves: x, y, z, or x, z on a line.
+//! - [`Elastic`]: either of the two, shared, with its memory and a count of [`Transforms`]; problems own one.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner made of stiffness and interface.
 //!
 //! A field of several components is one slice, component after component, each laid out as a field of `gfmd-field`:
@@ -42,12 +43,14 @@
 //! Not here: the matrices of one wave vector (`gfmd-green`), what acts on the surface (`gfmd-contact` and others).
 
 mod components;
+mod elastic;
 mod full;
 mod hermitian;
 mod normal;
 mod operator;
 
 pub use components::Components;
+pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
 pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;

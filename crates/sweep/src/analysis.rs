@@ -28,8 +28,8 @@ impl Area {
 
     fn kappa(self, load: &Pressed) -> f64 {
         match self {
-            Self::Raw => load.kappa,
-            Self::Corrected => load.kappa_corrected,
+            Self::Raw => load.summary.kappa,
+            Self::Corrected => load.summary.kappa_corrected,
         }
     }
 }

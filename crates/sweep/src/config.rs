@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::str::FromStr;
 
-use gfmd_contact::Solver;
+use gfmd_contact::{Budget, Contact, Solver};
 use gfmd_fit::{Exponent, Model};
 use gfmd_green::{Body, GreenError, Height, Material};
 use gfmd_surface::Discretisation;
@@ -359,7 +359,12 @@ impl Config {
         check(good, "loads.p_star", p_star, "an ascending list of positive numbers")?;
         let realisations = statistics.realisations;
         check((1..=1_000_000).contains(&realisations), "statistics.realisations", &realisations, "from 1 to 1000000")?;
-        check((1e-15..=0.1).contains(&solver.tol), "solver.tol", &solver.tol, "between 1e-15 and 0.1")?;
+        let tolerances = Budget::TOLERANCES;
+        let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
+        check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;
+        let names = Contact::SOLVERS.map(Solver::name).join(", ");
+        let method = solver.method;
+        check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
         check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
         check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
         for (field, alpha) in [("fit.alpha_t", fit.alpha_t), ("fit.alpha_f", fit.alpha_f), ("fit.alpha_c", fit.alpha_c)]
@@ -447,6 +452,13 @@ impl Config {
         }
         points.sort_by_key(|(_, n)| *n);
         Ok(points)
+    }
+}
+
+impl SolverConfig {
+    /// Tolerance and iterations.
+    pub(crate) fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 }
 

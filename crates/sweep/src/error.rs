@@ -1,7 +1,7 @@
 use std::error::Error;
 use std::fmt;
 
-use gfmd_contact::ContactError;
+use gfmd_contact::{Solution, SolveError};
 use gfmd_field::GridError;
 use gfmd_fit::FitError;
 use gfmd_green::GreenError;
@@ -49,7 +49,7 @@ pub enum SweepError {
         /// The realisation and its load.
         place: Place,
         /// The reason.
-        source: Box<ContactError>,
+        source: Box<SolveError<Solution>>,
     },
     /// The caller asked to stop. Runs that were finished by then have been kept.
     #[error("interrupted at {0}")]

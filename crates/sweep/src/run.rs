@@ -2,8 +2,10 @@
 
 use std::error::Error;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
-use gfmd_contact::{Contact, ContactError, Control, Settings, Solution};
+use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solution, SolveError};
+use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
 use gfmd_surface::SelfAffine;
 use ndarray::Array2;
@@ -114,40 +116,36 @@ impl Example {
     }
 }
 
-/// The response of one grid, on which all realisations of a point are pressed.
+/// The response of the grid of one point, shared by its realisations, and the scales of their numbers.
 struct Bench<'a> {
     plan: &'a Plan,
-    point: &'a Point,
-    response: NormalResponse,
+    response: Arc<NormalResponse>,
+    scales: Scales,
 }
 
 impl<'a> Bench<'a> {
-    fn new(plan: &'a Plan, point: &'a Point) -> Result<Self, SweepError> {
-        Ok(Self { plan, point, response: NormalResponse::new(point.grid, &plan.config.body()?) })
+    fn new(plan: &'a Plan, point: &Point) -> Result<Self, SweepError> {
+        let response = Arc::new(NormalResponse::new(point.grid, &plan.config.body()?));
+        let rms_gradient = plan.config.surface.rms_gradient;
+        let scales = Scales { contact_modulus: response.contact_modulus(), rms_gradient };
+        Ok(Self { plan, response, scales })
     }
 
     fn heights(&self, run: &Run) -> Result<Array2<f64>, SweepError> {
-        let Point { hurst, discretisation, grid, .. } = self.point;
-        let rms_gradient = self.plan.config.surface.rms_gradient;
-        let family = SelfAffine { hurst: *hurst, ..SelfAffine::with_rms_gradient(rms_gradient) };
-        let spectrum = discretisation.self_affine(1.0, family);
-        let place = self.plan.place(run, None);
-        spectrum.heights(grid, run.seed).map_err(|source| SweepError::Surface { place, source })
-    }
-
-    fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact<'_>, SweepError> {
-        Contact::new(&self.response, heights.view()).map_err(|error| self.failed(run, None, error))
+        let Point { hurst, discretisation, grid, .. } = self.plan.points[run.point];
+        let family = SelfAffine { hurst, ..SelfAffine::with_rms_gradient(self.scales.rms_gradient) };
+        let heights = discretisation.self_affine(1.0, family).heights(&grid, run.seed);
+        heights.map_err(|source| SweepError::Surface { place: self.plan.place(run, None), source })
     }
 
     /// Presses one realisation with all loads, each started from the one before.
     fn press(&self, run: &Run, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
-        let config = &self.plan.config;
         let contact = self.contact(run, &self.heights(run)?)?;
         let mut last: Option<Solution> = None;
-        let mut loads = Vec::with_capacity(config.loads.p_star.len());
-        for &p_star in &config.loads.p_star {
+        let mut loads = Vec::new();
+        for &p_star in &self.plan.config.loads.p_star {
             let solution = self.solve(run, &contact, p_star, last.as_ref(), keep)?;
-            loads.push(Pressed::measure(&solution, self.response.contact_modulus(), config.surface.rms_gradient));
+            loads.push(Pressed::of(&solution, &self.scales));
             last = Some(solution);
         }
         Ok(loads)
@@ -161,26 +159,24 @@ impl<'a> Bench<'a> {
         last: Option<&Solution>,
         keep: &dyn Keep,
     ) -> Result<Solution, SweepError> {
-        let config = &self.plan.config;
-        let settings = Settings {
-            solver: config.solver.method,
-            tolerance: config.solver.tol,
-            max_iterations: config.solver.max_iter,
-        };
-        let pressure = p_star * self.response.contact_modulus() * config.surface.rms_gradient;
-        let mut watch = |_: &gfmd_contact::Progress| match keep.is_interrupted() {
+        let pressure = p_star * self.scales.contact_modulus * self.scales.rms_gradient;
+        let mut watch = |_: &Progress| match keep.is_interrupted() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let start = last.map(|solution| solution.pressure.view());
-        let solved = contact.solve(Control::MeanPressure(pressure), &settings, start, &mut watch);
-        solved.map_err(|error| self.failed(run, Some(p_star), error))
+        let solver = &self.plan.config.solver;
+        let press = contact.press(Load::MeanPressure(pressure)).solver(solver.method).budget(solver.budget());
+        press.starting_from(last).watch(&mut watch).solve().map_err(|error| self.failed(run, Some(p_star), error))
     }
 
-    fn failed(&self, run: &Run, p_star: Option<f64>, error: ContactError) -> SweepError {
+    fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {
+        Contact::on(Arc::clone(&self.response), heights).map_err(|refusal| self.failed(run, None, refusal.into()))
+    }
+
+    fn failed(&self, run: &Run, p_star: Option<f64>, error: SolveError<Solution>) -> SweepError {
         let place = self.plan.place(run, p_star);
         match error {
-            ContactError::Interrupted { .. } => SweepError::Interrupted(place),
+            SolveError::Interrupted { .. } => SweepError::Interrupted(place),
             error => SweepError::Contact { place, source: Box::new(error) },
         }
     }

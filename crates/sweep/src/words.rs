@@ -74,37 +74,11 @@ pub(crate) mod height {
 pub(crate) mod solver {
     use super::*;
 
-    const NAMES: [&str; 9] = [
-        "auto",
-        "cg",
-        "projected-cg",
-        "preconditioned-cg",
-        "verlet",
-        "verlet-critical",
-        "fire",
-        "fire2",
-        "augmented-lagrangian",
-    ];
-    const SOLVERS: [Solver; 9] = [
-        Solver::Auto,
-        Solver::PolonskyKeer,
-        Solver::ProjectedCg,
-        Solver::PreconditionedCg,
-        Solver::Verlet,
-        Solver::VerletCritical,
-        Solver::Fire,
-        Solver::Fire2,
-        Solver::AugmentedLagrangian,
-    ];
-
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Solver, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        let known = NAMES.iter().position(|known| *known == name).map(|index| SOLVERS[index]);
-        known.ok_or_else(|| D::Error::unknown_variant(&name, &NAMES))
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
     }
 
     pub(crate) fn serialize<S: Serializer>(solver: &Solver, serializer: S) -> Result<S::Ok, S::Error> {
-        let name = SOLVERS.iter().position(|known| known == solver).map(|index| NAMES[index]);
-        serializer.serialize_str(name.ok_or_else(|| serde::ser::Error::custom("a solver without a name"))?)
+        serializer.serialize_str(solver.name())
     }
 }

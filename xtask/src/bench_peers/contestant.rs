@@ -6,9 +6,9 @@ use std::process::Command;
 use std::time::Duration;
 
 use clap::ValueEnum;
-use gfmd_cli::contact::SolverName;
 use gfmd_cli::load::LoadRecord;
 use gfmd_cli::session::Session;
+use gfmd_cli::solver::SolverName;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

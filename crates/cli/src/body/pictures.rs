@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use gfmd_body::Interior;
 use gfmd_field::Grid;
+use gfmd_plot::Map;
 
 use super::evenly_spaced;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use crate::failure::Failure;
-use crate::figures::{self, SectionMap};
+use crate::figures::named;
 
 /// The maps of one section while they fill.
 pub(super) struct Pictures {
@@ -73,10 +74,16 @@ impl Pictures {
 
     pub(super) fn draw(&self, prefix: &Path, grid: &Grid, deepest: f64, unit: &str) -> Result<Vec<PathBuf>, Failure> {
         let axis = self.rows.axes[0];
-        let maps =
-            self.maps.iter().map(|(picture, values)| SectionMap { name: picture.name, label: picture.label, values });
-        let size = [grid.lengths()[axis], deepest];
-        figures::section(prefix, maps, [self.rows.points.len(), self.levels], size, ["x", "y"][axis], unit)
+        let (shape, size) = ([self.rows.points.len(), self.levels], [grid.lengths()[axis], deepest]);
+        let mut files = Vec::new();
+        for (picture, values) in &self.maps {
+            let mut map = Map::new(values, shape, size, picture.label);
+            map.x = format!("*{}* / {unit}", ["x", "y"][axis]);
+            map.y = format!("height above the lowest level / {unit}");
+            map.range = central(values);
+            files.extend(map.save(&named(prefix, picture.name))?);
+        }
+        Ok(files)
     }
 }
 
@@ -97,4 +104,14 @@ pub fn draw_middle(
         }
     }
     pictures.draw(prefix, interior.grid(), deepest, unit)
+}
+
+/// The range of all but two per mille at either end, where it is much narrower than the whole: a field with singular
+/// edges has a few values far from the rest.
+fn central(values: &[f64]) -> Option<[f64; 2]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |per_mille: usize| sorted[(sorted.len() - 1) * per_mille / 1000];
+    let (whole, most) = (at(1000) - at(0), at(998) - at(2));
+    (most > 0.0 && whole > 1.5 * most).then(|| [at(2), at(998)])
 }

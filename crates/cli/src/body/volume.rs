@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use gfmd_field::Grid;
 use gfmd_files::vti::{Image, Lattice, PointArray};
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
-use crate::contact::axes;
 use crate::failure::Failure;
 
 /// Where the values lie.

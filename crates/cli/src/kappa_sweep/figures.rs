@@ -8,7 +8,7 @@ use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
 use gfmd_sweep::{Analysis, Area, Config, Extrapolation, Plan, Study};
 
 use crate::failure::Failure;
-use crate::figures::{area_chart, draw_pressure, failed, named, theories};
+use crate::figures::{area_chart, draw_pressure, named, theories};
 
 /// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
 ///
@@ -18,8 +18,8 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
     let stem = out.with_extension("");
     let mut files = Vec::new();
-    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation")).map_err(failed)?);
-    files.extend(area(plan, analysis).save(&named(&stem, "area")).map_err(failed)?);
+    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation"))?);
+    files.extend(area(plan, analysis).save(&named(&stem, "area"))?);
     let modulus = plan.config.body()?.material().contact_modulus();
     let map = named(&stem, "map");
     files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);

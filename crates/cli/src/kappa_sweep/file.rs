@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
 use gfmd_sweep::{Analysis, Area, Config, Example, Extrapolation, Key, Plan, Point, Pressed, Run, Study};
 use ndarray::Array2;
 
-use crate::contact::axes;
 use crate::failure::Failure;
-use crate::load::{LoadRecord, ResidualRecord, SCALARS};
+use crate::load::{LoadRecord, SCALARS};
 
 /// Writes a study; the file appears under its name when it is complete.
 ///
@@ -92,35 +91,7 @@ fn exact(seed: u64) -> i64 {
 
 /// A load as `contact` records it. A load that does not converge ends the sweep, so all of these have.
 fn record(load: &Pressed) -> LoadRecord {
-    let residual = ResidualRecord {
-        complementarity: load.residual_complementarity,
-        penetration: load.residual_penetration,
-        negative_pressure: load.residual_negative_pressure,
-        load: load.residual_load,
-    };
-    LoadRecord {
-        mean_pressure: load.mean_pressure,
-        p_star: load.p_star,
-        displacement: load.approach,
-        area_fraction: load.area_fraction,
-        area_fraction_corrected: load.area_fraction_corrected,
-        kappa: load.kappa,
-        kappa_corrected: load.kappa_corrected,
-        contact_nodes: load.contact_nodes,
-        boundary_links: load.boundary_links,
-        mean_gap: load.mean_gap,
-        max_pressure: load.max_pressure,
-        mean_pressure_in_contact: load.mean_pressure_in_contact,
-        pressure_deviation_in_contact: load.pressure_deviation_in_contact,
-        pressure_moment_2: load.pressure_moment_2,
-        elastic_energy: load.elastic_energy,
-        iterations: load.iterations,
-        transform_pairs: load.transform_pairs,
-        converged: true,
-        residual,
-        seconds: f64::NAN,
-        law: None,
-    }
+    LoadRecord::of(&load.summary, load.approach, load.effort, load.residual.into(), true, f64::NAN)
 }
 
 fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Result<(), Failure> {

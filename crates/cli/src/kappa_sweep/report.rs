@@ -9,8 +9,8 @@ use gfmd_sweep::{Area, Extrapolation, Key, Plan, Study};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
-use crate::contact::memory_bytes;
 use crate::failure::Failure;
+use crate::memory::Held;
 use crate::session::list_files;
 
 /// The result of a sweep, as printed.
@@ -291,7 +291,7 @@ impl PlanReport {
                     eps_c_inv: point.discretisation.eps_c_inv,
                     n: point.n(),
                     realisations,
-                    memory_bytes: memory_bytes(point.grid.points()),
+                    memory_bytes: Held::HARD_WALL.bytes(point.grid.points()),
                     seconds: plan.work(point) * pair * realisations as f64,
                 }
             })

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use gfmd_files::{Archive, Dimension, Output, Variable};
+use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 
 use super::mechanics::Mechanics;
 use super::record::SCALARS;
 use super::{Args, Prepared, StepRecord};
-use crate::contact::{axes, contiguous, write_surface};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -28,12 +27,12 @@ impl<'a> PathFile<'a> {
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
-        let unit = prepared.surface.unit.as_deref().unwrap_or("length");
-        let [x, y] = axes(&prepared.grid, unit);
-        write_surface(&mut archive, &prepared.surface, [&x, &y], unit)?;
+        let unit = prepared.surface.unit();
+        let [x, y] = axes(&prepared.surface.grid, unit);
+        prepared.surface.write(&mut archive, [&x, &y])?;
         let steps = args.steps as usize;
         let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "where the path turns");
-        let shears: &[&str] = match (all, prepared.grid.is_line()) {
+        let shears: &[&str] = match (all, prepared.surface.grid.is_line()) {
             (false, _) => &[],
             (true, true) => &["shear_x"],
             (true, false) => &["shear_x", "shear_y"],

@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use gfmd_relax::{Descended, Iterate, MinimiseError, ProjectedCg, SpectralProjectedGradient, Target};
+use gfmd_relax::{Budget, Descended, Minimum, ProjectedCg, RelaxError, SpectralProjectedGradient, Target};
 
 use super::normal::NormalProblem;
 use super::state::FrictionState;
@@ -74,21 +74,19 @@ impl<'a> Increment<'a> {
         }
     }
 
-    /// Finds the pressure under the present shear; returns the iterations.
+    /// Finds the pressure under the present shear.
     pub(super) fn press(
         &mut self,
         tolerance: f64,
         limit: u64,
-        watch: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-    ) -> Result<u64, MinimiseError> {
+        watch: &mut dyn gfmd_relax::Watch,
+    ) -> Result<Minimum, RelaxError> {
         let target = Target {
             mean: if let Normal::MeanPressure(mean) = self.drive.normal { Some(mean) } else { None },
             gradient_scale: self.contact.rms_height,
-            tolerance,
-            max_iterations: usize::try_from(limit).unwrap_or(usize::MAX),
+            budget: Budget { tolerance, max_iterations: limit },
         };
-        let reached = ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)?;
-        Ok(reached.iteration as u64)
+        ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)
     }
 
     /// The limits that the present pressure sets.

@@ -3,8 +3,8 @@
 use std::{cell::Cell, io, ops::ControlFlow};
 
 use gfmd_relax::{
-    Bounds, Damping, Divergence, Every, Fire, Landscape, Method, Observer, OnRise, Outcome, Progress, RelaxError,
-    State, Stop, Trail, Verlet, VerletState, relax,
+    Bounds, Budget, Damping, Divergence, Ending, Every, Fire, Landscape, Method, Observer, OnRise, Outcome, Progress,
+    RelaxError, State, Status, Stop, Trail, Verlet, VerletState, Why, relax, relax_until,
 };
 
 use crate::support::{Chain, distance, scattered};
@@ -36,7 +36,7 @@ fn a_quadratic_with_a_known_answer() {
     };
     assert!(distance(&state.u, &[0.8, 0.6]) < 1e-12);
     assert!((reached.energy + 0.7).abs() < 1e-12);
-    assert_eq!(reached, state.progress(&problem));
+    assert_eq!(reached, state.status(&problem));
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn not_converged_is_an_error_that_carries_the_numbers() {
     match relax(&mut problem, &method, &mut state, &stop, &mut ()) {
         Err(error @ RelaxError::NotConverged { reached, asked }) => {
             assert_eq!(asked, stop);
-            assert_eq!(reached, state.progress(&problem));
+            assert_eq!(reached, state.status(&problem));
             assert_eq!((reached.step, reached.evaluations), (17, 18));
             assert!(reached.residual > 1e-3);
             let message = error.to_string();
@@ -122,25 +122,25 @@ fn observers_see_every_step_and_can_stop() {
     let method = optimal(&problem);
     let mut state = method.start(&mut problem, vec![0.0; 20]).unwrap();
     let (seen, rare) = (Cell::new(0), Cell::new(0));
-    let look = |now: &Progress, state: &VerletState| {
+    let look = |now: &Status, state: &VerletState| {
         assert_eq!(now.step, seen.get());
         assert_eq!(now.step, state.step);
         seen.set(now.step + 1);
         Ok(if now.step == 25 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     };
-    let glance = |now: &Progress, _: &VerletState| {
+    let glance = |now: &Status, _: &VerletState| {
         assert_eq!(now.step % 10, 0);
         rare.set(rare.get() + 1);
         Ok(ControlFlow::Continue(()))
     };
     let mut watch = (look, Every { steps: 10, inner: glance });
     let outcome = relax(&mut problem, &method, &mut state, &STOP, &mut watch).unwrap();
-    assert_eq!(outcome, Outcome::Interrupted(state.progress(&problem)));
+    assert_eq!(outcome, Outcome::Interrupted(state.status(&problem)));
     assert_eq!((state.step, seen.get(), rare.get()), (25, 26, 3));
 
     // Either of a pair may stop; never asked, never looking.
-    let now = state.progress(&problem);
-    let stop = |_: &Progress, _: &VerletState| Ok(ControlFlow::Break(()));
+    let now = state.status(&problem);
+    let stop = |_: &Status, _: &VerletState| Ok(ControlFlow::Break(()));
     assert!(((), stop).observe(&now, &state).unwrap().is_break());
     assert!((stop, ()).observe(&now, &state).unwrap().is_break());
     assert!(Every { steps: 0, inner: stop }.observe(&now, &state).unwrap().is_continue());
@@ -151,7 +151,7 @@ fn a_failing_observer_ends_the_run_with_its_error() {
     let mut problem = Chain::springs(20, 0.1, |_| 1.0);
     let method = optimal(&problem);
     let mut state = method.start(&mut problem, vec![0.0; 20]).unwrap();
-    let mut full = |_: &Progress, _: &VerletState| Err(io::Error::new(io::ErrorKind::StorageFull, "disk full"));
+    let mut full = |_: &Status, _: &VerletState| Err(io::Error::new(io::ErrorKind::StorageFull, "disk full"));
     match relax(&mut problem, &method, &mut state, &STOP, &mut full) {
         Err(RelaxError::Observer(error)) => assert_eq!(error.kind(), io::ErrorKind::StorageFull),
         other => panic!("{other:?}"),
@@ -200,7 +200,7 @@ fn a_transient_is_no_divergence() {
     let method = Verlet::optimal(k_min, k_max).unwrap();
     let mut state = method.start(&mut problem, vec![0.0, 1.0]).unwrap();
     let (start, mut highest) = (state.energy, 0.0);
-    let mut watch = |now: &Progress, _: &VerletState| {
+    let mut watch = |now: &Status, _: &VerletState| {
         highest = f64::max(highest, now.energy / start);
         Ok(ControlFlow::Continue(()))
     };
@@ -333,4 +333,56 @@ fn an_empty_problem_is_solved() {
     let method = Fire::v2(1.0);
     let mut state = method.start(&mut Nothing, vec![]).unwrap();
     assert!(relax(&mut Nothing, &method, &mut state, &STOP, &mut ()).is_ok());
+}
+
+/// A landscape whose own residual is zero everywhere, as if it had underflowed.
+struct Blind;
+
+impl Landscape for Blind {
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
+        force[0] = -u[0];
+        0.5 * u[0] * u[0]
+    }
+
+    fn residual(&self, _: &[f64], _: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn a_certificate_that_never_holds_ends_the_search() {
+    let method = Verlet::optimal(0.5, 2.0).unwrap();
+    for (worst, why) in [(1.0, Why::Rounding), (f64::NAN, Why::Diverged(Divergence::NotFinite))] {
+        let mut state = method.start(&mut Blind, vec![1.0]).unwrap();
+        let mut certify = |_: &mut Blind, _: &VerletState| worst;
+        let ending = relax_until(&mut Blind, &method, &mut state, &Budget::default(), &mut certify, &mut ()).unwrap();
+        assert_eq!(ending, Ending::GaveUp(why));
+    }
+}
+
+#[test]
+fn the_target_is_tightened_until_the_certificate_holds() {
+    let mut problem = Chain::springs(20, 0.1, |_| 1.0);
+    let (softest, stiffest) = problem.band();
+    let method = Verlet::optimal(softest, stiffest).unwrap();
+    let mut state = method.start(&mut problem, vec![0.0; 20]).unwrap();
+    // A thousand times as strict as the method is.
+    let mut certify = |problem: &mut Chain, state: &VerletState| 1e3 * state.status(problem).residual;
+    let mut seen = 0;
+    let mut watch = |now: &Progress| {
+        seen = now.iteration;
+        ControlFlow::Continue(())
+    };
+    let budget = Budget { tolerance: 1e-6, ..Budget::default() };
+    let ending = relax_until(&mut problem, &method, &mut state, &budget, &mut certify, &mut watch).unwrap();
+    assert_eq!(ending, Ending::Converged);
+    assert!(state.status(&problem).residual <= 1e-9 && seen == state.step);
+    let few = Budget { max_iterations: 3, ..budget };
+    let mut state = method.start(&mut problem, vec![0.0; 20]).unwrap();
+    let ending = relax_until(&mut problem, &method, &mut state, &few, &mut certify, &mut ()).unwrap();
+    assert_eq!((ending, state.step), (Ending::GaveUp(Why::Iterations), 3));
 }

@@ -1,7 +1,7 @@
 //! Restart and threads: the same bits.
 
 use gfmd_relax::{
-    Fire, Landscape, Method, ModeDamped, Momentum, Nesterov, Outcome, Progress, RelaxError, State, Stop, Verlet, relax,
+    Fire, Landscape, Method, ModeDamped, Momentum, Nesterov, Outcome, RelaxError, State, Status, Stop, Verlet, relax,
 };
 
 use crate::support::{Chain, bits, scattered};
@@ -153,7 +153,7 @@ fn forces_are_evaluated_once_per_step() {
         assert_eq!((problem.calls, state.evaluations), (1, 1));
         let mut back = 0;
         let mut last = 1;
-        let mut watch = |now: &Progress, _: &_| {
+        let mut watch = |now: &Status, _: &_| {
             back += (now.evaluations - last).saturating_sub(1);
             last = now.evaluations;
             Ok(std::ops::ControlFlow::Continue(()))

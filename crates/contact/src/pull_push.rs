@@ -6,7 +6,7 @@ use rayon::prelude::*;
 /// The others take a weighted mean of the known ones around them, at the finest scale at which there are enough
 /// ("pull-push", Gortler et al. 1996), so E costs a few operations for each point. The transpose walks the same weights
 /// the other way.
-pub(crate) struct Extension {
+pub(crate) struct PullPush {
     /// Points; a profile is one row.
     points: [usize; 2],
     /// Cells of 2×2 points first, then of 2×2 cells, up to one cell.
@@ -41,10 +41,10 @@ struct Level {
 /// large neighbourhood, which would cost the more energy the larger it is.
 const FULL: [f64; 2] = [1.5, 3.0];
 
-/// Points in a word of [`Extension::kept`].
+/// Points in a word of [`PullPush::kept`].
 const BITS: usize = u64::BITS as usize;
 
-impl Extension {
+impl PullPush {
     /// `stiffness` is that of the wave with so many periods along the longer side. Where it falls by half from an octave
     /// to the next longer one, as on a half-space, displacement spreads, and what is not known is taken from afar; where
     /// it does not, as for waves longer than a layer is thick, a point moves by itself, and zero is nearer.
@@ -339,12 +339,12 @@ mod tests {
     const SHAPES: [[usize; 2]; 9] = [[16, 16], [7, 12], [12, 7], [1, 9], [9, 1], [33, 2], [3, 3], [2, 2], [1, 2]];
 
     /// Half-space: stiffness in proportion to the wave number.
-    fn extension(points: [usize; 2], floating: bool) -> Extension {
-        Extension::new(points, floating, |periods| periods as f64)
+    fn extension(points: [usize; 2], floating: bool) -> PullPush {
+        PullPush::new(points, floating, |periods| periods as f64)
     }
 
     /// All rows of E r.
-    fn extend(extension: &mut Extension, known: Known, out: &mut [f64]) {
+    fn extend(extension: &mut PullPush, known: Known, out: &mut [f64]) {
         extension.prepare(known);
         let columns = extension.points[1];
         out.chunks_mut(columns).enumerate().for_each(|(i, row)| extension.row(known, i, row));
@@ -425,7 +425,7 @@ mod tests {
         let (x, gradient) = field([16, 16]);
         let mut out = vec![f64::NAN; 256];
         let known = Known { x: &x, gradient: &gradient, level: -2.0 };
-        extend(&mut Extension::new([16, 16], true, |_| 1.0), known, &mut out);
+        extend(&mut PullPush::new([16, 16], true, |_| 1.0), known, &mut out);
         assert!(out.iter().zip(&x).all(|(out, x)| *x > 0.0 || *out == 0.0));
     }
 }

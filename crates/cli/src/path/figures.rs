@@ -1,0 +1,76 @@
+//! The figures of a path.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_field::Grid;
+use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use ndarray::Array2;
+
+use super::{Report, StepRecord};
+use crate::failure::Failure;
+use crate::figures::{draw_pressure, named};
+
+/// A path, leg by leg: pressure against approach and contact area against pressure, or shear and sticking area against
+/// lateral displacement if it moves sideways; and the map of pressure at its end.
+pub(super) fn draw(
+    prefix: &Path,
+    report: &Report,
+    steps_of_leg: usize,
+    grid: &Grid,
+    pressure: &Array2<f64>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let unit = report.unit.as_deref().unwrap_or("length");
+    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
+    let unit_pressure = report.e_star * report.rms_gradient;
+    let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
+        let last = report.steps.len().saturating_sub(1);
+        let leg = |(hue, start): (usize, usize)| {
+            let points = report.steps[start..=(start + steps_of_leg).min(last)].iter().map(|step| {
+                let (x, y) = of(step);
+                Point::new(x, y)
+            });
+            let label = format!("leg {}", hue + 1);
+            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
+        };
+        (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
+    };
+    let sideways = report.steps.iter().any(|step| step.lateral != report.steps[0].lateral);
+    let lateral = |step: &StepRecord| report.along(step.lateral);
+    let shear = |step: &StepRecord| report.along(step.mean_shear);
+    let reduced = "*p*/(*E*\\* *ḡ*)";
+    let panels = if sideways {
+        let x = Axis::linear(&format!("lateral displacement / {unit}"));
+        let share = |step: &StepRecord| {
+            if step.stick_fraction.is_nan() { step.area_fraction } else { step.stick_fraction }
+        };
+        let sticking = report.steps.iter().any(|step| !step.stick_fraction.is_nan());
+        let area = if sticking { "sticking area" } else { "contact area" };
+        vec![
+            Panel {
+                x: x.clone(),
+                y: Axis::linear("shear / (*E*\\* *ḡ*)"),
+                series: legs(&|step| (lateral(step), shear(step) / unit_pressure)),
+                ..Panel::default()
+            },
+            Panel { x, y: Axis::linear(area), series: legs(&|step| (lateral(step), share(step))), ..Panel::default() },
+        ]
+    } else {
+        vec![
+            Panel {
+                x: Axis::linear(&format!("approach / {unit}")),
+                y: Axis::linear(reduced),
+                series: legs(&|step| (step.displacement, step.p_star)),
+                ..Panel::default()
+            },
+            Panel {
+                x: Axis::linear(reduced),
+                y: Axis::linear("contact area"),
+                series: legs(&|step| (step.p_star, step.area_fraction)),
+                ..Panel::default()
+            },
+        ]
+    };
+    let chart = Chart { share_y: false, ..Chart::new(panels) };
+    files.extend(chart.save(&named(prefix, "path"))?);
+    Ok(files)
+}

@@ -1,0 +1,65 @@
+//! The figures of a punch.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_mixed::MixedSolution;
+use gfmd_plot::{Axis, Chart, Map, Mark, Panel, Series};
+use ndarray::{Array3, ArrayView3};
+
+use super::Report;
+use crate::failure::Failure;
+use crate::figures::{draw_pressure, named};
+
+/// The figures of a punch: maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through its
+/// middle, with the displacement `[x, y, component]` of the reference, if there is one; of a strip, the cut alone.
+pub(super) fn draw(
+    prefix: &Path,
+    report: &Report,
+    grid: &Grid,
+    body: &Body,
+    solution: &MixedSolution,
+    reference: Option<&Array3<f64>>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let modulus = body.material().contact_modulus();
+    let normal = report.components.len() - 1;
+    let mut files = Vec::new();
+    if !grid.is_line() {
+        for (field, name) in solution.displacement.outer_iter().zip(&report.components) {
+            let values: Vec<f64> = field.iter().map(|u| u / report.depth).collect();
+            let map = Map::new(&values, grid.points(), grid.lengths(), &format!("*u*_{name} / depth"));
+            files.extend(map.save(&named(prefix, &format!("u_{name}")))?);
+        }
+        let pressure = solution.traction.index_axis(ndarray::Axis(0), normal).mapv(|t| -t);
+        files.extend(draw_pressure(&named(prefix, "pressure"), grid, &pressure, modulus, "length")?);
+    }
+    // Through the middle, where by symmetry nothing points along y.
+    let cut = |field: ArrayView3<f64>, component: usize, unit: f64| {
+        let (n, rows, _) = field.dim();
+        let spacing = grid.lengths()[0] / n as f64;
+        (0..n).map(|i| (i as f64 * spacing, field[[i, rows / 2, component]] / unit)).collect::<Vec<_>>()
+    };
+    let [u, t] = [&solution.displacement, &solution.traction].map(|field| field.view().permuted_axes([1, 2, 0]));
+    let mut displacement = Vec::new();
+    let mut traction = Vec::new();
+    for component in [0, normal] {
+        let name = report.components[component];
+        displacement.push(Series::line(&format!("*u*_{name}"), component, cut(u, component, report.depth)));
+        traction.push(Series::line(&format!("*t*_{name}"), component, cut(t, component, modulus)));
+        if let Some(reference) = reference {
+            let line = Series::line(
+                &format!("*u*_{name}, reference"),
+                component + 3,
+                cut(reference.view(), component, report.depth),
+            );
+            displacement.push(Series { mark: Mark::Dashes, ..line });
+        }
+    }
+    let panel =
+        |label: &str, series| Panel { x: Axis::linear("*x*"), y: Axis::linear(label), series, ..Panel::default() };
+    let panels = vec![panel("displacement / depth", displacement), panel("traction / *E*\\*", traction)];
+    let chart = Chart { share_y: false, ..Chart::new(panels) };
+    files.extend(chart.save(&named(prefix, "cut"))?);
+    Ok(files)
+}

@@ -1,0 +1,37 @@
+use std::ops::ControlFlow;
+
+use gfmd_relax::{Budget, Ending, Progress, Watch};
+
+use crate::{Contact, Effort, Load};
+
+/// One solve under way: what is asked, where it starts from, and the effort so far.
+pub(crate) struct Attempt<'a> {
+    pub(crate) contact: &'a Contact,
+    pub(crate) load: Load,
+    pub(crate) budget: Budget,
+    /// A pressure to start from.
+    pub(crate) start: Option<Vec<f64>>,
+    pub(crate) watch: &'a mut dyn Watch,
+    pub(crate) effort: Effort,
+}
+
+/// Result of a solver. Only the pressure is trusted: all other fields are recomputed from it.
+pub(crate) struct Ended {
+    pub(crate) pressure: Vec<f64>,
+    pub(crate) effort: Effort,
+    pub(crate) ending: Ending,
+}
+
+impl Attempt<'_> {
+    /// The part of the budget that is left.
+    pub(crate) fn budget_left(&self) -> Budget {
+        let max_iterations = self.budget.max_iterations.saturating_sub(self.effort.iterations);
+        Budget { max_iterations, ..self.budget }
+    }
+
+    /// The watcher of a part of the solve, which counts its iterations from zero.
+    pub(crate) fn onlooker(&mut self) -> impl FnMut(&Progress) -> ControlFlow<()> {
+        let before = self.effort.iterations;
+        move |now| self.watch.see(&Progress { iteration: before + now.iteration, ..*now })
+    }
+}

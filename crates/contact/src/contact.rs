@@ -1,0 +1,119 @@
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_response::{NormalResponse, NormalTransforms};
+use gfmd_vector::for_each;
+use ndarray::{ArrayRef2, ArrayView2};
+
+use crate::{Load, Refusal, RigidSurface, Solution};
+
+/// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). It owns what it needs; a clone
+/// shares it.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    pub(crate) response: Arc<NormalResponse>,
+    pub(crate) surface: Arc<RigidSurface>,
+}
+
+impl Contact {
+    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
+    ///
+    /// # Errors
+    /// Heights of another shape than the grid, not finite, or all equal.
+    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surface = Self::rough(grid, heights)?;
+        Ok(Self { response: NormalResponse::new(*grid, body).into(), surface })
+    }
+
+    /// As [`new`](Self::new), on a response that is there already: shared by many surfaces on one body, or of a surface
+    /// that is held sideways.
+    ///
+    /// # Errors
+    /// Heights of another shape than the grid, not finite, or all equal.
+    pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let response = response.into();
+        let surface = Self::rough(response.grid(), heights)?;
+        Ok(Self { response, surface })
+    }
+
+    fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
+        let surface = RigidSurface::new(grid, heights)?;
+        if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
+    }
+
+    /// The rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        &self.surface
+    }
+
+    /// The response of the body.
+    pub fn response(&self) -> &Arc<NormalResponse> {
+        &self.response
+    }
+
+    /// E* times the spectral rms gradient of the surface, in stress: the unit of the reduced pressure p*
+    /// (theory.md, section 10).
+    pub fn reduced_pressure_unit(&self) -> f64 {
+        self.response.contact_modulus() * self.surface.rms_gradient()
+    }
+
+    /// The state that belongs to `pressure` under `load`, with its residuals, from fresh transforms.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid.
+    pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<Solution, Refusal> {
+        self.check_size(pressure.view())?;
+        Ok(self.certified(pressure.iter().copied().collect(), load))
+    }
+
+    /// As [`certify`](Self::certify), of a pressure that has the size of the grid.
+    pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
+        let response = &self.response;
+        let n = pressure.len();
+        let mut transforms = NormalTransforms::of(response);
+        let mut displacement = vec![0.0; n];
+        transforms.convolve(response.compliance(), &pressure, &mut displacement);
+        let uniform =
+            response.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
+        // u_z = −G p.
+        for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -(*u + uniform)));
+        let mut solution = Solution::of(&self.surface, response.contact_modulus(), pressure, displacement, load);
+        solution.effort.transform_pairs = transforms.pairs();
+        solution
+    }
+
+    /// Whether the contact can carry `load`.
+    pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
+        match load {
+            Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
+            Load::Approach(found) => {
+                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.surface.mean_clearance());
+                let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
+                if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
+            }
+            Load::MeanPressure(_) => Ok(()),
+        }
+    }
+
+    /// The pressure to start from, if it can be used.
+    pub(crate) fn check_start(&self, start: ArrayView2<f64>) -> Result<Vec<f64>, Refusal> {
+        self.check_size(start)?;
+        if let Some(((i, j), &value)) = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {
+            return Err(Refusal::StartPressure { index: [i, j], value });
+        }
+        if start.iter().all(|p| *p == 0.0) {
+            return Err(Refusal::StartApart);
+        }
+        Ok(start.iter().copied().collect())
+    }
+
+    fn check_size(&self, pressure: ArrayView2<f64>) -> Result<(), Refusal> {
+        let grid = self.response.grid();
+        if <[usize; 2]>::from(pressure.dim()) == grid.points() {
+            Ok(())
+        } else {
+            Err(Refusal::Start { found: pressure.len(), expected: grid.len() })
+        }
+    }
+}

@@ -1,0 +1,44 @@
+use gfmd_measure::{Scales, Summary};
+use ndarray::{ArrayView2, CowArray, Ix2};
+
+use crate::Effort;
+
+/// The fields of a contact at rest, or as near to it as a search came. Fields are `[x, y]`.
+pub trait Fields {
+    /// Normal pressure on the elastic surface, in stress; attraction is negative.
+    fn pressure(&self) -> CowArray<'_, f64, Ix2>;
+
+    /// Normal displacement u_z of the elastic surface, in length; negative downwards.
+    fn displacement_z(&self) -> ArrayView2<'_, f64>;
+
+    /// Distance between the surfaces, in length.
+    fn gap(&self) -> ArrayView2<'_, f64>;
+
+    /// Mean pressure over the whole surface, in stress.
+    fn mean_pressure(&self) -> f64;
+
+    /// Rigid approach beyond first touch of the undeformed surfaces, in length.
+    fn approach(&self) -> f64;
+
+    /// The effort of the solve.
+    fn effort(&self) -> Effort;
+
+    /// The distance from equilibrium, part by part with its name, computed from the fields; zero for the exact state.
+    fn residuals(&self) -> Vec<(&'static str, f64)>;
+
+    /// The largest of the residuals; NaN if any is.
+    fn worst(&self) -> f64 {
+        gfmd_relax::worst(self.residuals().into_iter().map(|(_, residual)| residual))
+    }
+
+    /// The scales of reduced quantities. The rms gradient is the spectral one of the rigid surface.
+    fn scales(&self) -> Scales;
+
+    /// The numbers that describe the contact, with reduced quantities in units of `scales`.
+    fn summary_in(&self, scales: &Scales) -> Summary;
+
+    /// The numbers that describe the contact: area, kappa, pressure statistics, energy.
+    fn summary(&self) -> Summary {
+        self.summary_in(&self.scales())
+    }
+}

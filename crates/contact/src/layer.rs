@@ -1,0 +1,216 @@
+//! The elastic surface layer and the rigid wall above it: the landscape in which the dynamics moves.
+
+use std::borrow::Cow;
+
+use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Proximal};
+use gfmd_response::NormalTransforms;
+use gfmd_vector::{add, for_each, pass};
+
+use crate::{Contact, Load};
+
+/// A rough contact is about as stiff as its mean pressure over this many rms heights (Akarapu, Sharp and Robbins 2011;
+/// Campañá, Persson and Müser 2011 find 0.4 to 0.5). Only sets the damping of the rigid motion, so only the speed.
+pub(crate) const STIFFNESS_LENGTH: f64 = 0.45;
+
+/// The elastic surface layer below a rigid wall.
+pub(crate) struct Layer<'a> {
+    contact: &'a Contact,
+    stiffness: Cow<'a, [f64]>,
+    wall: Cow<'a, [f64]>,
+    /// Uniform force per area that pushes the body up.
+    push: f64,
+    force_scale: f64,
+    transforms: NormalTransforms,
+}
+
+impl Landscape for Layer<'_> {
+    fn len(&self) -> usize {
+        self.wall.len()
+    }
+
+    fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
+        self.transforms.convolve(&self.stiffness, u, force);
+        pass(
+            [force],
+            &|start, [force]| {
+                let mut energy = 0.0;
+                for (f, u) in force.iter_mut().zip(&u[start..]) {
+                    energy += u * (0.5 * *f - self.push);
+                    *f = self.push - *f;
+                }
+                energy
+            },
+            &|a, b| a + b,
+        )
+    }
+
+    fn bounds(&self) -> Bounds<'_> {
+        Bounds::Upper(&self.wall)
+    }
+
+    fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
+        self.bounds().natural_residual(u, force, self.force_scale, self.length_scale())
+    }
+}
+
+impl<'a> Layer<'a> {
+    pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
+        let Contact { response, surface } = contact;
+        let [softest, _] = response.stiffness_range();
+        let (stiffness, wall, push, force_scale) = match load {
+            Load::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(surface.clearance()), mean, mean),
+            Load::Approach(approach) => {
+                let mut stiffness = response.stiffness().to_vec();
+                stiffness[0] = 1.0 / response.uniform_compliance();
+                let wall: Vec<f64> = surface.clearance().iter().map(|c| c - approach).collect();
+                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * surface.rms_height())
+            }
+        };
+        Self { contact, stiffness, wall, push, force_scale, transforms: NormalTransforms::of(response) }
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.contact.surface.rms_height()
+    }
+
+    /// Stiffness of the softest motion and of the stiffest.
+    pub(crate) fn band(&self) -> [f64; 2] {
+        let [softest, stiffest] = self.contact.response.stiffness_range();
+        let rigid =
+            if self.push > 0.0 { self.push / (STIFFNESS_LENGTH * self.length_scale()) } else { self.stiffness[0] };
+        [softest.min(rigid), stiffest.max(rigid)]
+    }
+
+    /// Transforms so far, in pairs.
+    pub(crate) fn pairs(&self) -> f64 {
+        self.transforms.pairs()
+    }
+
+    /// The displacement of the surface under `pressure`.
+    pub(crate) fn displacement(&mut self, pressure: &[f64]) -> Vec<f64> {
+        let mut u = vec![0.0; pressure.len()];
+        let Contact { response, surface } = self.contact;
+        self.transforms.convolve(response.compliance(), pressure, &mut u);
+        let sums = gfmd_vector::reduce(
+            u.len(),
+            &|range| {
+                range.fold([0.0; 3], |sums, i| {
+                    let touching = f64::from(pressure[i] > 0.0);
+                    add(sums, [pressure[i], touching, touching * (surface.clearance()[i] + u[i])])
+                })
+            },
+            &add,
+        );
+        // The rigid surface does not move under a prescribed load, the body does.
+        let rise =
+            if self.push > 0.0 { sums[2] / sums[1] } else { -response.uniform_compliance() * sums[0] / u.len() as f64 };
+        u.iter_mut().for_each(|u| *u = rise - *u);
+        u
+    }
+
+    /// Scaled so that the wall carries the prescribed load.
+    fn carry(&self, mut pressure: Vec<f64>) -> Vec<f64> {
+        let sum = gfmd_vector::sum(pressure.len(), &|range| pressure[range].iter().sum());
+        if self.push > 0.0 && sum > 0.0 {
+            let factor = self.push * pressure.len() as f64 / sum;
+            pressure.iter_mut().for_each(|p| *p *= factor);
+        }
+        pressure
+    }
+}
+
+/// A layer that is pressed against the wall, however the wall holds it.
+pub(crate) trait Pressed<'a>: Landscape {
+    fn layer(&mut self) -> &mut Layer<'a>;
+
+    /// The coordinates to start from, with a surface at `u` that exerts `pressure`.
+    fn begin(&self, u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64>;
+
+    /// The pressure on the wall; forces that are left on the free points do not count.
+    fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64>;
+}
+
+impl<'a> Pressed<'a> for Layer<'a> {
+    fn layer(&mut self) -> &mut Layer<'a> {
+        self
+    }
+
+    fn begin(&self, u: Vec<f64>, _: Option<&[f64]>) -> Vec<f64> {
+        u
+    }
+
+    fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64> {
+        let touching = |i: usize| u[i] >= self.wall[i];
+        self.carry((force.iter().enumerate()).map(|(i, f)| if touching(i) { f.max(0.0) } else { 0.0 }).collect())
+    }
+}
+
+/// The layer together with springs of one stiffness ϱ at every point. The geometric mean of the softest and the stiffest
+/// mode treats both alike: (k + ϱ)/k of the one is (k + ϱ)/ϱ of the other.
+pub(crate) struct Sprung<'a> {
+    layer: Layer<'a>,
+    penalty: f64,
+    /// 1/(k + ϱ).
+    mobility: Vec<f64>,
+    /// b + ϱ anchor.
+    pull: Vec<f64>,
+}
+
+impl<'a> Sprung<'a> {
+    pub(crate) fn new(layer: Layer<'a>) -> Self {
+        let [softest, stiffest] = layer.contact.response.stiffness_range();
+        let penalty = (softest * stiffest).sqrt();
+        let mobility = layer.stiffness.iter().map(|k| 1.0 / (k + penalty)).collect();
+        let pull = vec![0.0; layer.len()];
+        Self { layer, penalty, mobility, pull }
+    }
+}
+
+impl Proximal for Sprung<'_> {
+    fn len(&self) -> usize {
+        self.layer.len()
+    }
+
+    fn bounds(&self) -> Bounds<'_> {
+        self.layer.bounds()
+    }
+
+    fn penalty(&self) -> f64 {
+        self.penalty
+    }
+
+    fn settle(&mut self, anchor: &[f64], u: &mut [f64]) {
+        let Self { layer, penalty, mobility, pull } = self;
+        let leaf = |start: usize, [pull]: [&mut [f64]; 1]| {
+            pull.iter_mut().zip(&anchor[start..]).for_each(|(pull, anchor)| *pull = layer.push + *penalty * anchor);
+        };
+        for_each([pull], &leaf);
+        layer.transforms.convolve(mobility, pull, u);
+    }
+
+    fn residual(&self, mismatch: &[f64]) -> f64 {
+        let largest = |range: std::ops::Range<usize>| mismatch[range].iter().fold(0, |m, x| x.abs().to_bits().max(m));
+        // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+        f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale()
+    }
+}
+
+impl<'a> Pressed<'a> for AugmentedLagrangian<Sprung<'a>> {
+    fn layer(&mut self) -> &mut Layer<'a> {
+        &mut self.problem_mut().layer
+    }
+
+    /// The reaction λ makes the coordinate λ/ϱ larger than the displacement.
+    fn begin(&self, mut u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64> {
+        let Sprung { layer, penalty, .. } = self.problem();
+        match pressure {
+            Some(pressure) => u.iter_mut().zip(pressure).for_each(|(u, p)| *u += p / penalty),
+            None => u.iter_mut().for_each(|u| *u += layer.push / penalty),
+        }
+        u
+    }
+
+    fn pressure(&self, v: &[f64], _: &[f64]) -> Vec<f64> {
+        self.problem().layer.carry(self.reaction(v))
+    }
+}

@@ -1,0 +1,79 @@
+/// Search for the load at which a monotonic excess vanishes, by false position (the Illinois variant): every load tried
+/// tells whether it is too small or too large, and once both are known the next lies between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LoadSearch {
+    load: f64,
+    /// Loads with their excess: one that is too small, one that is too large.
+    bracket: [Option<(f64, f64)>; 2],
+}
+
+impl LoadSearch {
+    pub(crate) fn from(load: f64) -> Self {
+        Self { load, bracket: [None; 2] }
+    }
+
+    /// The load to try.
+    pub(crate) fn load(&self) -> f64 {
+        self.load
+    }
+
+    /// Chooses the next load, given the excess at the last. False where there is none: the excess is not a number, or
+    /// rounding leaves no load between the two that are known.
+    pub(crate) fn learn(&mut self, excess: f64) -> bool {
+        let side = usize::from(excess > 0.0);
+        let again = self.bracket[side].is_some();
+        self.bracket[side] = Some((self.load, excess));
+        if let ([Some(below), Some(above)], true) = (&mut self.bracket, again) {
+            let other = if side == 0 { above } else { below };
+            other.1 *= 0.5;
+        }
+        let between;
+        (self.load, between) = match self.bracket {
+            [Some(below), Some(above)] => {
+                let load = (below.0 * above.1 - above.0 * below.1) / (above.1 - below.1);
+                (load, below.0.min(above.0) < load && load < below.0.max(above.0))
+            }
+            [Some(_), None] => (2.0 * self.load, true),
+            [None, _] => (0.5 * self.load, true),
+        };
+        between && self.load > 0.0 && self.load.is_finite() && !excess.is_nan()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LoadSearch;
+
+    /// Tries until the excess is small; the load found and the number of tries.
+    fn search(start: f64, excess: impl Fn(f64) -> f64) -> (f64, usize) {
+        let mut search = LoadSearch::from(start);
+        for tries in 1..100 {
+            let found = excess(search.load());
+            if found.abs() < 1e-12 {
+                return (search.load(), tries);
+            }
+            assert!(search.learn(found), "{search:?}");
+        }
+        panic!("{search:?}");
+    }
+
+    #[test]
+    fn the_load_is_found_from_either_side() {
+        for start in [1e-3, 0.3, 1.0, 500.0] {
+            let (load, tries) = search(start, |load: f64| load.powf(0.7) - 2.0);
+            assert!((load - 2_f64.powf(1.0 / 0.7)).abs() < 1e-11 && tries < 60, "{start}: {load} after {tries}");
+        }
+    }
+
+    #[test]
+    fn a_search_without_an_end_ends() {
+        let runs = |excess: fn(f64) -> f64| {
+            let mut search = LoadSearch::from(1.0);
+            (0..10_000).take_while(|_| search.learn(excess(search.load()))).count()
+        };
+        assert_eq!(runs(|_| f64::NAN), 0);
+        assert!(runs(|_| -1.0) < 2000 && runs(|_| 1.0) < 2000);
+        // A jump: the bracket shrinks until no number is left in it.
+        assert!(runs(|load| if load < 1.3 { -1.0 } else { 1.0 }) < 200);
+    }
+}

@@ -1,0 +1,131 @@
+use std::error::Error;
+use std::fmt;
+
+use gfmd_relax::{Ending, RelaxError, ToleranceError, Why};
+
+use crate::{Fields, Refusal};
+
+/// The reason why a contact was not brought to rest. The state reached is kept where there is one.
+#[derive(Debug)]
+pub enum SolveError<S> {
+    /// Unusable input: nothing was tried.
+    Refused(Refusal),
+    /// The residuals did not fall to the tolerance.
+    NotConverged {
+        /// The state reached, with its residuals.
+        state: Box<S>,
+        /// The tolerance.
+        asked: f64,
+        /// The reason why the search ended.
+        why: Why,
+    },
+    /// The watcher asked to stop.
+    Interrupted {
+        /// The state reached, with its residuals.
+        state: Box<S>,
+    },
+    /// Nothing holds the surfaces together against the pull.
+    Detached {
+        /// A state on the way apart.
+        state: Box<S>,
+        /// The mean pressure asked for, negative.
+        mean_pressure: f64,
+    },
+}
+
+impl<S> SolveError<S> {
+    /// The state reached.
+    pub fn state(&self) -> Option<&S> {
+        match self {
+            Self::Refused(_) => None,
+            Self::NotConverged { state, .. } | Self::Interrupted { state } | Self::Detached { state, .. } => {
+                Some(state)
+            }
+        }
+    }
+
+    /// The state reached.
+    pub fn into_state(self) -> Option<S> {
+        match self {
+            Self::Refused(_) => None,
+            Self::NotConverged { state, .. } | Self::Interrupted { state } | Self::Detached { state, .. } => {
+                Some(*state)
+            }
+        }
+    }
+}
+
+impl<S> From<Refusal> for SolveError<S> {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl<S> From<RelaxError> for SolveError<S> {
+    fn from(error: RelaxError) -> Self {
+        Self::Refused(error.into())
+    }
+}
+
+impl<S> From<ToleranceError> for SolveError<S> {
+    fn from(error: ToleranceError) -> Self {
+        Self::Refused(error.into())
+    }
+}
+
+impl<S: Fields> fmt::Display for SolveError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(refusal) => refusal.fmt(f),
+            Self::NotConverged { state, asked, why } => {
+                let iterations = state.effort().iterations;
+                let left = residuals(&**state);
+                write!(f, "did not converge to {asked:e} in {iterations} iterations ({why}): {left}")
+            }
+            Self::Interrupted { state } => {
+                write!(f, "interrupted after {} iterations: {}", state.effort().iterations, residuals(&**state))
+            }
+            Self::Detached { mean_pressure, .. } => {
+                write!(
+                    f,
+                    "the surfaces part under a mean pressure of {mean_pressure}: the attraction cannot balance the pull"
+                )
+            }
+        }
+    }
+}
+
+impl<S: Fields + fmt::Debug> Error for SolveError<S> {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Refused(refusal) => refusal.source(),
+            Self::NotConverged { .. } | Self::Interrupted { .. } | Self::Detached { .. } => None,
+        }
+    }
+}
+
+/// "complementarity 1.00e-9, penetration 0.00e0, …".
+fn residuals(state: &impl Fields) -> String {
+    let part = |(name, value): (&str, f64)| format!("{} {value:.2e}", name.replace('_', " "));
+    state.residuals().into_iter().map(part).collect::<Vec<_>>().join(", ")
+}
+
+/// The result of a search that has ended at `state`, whose residuals are certified. The certificate decides, except that a
+/// search which diverged has not converged whatever its residuals are.
+///
+/// # Errors
+/// A search that was interrupted, or whose state does not meet the tolerance.
+pub fn judge<S: Fields>(state: S, ending: Ending, tolerance: f64) -> Result<S, SolveError<S>> {
+    let met = state.worst() <= tolerance;
+    match ending {
+        Ending::Interrupted => Err(SolveError::Interrupted { state: Box::new(state) }),
+        Ending::GaveUp(why @ Why::Diverged(_)) => {
+            Err(SolveError::NotConverged { state: Box::new(state), asked: tolerance, why })
+        }
+        Ending::Converged | Ending::GaveUp(_) if met => Ok(state),
+        Ending::Converged => {
+            Err(SolveError::NotConverged { state: Box::new(state), asked: tolerance, why: Why::Certificate })
+        }
+        Ending::GaveUp(why) => Err(SolveError::NotConverged { state: Box::new(state), asked: tolerance, why }),
+    }
+}

@@ -1,0 +1,428 @@
+//! Contacts along a path of drives, with the energy that each step loses (theory.md, section 8).
+
+use crate::{Drive, FrictionState, FrictionalContact, Interface, InterfaceError, Normal, Settings, State, Watch};
+
+/// A problem whose states at rest follow one another along a path.
+pub trait Quasistatic {
+    /// The state at rest, with its fields.
+    type State;
+
+    /// The next state at rest, reached from `start`.
+    ///
+    /// # Errors
+    /// Unusable input; or an error that carries the state reached.
+    fn rest(
+        &self,
+        drive: Drive,
+        settings: &Settings,
+        start: Option<&Self::State>,
+        watch: Watch,
+    ) -> Result<Self::State, InterfaceError>;
+
+    /// The numbers of a state that a path keeps account of.
+    fn reading(&self, state: &Self::State) -> Reading;
+}
+
+/// The numbers of a state at rest that the energy balance needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Mean pressure, stress.
+    pub mean_pressure: f64,
+    /// Rigid approach, length.
+    pub approach: f64,
+    /// Mean lateral traction along x and y, stress.
+    pub mean_shear: [f64; 2],
+    /// Lateral displacement of the rigid surface, length.
+    pub lateral: [f64; 2],
+    /// How the loss of a step follows.
+    pub loss: Loss,
+    /// Steps of the solver.
+    pub iterations: u64,
+    /// Pairs of transforms.
+    pub transform_pairs: u64,
+}
+
+/// How the energy lost on the way to a state follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Loss {
+    /// From the energy stored per area: the work less what is stored. Only jumps lose energy.
+    Balance(f64),
+    /// Known of the increment, per area.
+    Known(f64),
+    /// Not at all: the tractions have no energy.
+    Unknown,
+}
+
+/// How closely a path keeps account of energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refinement {
+    /// Target of the error of a step, relative to the work exchanged in it or to the mean of that work over the steps so
+    /// far, whichever is more.
+    pub tolerance: f64,
+    /// Solves beyond one for each step, on the average; those of eight steps may be spent in advance. With 0 no step is
+    /// divided.
+    pub solves_per_step: u64,
+}
+
+impl Default for Refinement {
+    /// To 1e-3, with at most 4 further solves for each step on the average.
+    fn default() -> Self {
+        Self { tolerance: 1e-3, solves_per_step: 4 }
+    }
+}
+
+/// Account of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Energy lost per area, stress × length; `None` where the tractions have no energy.
+    pub dissipated: Option<f64>,
+    /// Estimate of the error of `dissipated`; `None` where it is unknown, or exact.
+    pub dissipated_error: Option<f64>,
+    /// Solves beyond the one that every step takes.
+    pub extra_solves: u64,
+    /// Steps of the solver in all solves.
+    pub iterations: u64,
+    /// Pairs of transforms in all solves.
+    pub transform_pairs: u64,
+}
+
+/// Follows a problem along a path, each state from the last.
+///
+/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only where
+/// the state jumps. A step is therefore divided until the balance of work and energy closes to fourth order, which shows
+/// that nothing was lost, or until a jump is enclosed between two states so close that the work between them no longer
+/// matters: what is missing is the loss.
+///
+/// A wave that snaps into contact and later out of it loses energy; pressed and relieved within the contact it does not:
+///
+/// ```
+/// use gfmd_field::Grid;
+/// use gfmd_green::{Body, Material};
+/// use gfmd_interface::{Drive, Interface, Path, Refinement, Settings};
+/// use gfmd_law::Exponential;
+/// use gfmd_response::NormalResponse;
+/// use ndarray::Array2;
+/// use std::ops::ControlFlow;
+///
+/// let n = 256;
+/// let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+/// let response = NormalResponse::new(Grid::line(n, 1.0)?, &body);
+/// let heights = Array2::from_shape_fn((n, 1), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / n as f64).cos());
+/// let law = Exponential::new(1e-4, 2e-3)?;
+/// let interface = Interface::normal(&response, heights.view(), &law)?;
+///
+/// let refinement = Refinement { solves_per_step: 12, ..Refinement::default() };
+/// let mut path = Path::new(&interface, Settings::default(), refinement);
+/// let mut lost = |waypoints: &[f64]| {
+///     let (mut lost, mut error) = (0.0, 0.0);
+///     for approach in waypoints {
+///         let step = path.step(Drive::approach(*approach), &mut |_| ControlFlow::Continue(()))?;
+///         lost += step.dissipated.unwrap();
+///         error += step.dissipated_error.unwrap();
+///     }
+///     Ok::<_, gfmd_interface::InterfaceError>((lost, error))
+/// };
+/// let (loop_loss, error) = lost(&[-0.01, -0.005, 0.0, 0.003, 0.0, -0.005, -0.01])?;
+/// assert!(loop_loss > 20.0 * error);
+/// lost(&[0.0, 0.003])?;
+/// let (smooth_loss, error) = lost(&[0.004, 0.005, 0.004, 0.003])?;
+/// assert!(smooth_loss.abs() <= error && error < 1e-2 * loop_loss);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Path<'a, P: Quasistatic> {
+    problem: &'a P,
+    settings: Settings,
+    refinement: Refinement,
+    last: Option<(P::State, Reading)>,
+    /// Work exchanged in all steps so far, and their number.
+    exchanged: f64,
+    steps: u64,
+    /// Extra solves that may still be made.
+    allowance: u64,
+}
+
+impl<'a, P: Quasistatic> Path<'a, P> {
+    /// A path that has not begun.
+    pub fn new(problem: &'a P, settings: Settings, refinement: Refinement) -> Self {
+        let allowance = refinement.solves_per_step.saturating_mul(IN_ADVANCE);
+        Self { problem, settings, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
+    }
+
+    /// The last state.
+    pub fn state(&self) -> Option<&P::State> {
+        self.last.as_ref().map(|(state, _)| state)
+    }
+
+    /// Goes on to `drive`. The first state has nothing to lose.
+    ///
+    /// # Errors
+    /// Those of the solver. The path then stands at the last state at rest that is known to lie on it.
+    pub fn step(&mut self, drive: Drive, watch: Watch) -> Result<Step, InterfaceError> {
+        let mut search = Search {
+            problem: self.problem,
+            settings: self.settings,
+            watch,
+            step: Step::default(),
+            allowance: self.allowance.saturating_add(self.refinement.solves_per_step),
+        };
+        let (state, reading) = search.rest(drive, self.state())?;
+        let step = &mut search.step;
+        match (reading.loss, self.last.take()) {
+            (Loss::Unknown, _) => {}
+            (Loss::Known(lost), _) => step.dissipated = Some(lost),
+            (Loss::Balance(_), None) => (step.dissipated, step.dissipated_error) = (Some(0.0), Some(0.0)),
+            (Loss::Balance(_), Some((start, begin))) => {
+                let exchanged = Balance::between(&begin, &reading).exchanged;
+                self.exchanged += exchanged;
+                self.steps += 1;
+                let reference = exchanged.max(self.exchanged / self.steps as f64);
+                let mut here = Rest { state: start, reading: begin, share: 0.0, origin: 0.0 };
+                let end = Rest { state, reading, share: 1.0, origin: 0.0 };
+                let outcome = search.account(&mut here, end, drive, reference, self.refinement.tolerance);
+                self.allowance = search.allowance;
+                self.last = Some((here.state, here.reading));
+                return outcome.map(|()| search.step);
+            }
+        }
+        self.last = Some((state, reading));
+        Ok(search.step)
+    }
+}
+
+/// A state within a step.
+struct Rest<S> {
+    state: S,
+    reading: Reading,
+    /// The part of the step at whose end it is, and the part at which its search began.
+    share: f64,
+    origin: f64,
+}
+
+/// Steps whose extra solves may be spent before they are made.
+const IN_ADVANCE: u64 = 8;
+/// Pieces shorter than this part of a step are not divided.
+const SHORTEST: f64 = 1e-9;
+/// Of the error that a step may have, a piece that encloses a jump may have this part, however short it is.
+const OF_A_JUMP: f64 = 0.25;
+/// A piece is divided only if so many solves are left: both halves, and the way from there to the end of the step, then
+/// still get a state in their middle, without which little is known of their error.
+const RESERVE: u64 = 5;
+
+/// One step while it is made.
+struct Search<'a, P: Quasistatic> {
+    problem: &'a P,
+    settings: Settings,
+    watch: Watch<'a>,
+    step: Step,
+    /// Extra solves that may still be made.
+    allowance: u64,
+}
+
+impl<P: Quasistatic> Search<'_, P> {
+    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), InterfaceError> {
+        let state = self.problem.rest(drive, &self.settings, start, self.watch)?;
+        let reading = self.problem.reading(&state);
+        self.step.iterations += reading.iterations;
+        self.step.transform_pairs += reading.transform_pairs;
+        Ok((state, reading))
+    }
+
+    /// Takes `here` to `end`, piece by piece, and adds up what the pieces lose, to the tolerance times a reference work.
+    fn account(
+        &mut self,
+        here: &mut Rest<P::State>,
+        end: Rest<P::State>,
+        drive: Drive,
+        reference: f64,
+        tolerance: f64,
+    ) -> Result<(), InterfaceError> {
+        let (begin, allowed) = (here.reading, tolerance * reference);
+        let extra = |search: &mut Self, share: f64, start: &Rest<P::State>| {
+            search.step.extra_solves += 1;
+            search.allowance = search.allowance.saturating_sub(1);
+            let (state, reading) = search.rest(begin.towards(drive, share), Some(&start.state))?;
+            Ok::<_, InterfaceError>(Rest { state, reading, share, origin: start.share })
+        };
+        let (mut lost, mut uncertain) = (0.0, 0.0);
+        // States to come: the end of the next piece, and perhaps that of the one after it.
+        let mut ahead = vec![end];
+        while here.share < 1.0 {
+            let mut end = match ahead.pop() {
+                Some(end) => end,
+                None => extra(self, 1.0, here)?,
+            };
+            let span = end.share - here.share;
+            let chord = Balance::between(&here.reading, &end.reading);
+            let mut piece = (chord.missing, chord.spread + chord.missing.abs());
+            if piece.1 > allowed * span && span > SHORTEST && self.allowance > 0 {
+                match extra(self, here.share + 0.5 * span, here) {
+                    Err(error) if error.is_interruption() => return Err(error),
+                    // Next to an instability the solver may not settle; the piece then stays whole.
+                    Err(_) => {}
+                    Ok(middle) => {
+                        let mut halves = Halves::new(&here.reading, &middle.reading, &end.reading);
+                        let closes = |halves: &Halves| halves.simpson().abs() <= allowed * span;
+                        // A force that rises and falls within a piece hides work that shrinks with its square.
+                        let enclosed = |halves: &Halves| halves.spread + reference * span * span;
+                        let encloses = |halves: &Halves| enclosed(halves) <= OF_A_JUMP * allowed;
+                        if encloses(&halves) && !closes(&halves) {
+                            // States found from before a jump are of no use behind it.
+                            ahead.clear();
+                            if end.origin < here.share {
+                                end = extra(self, end.share, &middle)?;
+                                halves = Halves::new(&here.reading, &middle.reading, &end.reading);
+                            }
+                        }
+                        piece = if closes(&halves) {
+                            // If nothing was lost, what is missing is the error of the work.
+                            (halves.simpson(), halves.simpson().abs())
+                        } else if encloses(&halves) {
+                            (halves.missing, enclosed(&halves))
+                        } else if self.allowance < RESERVE {
+                            (halves.missing, halves.doubt())
+                        } else {
+                            ahead.clear();
+                            ahead.extend([end, middle]);
+                            continue;
+                        };
+                    }
+                }
+            }
+            lost += piece.0;
+            uncertain += piece.1;
+            *here = end;
+        }
+        (self.step.dissipated, self.step.dissipated_error) = (Some(lost), Some(uncertain));
+        Ok(())
+    }
+}
+
+/// Work and energy between two states, per area.
+#[derive(Clone, Copy, Debug, Default)]
+struct Balance {
+    /// Work by trapezoids less the energy gained.
+    missing: f64,
+    /// The error of that work if the forces change monotonically, jumps included.
+    spread: f64,
+    /// Work in magnitude.
+    exchanged: f64,
+}
+
+impl Balance {
+    fn between(from: &Reading, to: &Reading) -> Self {
+        let works = |r: &Reading| {
+            [(r.mean_pressure, r.approach), (r.mean_shear[0], r.lateral[0]), (r.mean_shear[1], r.lateral[1])]
+        };
+        let stored = |r: &Reading| if let Loss::Balance(energy) = r.loss { energy } else { f64::NAN };
+        let mut balance = Self { missing: stored(from) - stored(to), ..Self::default() };
+        for ((force, place), (next_force, next_place)) in works(from).into_iter().zip(works(to)) {
+            let moved = next_place - place;
+            balance.missing += 0.5 * (force + next_force) * moved;
+            balance.spread += 0.5 * ((next_force - force) * moved).abs();
+            balance.exchanged += 0.5 * (force.abs() + next_force.abs()) * moved.abs();
+        }
+        balance
+    }
+}
+
+/// Work and energy over a piece of a path, from its two ends and its middle.
+struct Halves {
+    /// Work by trapezoids over the halves less the energy gained.
+    missing: f64,
+    /// Its error if the forces change monotonically in either half.
+    spread: f64,
+    /// By how much it differs from that over the whole.
+    change: f64,
+}
+
+impl Halves {
+    fn new(from: &Reading, middle: &Reading, to: &Reading) -> Self {
+        let [first, second] = [Balance::between(from, middle), Balance::between(middle, to)];
+        let missing = first.missing + second.missing;
+        let change = missing - Balance::between(from, to).missing;
+        Self { missing, spread: first.spread + second.spread, change }
+    }
+
+    /// The work by Simpson's rule instead.
+    fn simpson(&self) -> f64 {
+        self.missing + self.change / 3.0
+    }
+
+    /// An estimate of the error of `missing`: all of it if nothing was lost, its change if a jump lies in one half.
+    fn doubt(&self) -> f64 {
+        self.spread.min(self.missing.abs().max(self.change.abs()))
+    }
+}
+
+impl Reading {
+    /// The drive at `share` of the way from here to `drive`.
+    fn towards(&self, drive: Drive, share: f64) -> Drive {
+        if share == 1.0 {
+            return drive;
+        }
+        let at = |from: f64, to: f64| from + share * (to - from);
+        Drive {
+            normal: match drive.normal {
+                Normal::MeanPressure(to) => Normal::MeanPressure(at(self.mean_pressure, to)),
+                Normal::Approach(to) => Normal::Approach(at(self.approach, to)),
+            },
+            lateral: std::array::from_fn(|c| at(self.lateral[c], drive.lateral[c])),
+        }
+    }
+}
+
+impl Quasistatic for Interface<'_> {
+    type State = State;
+
+    fn rest(
+        &self,
+        drive: Drive,
+        settings: &Settings,
+        start: Option<&State>,
+        watch: Watch,
+    ) -> Result<State, InterfaceError> {
+        self.solve(drive, settings, start, watch)
+    }
+
+    fn reading(&self, state: &State) -> Reading {
+        Reading {
+            mean_pressure: state.mean_pressure,
+            approach: state.approach,
+            mean_shear: state.mean_shear,
+            lateral: state.lateral,
+            loss: if self.has_energy() {
+                Loss::Balance(state.elastic_energy + state.interface_energy)
+            } else {
+                Loss::Unknown
+            },
+            iterations: state.iterations,
+            transform_pairs: state.transform_pairs,
+        }
+    }
+}
+
+impl Quasistatic for FrictionalContact<'_> {
+    type State = FrictionState;
+
+    fn rest(
+        &self,
+        drive: Drive,
+        settings: &Settings,
+        start: Option<&FrictionState>,
+        watch: Watch,
+    ) -> Result<FrictionState, InterfaceError> {
+        self.solve(drive, settings, start, watch)
+    }
+
+    fn reading(&self, state: &FrictionState) -> Reading {
+        Reading {
+            mean_pressure: state.mean_pressure,
+            approach: state.approach,
+            mean_shear: state.mean_shear,
+            lateral: state.lateral,
+            loss: Loss::Known(state.dissipated),
+            iterations: state.iterations,
+            transform_pairs: state.transform_pairs,
+        }
+    }
+}

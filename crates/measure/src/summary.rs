@@ -1,0 +1,97 @@
+use ndarray::ArrayView2;
+
+use crate::{contact_area, elastic_energy_density, kappa, pressure_statistics, reduced_pressure};
+
+/// The scales of reduced quantities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// E* of the body, in stress.
+    pub contact_modulus: f64,
+    /// Root mean square of |∇h| over the whole rigid surface, dimensionless.
+    pub rms_gradient: f64,
+}
+
+/// The numbers that describe a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Mean pressure over the whole surface, in stress.
+    pub mean_pressure: f64,
+    /// Reduced pressure p̄/(E* ḡ).
+    pub p_star: f64,
+    /// Points in contact over all points.
+    pub area_fraction: f64,
+    /// The fraction less what counting whole pixels adds along the perimeter (Yastrebov et al. 2017).
+    pub area_fraction_corrected: f64,
+    /// `area_fraction / p_star`.
+    pub kappa: f64,
+    /// `area_fraction_corrected / p_star`.
+    pub kappa_corrected: f64,
+    /// Number of points in contact.
+    pub contact_nodes: u64,
+    /// Neighbouring pairs with one point in contact and one not.
+    pub boundary_links: u64,
+    /// Mean distance between the surfaces, in length.
+    pub mean_gap: f64,
+    /// Largest pressure, in stress.
+    pub max_pressure: f64,
+    /// Mean pressure over the points in contact, in stress.
+    pub mean_pressure_in_contact: f64,
+    /// Standard deviation of the pressure over the points in contact, in stress.
+    pub pressure_deviation_in_contact: f64,
+    /// Mean square pressure over the whole surface, in stress².
+    pub pressure_moment_2: f64,
+    /// Elastic energy per area of the surface, in stress × length.
+    pub elastic_energy: f64,
+}
+
+impl Summary {
+    /// Measures the fields of a contact. Where surfaces attract each other, `pressure` is the repulsive part alone: its
+    /// points are those in contact. `mean_pressure` is that of all forces.
+    pub fn of(
+        pressure: ArrayView2<f64>,
+        displacement_z: ArrayView2<f64>,
+        gap: ArrayView2<f64>,
+        mean_pressure: f64,
+        scales: &Scales,
+    ) -> Self {
+        let area = contact_area(pressure);
+        let statistics = pressure_statistics(pressure);
+        let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);
+        Self {
+            mean_pressure,
+            p_star,
+            area_fraction: area.fraction,
+            area_fraction_corrected: area.corrected_fraction,
+            kappa: kappa(area.fraction, p_star),
+            kappa_corrected: kappa(area.corrected_fraction, p_star),
+            contact_nodes: area.nodes as u64,
+            boundary_links: area.boundary_links as u64,
+            mean_gap: gap.mean().unwrap_or(f64::NAN),
+            max_pressure: statistics.max,
+            mean_pressure_in_contact: statistics.mean_in_contact,
+            pressure_deviation_in_contact: statistics.deviation_in_contact,
+            pressure_moment_2: statistics.moments[0],
+            elastic_energy: elastic_energy_density(pressure, displacement_z),
+        }
+    }
+}
+
+/// A scalar of `T` as a variable of a table or a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Column<T> {
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Kind of quantity, such as "stress*length"; "1" without one.
+    pub units: &'static str,
+    /// Meaning.
+    pub long_name: &'static str,
+    /// The value.
+    pub value: fn(&T) -> f64,
+}
+
+impl<T> Column<T> {
+    /// A column of the table.
+    pub const fn new(name: &'static str, units: &'static str, long_name: &'static str, value: fn(&T) -> f64) -> Self {
+        Self { name, units, long_name, value }
+    }
+}

@@ -1,0 +1,55 @@
+use std::ops::RangeInclusive;
+
+/// The accuracy asked of an iterative search, and the effort allowed for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// Every residual must fall to this.
+    pub tolerance: f64,
+    /// Iterations, or time steps, after which the search is given up.
+    pub max_iterations: u64,
+}
+
+impl Default for Budget {
+    /// 1e-8 within 100 000 iterations.
+    fn default() -> Self {
+        Self { tolerance: 1e-8, max_iterations: 100_000 }
+    }
+}
+
+impl Budget {
+    /// Tolerances that make sense: rounding prevents a smaller one, and with a larger one nothing is solved.
+    pub const TOLERANCES: RangeInclusive<f64> = 1e-15..=0.1;
+
+    /// Checks the tolerance.
+    ///
+    /// # Errors
+    /// A tolerance outside [`TOLERANCES`](Self::TOLERANCES).
+    pub fn check(&self) -> Result<(), ToleranceError> {
+        let found = self.tolerance;
+        if Self::TOLERANCES.contains(&found) { Ok(()) } else { Err(ToleranceError { found }) }
+    }
+}
+
+/// A tolerance outside [`Budget::TOLERANCES`].
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the tolerance is {found:e}; it must be between {:e} and {}",
+    Budget::TOLERANCES.start(), Budget::TOLERANCES.end()
+)]
+pub struct ToleranceError {
+    /// The tolerance asked for.
+    pub found: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerances_beyond_the_range_and_nan_are_refused() {
+        let check = |tolerance| Budget { tolerance, ..Budget::default() }.check();
+        assert!([1e-15, 1e-8, 0.1].into_iter().all(|tolerance| check(tolerance).is_ok()));
+        assert!([0.0, -1.0, 9e-16, 0.2, f64::NAN].into_iter().all(|tolerance| check(tolerance).is_err()));
+        assert_eq!(check(1e-20).unwrap_err().to_string(), "the tolerance is 1e-20; it must be between 1e-15 and 0.1");
+    }
+}

@@ -1,0 +1,241 @@
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+
+use crate::{FullResponse, NormalResponse, Workspace};
+
+/// The elastic side of a contact: a surface of which u_z alone matters, or one that moves in all its components. The
+/// response is shared, so a clone costs nothing.
+#[derive(Clone, Debug)]
+pub enum Elastic {
+    /// u_z alone.
+    Normal(Arc<NormalResponse>),
+    /// All components.
+    Full(Arc<FullResponse>),
+}
+
+impl From<Arc<NormalResponse>> for Elastic {
+    fn from(response: Arc<NormalResponse>) -> Self {
+        Self::Normal(response)
+    }
+}
+
+impl From<Arc<FullResponse>> for Elastic {
+    fn from(response: Arc<FullResponse>) -> Self {
+        Self::Full(response)
+    }
+}
+
+impl From<NormalResponse> for Elastic {
+    fn from(response: NormalResponse) -> Self {
+        Self::Normal(response.into())
+    }
+}
+
+impl From<FullResponse> for Elastic {
+    fn from(response: FullResponse) -> Self {
+        Self::Full(response.into())
+    }
+}
+
+impl Elastic {
+    /// The grid of the surface.
+    pub fn grid(&self) -> &Grid {
+        match self {
+            Self::Normal(response) => response.grid(),
+            Self::Full(response) => response.grid(),
+        }
+    }
+
+    /// Number of components of a field; z is the last.
+    pub fn components(&self) -> usize {
+        match self {
+            Self::Normal(_) => 1,
+            Self::Full(response) => response.components().len(),
+        }
+    }
+
+    /// Compliance of the uniform mode, component by component, in length/stress; 0 where the mean displacement does not
+    /// answer to the mean traction.
+    pub fn uniform_compliance(&self) -> Vec<f64> {
+        match self {
+            Self::Normal(response) => vec![response.uniform_compliance()],
+            Self::Full(response) => {
+                let all = response.uniform_compliance();
+                response.components().axes().iter().map(|&axis| all[axis]).collect()
+            }
+        }
+    }
+
+    /// Smallest and largest stiffness of the modes q ≠ 0, in stress/length.
+    pub fn stiffness_range(&self) -> [f64; 2] {
+        match self {
+            Self::Normal(response) => response.stiffness_range(),
+            Self::Full(response) => response.stiffness_range(),
+        }
+    }
+
+    /// E* of the body, in stress.
+    pub fn contact_modulus(&self) -> f64 {
+        match self {
+            Self::Normal(response) => response.contact_modulus(),
+            Self::Full(response) => response.contact_modulus(),
+        }
+    }
+
+    /// The transforms of one solve: the memory that they need, and a count of them.
+    pub fn transforms(&self) -> Transforms {
+        match self {
+            Self::Normal(response) => Transforms::Normal(NormalTransforms::of(response)),
+            Self::Full(response) => Transforms::Full(FullTransforms::of(response)),
+        }
+    }
+}
+
+/// Stiffness and compliance of an [`Elastic`] surface with the memory that they need, and a count of the transforms.
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid times the number of components.
+#[derive(Debug)]
+#[expect(missing_docs, reason = "each variant is its type")]
+pub enum Transforms {
+    Normal(NormalTransforms),
+    Full(FullTransforms),
+}
+
+impl Transforms {
+    /// `out` ← K `field`, but for the means: that of a component becomes `uniform` times that of the field.
+    pub fn stiffness(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
+        let points = match self {
+            Self::Normal(normal) => {
+                let response = Arc::clone(&normal.response);
+                normal.convolve(response.stiffness(), field, out);
+                response.grid().len()
+            }
+            Self::Full(full) => {
+                full.stiffness(field, out);
+                full.response.grid().len()
+            }
+        };
+        set_means(points, field, uniform, out);
+    }
+
+    /// `out` ← G `field`, but for the means: that of a component becomes `uniform` times that of the field.
+    pub fn compliance(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
+        let points = match self {
+            Self::Normal(normal) => {
+                let response = Arc::clone(&normal.response);
+                normal.convolve(response.compliance(), field, out);
+                response.grid().len()
+            }
+            Self::Full(full) => {
+                full.compliance(field, out);
+                full.response.grid().len()
+            }
+        };
+        set_means(points, field, uniform, out);
+    }
+
+    /// Forward and inverse transforms of one component so far, in pairs.
+    pub fn pairs(&self) -> f64 {
+        match self {
+            Self::Normal(normal) => normal.pairs(),
+            Self::Full(full) => full.pairs(),
+        }
+    }
+}
+
+/// The transforms of a [`NormalResponse`] with the memory that they need, and a count of them.
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid, or a kernel that of its modes.
+#[derive(Debug)]
+pub struct NormalTransforms {
+    response: Arc<NormalResponse>,
+    workspace: gfmd_field::Workspace,
+    /// Single transforms.
+    singles: u64,
+}
+
+impl NormalTransforms {
+    /// Memory for transforms on the grid of `response`; none is counted yet.
+    pub fn of(response: &Arc<NormalResponse>) -> Self {
+        Self { response: Arc::clone(response), workspace: response.transform().workspace(), singles: 0 }
+    }
+
+    /// `out` ← F⁻¹\[k F\[field\]\], the real kernel k laid out as [`Grid::modes`].
+    pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
+        self.singles += 2;
+        fits(self.response.transform().convolve(kernel, field, out, &mut self.workspace));
+    }
+
+    /// As [`convolve`](Self::convolve), of a field that is made row by row, while the row is in the cache:
+    /// `source(i, row)` fills row i. A grid with one point along an axis is a single row.
+    pub fn convolve_rows(&mut self, kernel: &[f64], source: impl Fn(usize, &mut [f64]) + Sync, out: &mut [f64]) {
+        self.singles += 2;
+        fits(self.response.transform().convolve_rows(kernel, source, out, |_, _| {}, &mut self.workspace));
+    }
+
+    /// (1/N) Σ_r f (K f) with K the convolution with `kernel`, by one transform.
+    pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
+        self.singles += 1;
+        fits(self.response.transform().quadratic_form(kernel, field, &mut self.workspace))
+    }
+
+    /// Forward and inverse transforms so far, in pairs.
+    pub fn pairs(&self) -> f64 {
+        self.singles as f64 / 2.0
+    }
+}
+
+/// The transforms of a [`FullResponse`] with the memory that they need, and a count of them.
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid times the number of components.
+#[derive(Debug)]
+pub struct FullTransforms {
+    response: Arc<FullResponse>,
+    workspace: Workspace,
+    /// Pairs of transforms of one component.
+    pairs: u64,
+}
+
+impl FullTransforms {
+    /// Memory for transforms on the grid of `response`; none is counted yet.
+    pub fn of(response: &Arc<FullResponse>) -> Self {
+        Self { response: Arc::clone(response), workspace: response.workspace(), pairs: 0 }
+    }
+
+    /// Traction ← K displacement.
+    pub fn stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) {
+        self.pairs += self.response.components().len() as u64;
+        fits(self.response.stiffness().apply(displacement, traction, &mut self.workspace));
+    }
+
+    /// Displacement ← G traction.
+    pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        self.pairs += self.response.components().len() as u64;
+        fits(self.response.compliance().apply(traction, displacement, &mut self.workspace));
+    }
+
+    /// Forward and inverse transforms of one component so far, in pairs.
+    pub fn pairs(&self) -> f64 {
+        self.pairs as f64
+    }
+}
+
+/// Lengths are the business of the caller, who makes every field with the size of the grid.
+fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
+    outcome.expect("every field has the size of the grid")
+}
+
+fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {
+    for ((field, out), uniform) in field.chunks_exact(points).zip(out.chunks_exact_mut(points)).zip(uniform) {
+        let change = uniform * mean(field) - mean(out);
+        gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
+    }
+}
+
+fn mean(field: &[f64]) -> f64 {
+    gfmd_vector::sum(field.len(), &|range| field[range].iter().sum()) / field.len() as f64
+}
