@@ -1,5 +1,8 @@
 //! The fit: from data and settings to limit, terms and their intervals.
 
+#[cfg(test)]
+mod tests;
+
 use rayon::prelude::*;
 
 use crate::datum::{levels, same_level};
@@ -102,7 +105,7 @@ fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
 }
 
 /// The terms that the levels allow, and the axes whose free exponent they leave undetermined.
-pub(crate) fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Shape>, Vec<Axis>) {
+fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Shape>, Vec<Axis>) {
     let (mut shapes, mut held) = (Vec::new(), Vec::new());
     for axis in Axis::ALL {
         let levels = levels(data, axis);
@@ -132,7 +135,7 @@ pub(crate) fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>)
 }
 
 /// The data with their weights; the flag says whether the weights are inverse variances.
-pub(crate) fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
+fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
     let freedom = |datum: &Datum| (datum.kappa.len() - 1) as f64;
     let total: f64 = data.iter().map(freedom).sum();
     let squares: f64 = data.iter().map(|datum| freedom(datum) * datum.variance().unwrap_or(0.0)).sum();

@@ -39,9 +39,6 @@ mod resample;
 mod richardson;
 mod uncertainty;
 
-#[cfg(test)]
-mod tests;
-
 pub use datum::{Axis, Datum};
 pub use error::FitError;
 pub use fit::fit;

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
-use crate::fit::{shapes, weighted};
+use super::{shapes, weighted};
 use crate::projection::Search;
 use crate::*;
 
