@@ -5,36 +5,15 @@ use std::sync::Mutex;
 
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_relax::{Damping, Landscape, Method, ModeDamped, State, Verlet};
-use gfmd_response::{FullResponse, Operator, Workspace};
-
-struct Free<'a> {
-    stiffness: &'a Operator,
-    workspace: Workspace,
-}
-
-impl Landscape for Free<'_> {
-    fn len(&self) -> usize {
-        self.stiffness.components().len() * self.stiffness.grid().len()
-    }
-
-    fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
-        self.stiffness.apply(u, force, &mut self.workspace).unwrap();
-        force.iter_mut().for_each(|f| *f = -*f);
-        -0.5 * u.iter().zip(force).map(|(u, f)| u * *f).sum::<f64>()
-    }
-
-    fn residual(&self, u: &[f64], _: &[f64]) -> f64 {
-        u.iter().fold(0.0, |largest, u| f64::max(largest, u.abs()))
-    }
-}
+use gfmd_relax::{Damping, Harmonic, Landscape, Method, ModeDamped, State, Verlet};
+use gfmd_response::{FullResponse, Operator};
 
 /// The operator with `f` of the stiffness of every mode.
 fn function(stiffness: &Operator, f: impl Fn(f64) -> f64 + Sync) -> Operator {
     stiffness.beside(|mode| stiffness.matrices()[stiffness.grid().index_of(mode.number).unwrap()].function(&f))
 }
 
-fn after<M: Method>(method: &M, free: &mut Free, start: &[f64], steps: u32) -> Vec<f64> {
+fn after<M: Method>(method: &M, free: &mut impl Landscape, start: &[f64], steps: u32) -> Vec<f64> {
     let mut state: State<M::Memory> = method.start(free, start.to_vec()).unwrap();
     for _ in 0..steps {
         method.step(free, &mut state).unwrap();
@@ -50,7 +29,9 @@ fn every_mode_moves_as_the_eigenvalues_of_its_update_matrix_say() {
         let response = FullResponse::new(grid, &body);
         let stiffness = response.stiffness();
         let [softest, stiffest] = response.stiffness_range();
-        let mut free = Free { stiffness, workspace: response.workspace() };
+        let mut workspace = response.workspace();
+        let product = |u: &[f64], out: &mut [f64]| stiffness.apply(u, out, &mut workspace).unwrap();
+        let mut free = Harmonic::new(response.components().len() * grid.len(), product);
         let start: Vec<f64> = (0..free.len()).map(|i| (0.618_034 * (i * i) as f64).fract() - 0.5).collect();
         let expected = |history: &(dyn Fn(f64) -> f64 + Sync)| {
             let mut u = vec![0.0; start.len()];

@@ -1,17 +1,16 @@
 //! `damping`: what damping does to the relaxation of a free surface, predicted and measured.
 
+mod experiment;
 mod figures;
 
-use std::f64::consts::TAU;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_field::{Grid, Mode};
+use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable};
-use gfmd_green::{Body, GreenError, Material, stiffness_range};
-use gfmd_relax::{Damping, Landscape, Method, Motion, RelaxError, Verlet};
-use gfmd_response::{Components, FullResponse, Workspace};
+use gfmd_green::{Body, GreenError, Material};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -19,6 +18,9 @@ use crate::figures::parse_prefix;
 use crate::memory::Held;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
+
+use experiment::{Experiment, FEWEST_STEPS, MOST_STEPS, Unusable};
+pub use experiment::{Optimal, Regime, Run};
 
 /// Flags of `damping`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -99,87 +101,14 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// The best single damping of the band.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Optimal {
-    /// Time step.
-    pub dt: f64,
-    /// η, in 1/time².
-    pub eta: f64,
-    /// Factor per step of the slowest error in the long run.
-    pub rate: f64,
-}
-
-/// Relaxation with one damping. A rate is the factor per step by which an amplitude shrinks in the long run.
-#[derive(Clone, Debug, Serialize)]
-pub struct Run {
-    /// η over the critical one.
-    pub factor: f64,
-    /// η, in 1/time².
-    pub eta: f64,
-    /// What the slowest mode does.
-    pub regime: Regime,
-    /// Modes that oscillate, part of all.
-    pub oscillating: f64,
-    /// Predicted rate of the slowest mode: the largest eigenvalue of its update matrix, in magnitude.
-    pub predicted_rate: f64,
-    /// Measured rate of the slowest mode.
-    pub mode_rate: f64,
-    /// Measured rate of the point that was pushed.
-    pub point_rate: f64,
-    /// Predicted steps until the slowest mode stays below 1e-8 of its start.
-    pub steps_to_1e8: Option<u32>,
-    /// Amplitude of the slowest mode over its start, step by step.
-    #[serde(skip)]
-    pub mode: Vec<f64>,
-    /// The same, predicted.
-    #[serde(skip)]
-    pub predicted: Vec<f64>,
-    /// Displacement of the point that was pushed over its start, in the component in which the slowest mode moves most.
-    #[serde(skip)]
-    pub point: Vec<f64>,
-}
-
-/// What a mode does on its way to rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Regime {
-    /// It oscillates.
-    UnderDamped,
-    /// It decays fastest without oscillation.
-    Critical,
-    /// It creeps.
-    OverDamped,
-}
-
-impl Regime {
-    fn of(motion: Motion) -> Self {
-        match motion {
-            Motion::UnderDamped { .. } => Self::UnderDamped,
-            Motion::Critical { .. } => Self::Critical,
-            Motion::OverDamped { .. } => Self::OverDamped,
-        }
-    }
-}
-
-impl fmt::Display for Regime {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.pad(match self {
-            Self::UnderDamped => "under-damped",
-            Self::Critical => "critical",
-            Self::OverDamped => "over-damped",
-        })
-    }
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// A flag whose value cannot be used; files that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let experiment = Experiment::new(args)?;
+    let experiment = experiment(args)?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-    let mut report = experiment.run(session)?;
+    let mut report = Report::new(&experiment, measure(&experiment, session)?);
     if let Some(output) = &output {
         report.out = Some(write(output, &report, args, session)?);
     }
@@ -189,226 +118,79 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// The surface of a body on which nothing acts.
-struct Free<'a> {
-    response: &'a FullResponse,
-    workspace: Workspace,
+/// The experiment that the flags describe.
+fn experiment(args: &Args) -> Result<Experiment, Failure> {
+    let material = Material::from_young(args.young, args.poisson);
+    let body = material.and_then(|material| Body::slab(material, args.height)).map_err(|error| {
+        let flag = match &error {
+            GreenError::Young(_) => "--young",
+            GreenError::Poisson(_) => "--poisson",
+            _ => "--height",
+        };
+        Failure::input(flag, error)
+    })?;
+    let points = if args.dim == 2 { [args.n, 1] } else { [args.n; 2] };
+    Held::DAMPING.check("--n", points)?;
+    let grid = Grid::new(points, [1.0; 2]).map_err(|error| Failure::input("--n", error))?;
+    if args.n < 2 {
+        return Err(unusable(args, Unusable::Points));
+    }
+    Experiment::new(&body, grid, args.dt, &args.factors, args.steps).map_err(|error| unusable(args, error))
 }
 
-impl Landscape for Free<'_> {
-    fn len(&self) -> usize {
-        self.response.components().len() * self.response.grid().len()
-    }
-
-    fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
-        let fits = "u and force have the length of the problem";
-        self.response.stiffness().apply(u, force, &mut self.workspace).expect(fits);
-        force.iter_mut().for_each(|f| *f = -*f);
-        -0.5 * gfmd_vector::dot(u, force)
-    }
-
-    fn residual(&self, u: &[f64], _: &[f64]) -> f64 {
-        u.iter().fold(0.0, |largest, u| f64::max(largest, u.abs()))
+fn unusable(args: &Args, error: Unusable) -> Failure {
+    match error {
+        Unusable::Points => Failure::input("--n", format!("found {}, allowed: 2 or more", args.n)),
+        Unusable::TimeStep(found) => Failure::input("--dt", format!("found {found}, allowed: between 0 and 1")),
+        Unusable::Factor { found, largest } => Failure::input(
+            "--factors",
+            format!("found {found}, allowed at this time step: above 0 and below {largest}"),
+        ),
+        Unusable::Steps(enough) => Failure::input(
+            "--steps",
+            format!("found none; {enough:.0} would show the rates, {MOST_STEPS:.0} are done unasked"),
+        ),
+        Unusable::Method(error) => Failure::Computation(error.to_string()),
     }
 }
 
-/// What is set up before the first step.
-struct Experiment {
-    response: FullResponse,
-    dt: f64,
-    steps: u32,
-    verlets: Vec<(f64, Verlet)>,
-    slowest: (f64, Mode),
-    /// The shape of the slowest mode on the surface.
-    pattern: Vec<f64>,
-    /// Index of the pushed entry that is watched.
-    watched: usize,
+/// One run for each factor.
+fn measure(experiment: &Experiment, session: &Session) -> Result<Vec<Run>, Failure> {
+    let total = f64::from(experiment.steps) * experiment.verlets.len() as f64;
+    let progress = Progress::new(&session.common, "damping", total);
+    let mut runs = Vec::new();
+    for damped in &experiment.verlets {
+        let (factor, mut reached) = (damped.0, 0);
+        let note = format!("factor {factor}");
+        let run = experiment.relax(damped, &mut |step| {
+            reached = step;
+            progress.advance(1.0, &note);
+            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        let run = run.map_err(|error| Failure::Computation(error.to_string()))?;
+        let stopped = || Failure::Interrupted(format!("interrupted at step {reached} with factor {factor}"));
+        runs.push(run.ok_or_else(stopped)?);
+    }
+    progress.finish();
+    Ok(runs)
 }
 
-impl Experiment {
-    fn new(args: &Args) -> Result<Self, Failure> {
-        let material = Material::from_young(args.young, args.poisson);
-        let body = material.and_then(|material| Body::slab(material, args.height)).map_err(|error| {
-            let flag = match &error {
-                GreenError::Young(_) => "--young",
-                GreenError::Poisson(_) => "--poisson",
-                _ => "--height",
-            };
-            Failure::input(flag, error)
-        })?;
-        let grid = match args.dim {
-            2 => Grid::line(args.n, 1.0),
-            _ => Grid::square(args.n, 1.0),
-        };
-        let grid = grid.map_err(|error| Failure::input("--n", error))?;
-        let refuse = || Failure::input("--n", format!("found {}, allowed: 2 or more", args.n));
-        if args.n < 2 {
-            return Err(refuse());
-        }
-        Held::DAMPING.check("--n", grid.points())?;
-        let range = stiffness_range(&body, &grid).ok_or_else(refuse)?;
-        if !(args.dt > 0.0 && args.dt < 1.0) {
-            return Err(Failure::input("--dt", format!("found {}, allowed: between 0 and 1", args.dt)));
-        }
-        let dt = args.dt * 2.0 / range.stiffest.sqrt();
-        let critical = Damping::critical(range.softest, dt).eta();
-        // theory.md, section 6.1: τ k_max < 2 (1 + β).
-        let largest = (2.0 - 0.5 * range.stiffest * dt * dt) / (critical * dt * dt);
-        if let Some(bad) = args.factors.iter().find(|factor| !(**factor > 0.0 && **factor < largest)) {
-            let allowed = format!("found {bad}, allowed at this time step: above 0 and below {largest}");
-            return Err(Failure::input("--factors", allowed));
-        }
-        let verlet = |&factor: &f64| {
-            let damping = Damping { beta: 1.0 - factor * critical * dt * dt, tau: dt * dt };
-            Verlet::new(damping, range.stiffest).map(|verlet| (factor, verlet))
-        };
-        let verlets = args.factors.iter().map(verlet).collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        let slowest = verlets.iter().map(|(_, v)| v.damping.spectral_radius(range.softest)).fold(0.0, f64::max);
-        let enough = (DECAY / -slowest.ln()).ceil().max(f64::from(FEWEST_STEPS));
-        let steps = match args.steps {
-            Some(steps) => steps,
-            None if enough <= MOST_STEPS => enough as u32,
-            None => {
-                let reason = format!("found none; {enough:.0} would show the rates, {MOST_STEPS:.0} are done unasked");
-                return Err(Failure::input("--steps", reason));
-            }
-        };
-        let (pattern, component) = pattern(&body, &grid, &range.softest_mode);
-        let response = FullResponse::new(grid, &body);
-        let watched = component * grid.len();
-        Ok(Self { response, dt, steps, verlets, slowest: (range.softest, range.softest_mode), pattern, watched })
-    }
-
-    fn run(&self, session: &Session) -> Result<Report, Failure> {
-        let [_, stiffest] = self.response.stiffness_range();
-        let (softest, mode) = self.slowest;
-        let progress = Progress::new(&session.common, "damping", f64::from(self.steps) * self.verlets.len() as f64);
-        let mut runs = Vec::new();
-        for (factor, verlet) in &self.verlets {
-            runs.push(self.relax(*factor, verlet, &progress, session)?);
-        }
-        progress.finish();
-        let optimal = Damping::optimal(softest, stiffest);
-        let rate = optimal.spectral_radius(softest);
-        Ok(Report {
-            n: self.response.grid().points(),
-            components: self.response.components().len(),
-            stiffness: [softest, stiffest],
-            slowest_mode: mode.number,
-            dt: self.dt,
-            critical_eta: Damping::critical(softest, self.dt).eta(),
-            optimal: Optimal { dt: optimal.tau.sqrt(), eta: optimal.eta(), rate },
-            steps: self.steps,
+impl Report {
+    fn new(experiment: &Experiment, runs: Vec<Run>) -> Self {
+        Self {
+            n: experiment.response.grid().points(),
+            components: experiment.response.components().len(),
+            stiffness: [experiment.softest, experiment.response.stiffness_range()[1]],
+            slowest_mode: experiment.slowest_mode.number,
+            dt: experiment.dt,
+            critical_eta: experiment.critical_eta(),
+            optimal: experiment.optimal(),
+            steps: experiment.steps,
             runs,
             out: None,
             plots: Vec::new(),
-        })
-    }
-
-    fn relax(&self, factor: f64, verlet: &Verlet, progress: &Progress, session: &Session) -> Result<Run, Failure> {
-        let points = self.response.grid().len();
-        let mut free = Free { response: &self.response, workspace: self.response.workspace() };
-        let mut push = vec![0.0; free.len()];
-        for (axis, component) in push.chunks_exact_mut(points).enumerate() {
-            component[0] = 1.0;
-            // The mean of an incompressible slab does not move.
-            if self.response.uniform_compliance()[self.response.components().axes()[axis]] == 0.0 {
-                component.iter_mut().for_each(|u| *u -= 1.0 / points as f64);
-            }
-        }
-        let mut state = verlet.start(&mut free, push).map_err(failed)?;
-        let start = gfmd_vector::dot(&self.pattern, &state.u);
-        let (mut mode, mut point) = (Vec::new(), Vec::new());
-        for step in 0..=self.steps {
-            mode.push(gfmd_vector::dot(&self.pattern, &state.u) / start);
-            point.push(state.u[self.watched]);
-            if session.is_interrupted() {
-                return Err(Failure::Interrupted(format!("interrupted at step {step} with factor {factor}")));
-            }
-            verlet.step(&mut free, &mut state).map_err(failed)?;
-            progress.advance(1.0, &format!("factor {factor}"));
-        }
-        let (softest, damping) = (self.slowest.0, verlet.damping);
-        Ok(Run {
-            factor,
-            eta: damping.eta(),
-            regime: Regime::of(damping.motion(softest)),
-            oscillating: self.oscillating(&damping),
-            predicted_rate: damping.spectral_radius(softest),
-            mode_rate: rate(&mode),
-            point_rate: rate(&point),
-            steps_to_1e8: damping.steps_to(softest, 1e-8),
-            predicted: (0..=self.steps).map(|step| damping.amplitude(softest, step)).collect(),
-            mode,
-            point,
-        })
-    }
-
-    /// Part of the modes, counted with their weight, that oscillate.
-    fn oscillating(&self, damping: &Damping) -> f64 {
-        let grid = self.response.grid();
-        let line = self.response.components() == Components::Plane;
-        let (mut oscillating, mut all) = (0.0, 0.0);
-        for (mode, matrix) in grid.modes().zip(self.response.stiffness().matrices()) {
-            for (k, [_, y, _]) in matrix.modes() {
-                if line && y.abs() > 0.5 {
-                    continue;
-                }
-                all += mode.weight;
-                if matches!(damping.motion(k), Motion::UnderDamped { .. }) {
-                    oscillating += mode.weight;
-                }
-            }
-        }
-        oscillating / all
-    }
-}
-
-/// Powers of e by which the slowest run shrinks: rates then have settled to a few per cent.
-const DECAY: f64 = 70.0;
-
-/// Histories are kept in memory.
-const MOST_STEPS: f64 = 1e6;
-
-/// A rate needs two windows of some steps each.
-const FEWEST_STEPS: u32 = 40;
-
-fn failed(error: RelaxError) -> Failure {
-    Failure::Computation(error.to_string())
-}
-
-/// The real field of the softest eigenvector of `mode`, and the component in which it is largest.
-fn pattern(body: &Body, grid: &Grid, mode: &Mode) -> (Vec<f64>, usize) {
-    let components = Components::of(grid);
-    let matrix = gfmd_response::Hermitian::of(&body.stiffness_of(mode));
-    let moves = |vector: &[f64; 3]| components == Components::Space || vector[1].abs() < 0.5;
-    let modes = matrix.modes();
-    let softest = modes.iter().map(|(_, vector)| vector).find(|vector| moves(vector)).unwrap_or(&modes[0].1);
-    let [nx, ny] = grid.points();
-    let mut pattern = Vec::with_capacity(components.len() * grid.len());
-    for &axis in components.axes() {
-        for (i, j) in (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j))) {
-            let turns = mode.number[0] as f64 * i as f64 / nx as f64 + mode.number[1] as f64 * j as f64 / ny as f64;
-            // The component along z is imaginary.
-            let wave = if axis == 2 { -(TAU * turns).sin() } else { (TAU * turns).cos() };
-            let uniform = if axis == 2 && mode.is_self_conjugate() { (TAU * turns).cos() } else { wave };
-            pattern.push(softest[axis] * uniform);
         }
     }
-    let largest =
-        |(_, a): &(usize, &usize), (_, b): &(usize, &usize)| softest[**a].abs().total_cmp(&softest[**b].abs());
-    let component = components.axes().iter().enumerate().max_by(largest).map_or(0, |(index, _)| index);
-    (pattern, component)
-}
-
-/// Factor per step by which an amplitude shrinks in the long run: windows as long as a quarter of the run, in the middle
-/// and at the end, are compared by their largest amplitude.
-fn rate(history: &[f64]) -> f64 {
-    // What rounding leaves in motions that nothing brings to rest would show far below.
-    let steps = history.iter().rposition(|x| x.abs() > 1e-30).unwrap_or(0) / 2;
-    let window = steps / 2;
-    let largest = |end: usize| history[end - window..end].iter().fold(0.0, |m, x| f64::max(m, x.abs()));
-    (largest(2 * steps) / largest(steps)).powf(1.0 / steps as f64)
 }
 
 type History = fn(&Run) -> &[f64];
@@ -545,7 +327,7 @@ mod tests {
             ("--young -1", "--young: "),
             ("--n 0", "--n: "),
             ("--n 1", "--n: found 1, allowed: 2 or more"),
-            ("--n 1000000", "the grid: 1000000 x 1000000 points need about "),
+            ("--n 1000000", "--n: 1000000 x 1000000 points need "),
         ] {
             let error = evaluate(flags).unwrap_err().to_string();
             assert!(error.starts_with(message), "{flags}: {error}");

@@ -66,6 +66,7 @@ pub fn start<C: Subcommand>(name: &'static str, run: impl FnOnce(&C, &Session) -
 /// by page, they cost a tenth of the time on one thread, and more of two. Other systems keep their ways.
 fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    #[allow(unsafe_code, reason = "the allocator has no other interface")]
     // SAFETY: there is no other thread yet, and both are settings that any value suits.
     unsafe {
         use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};

@@ -200,8 +200,6 @@ impl Prepared {
         let grids = (0..args.refine)
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
-        let finest = grids[grids.len() - 1].points();
-        Held::PUNCH.check("--n", finest)?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
         let body = BodyArgs { young: args.young, poisson: args.poisson, e_star: None, height }.body()?;
         let edge = match args.nodes {
@@ -392,6 +390,8 @@ fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
         return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
     }
+    let points = [n, if args.dim == 2 { 1 } else { n }];
+    Held::PUNCH.check("--n", points)?;
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
     grid.map_err(|error| Failure::input("--length", error))
 }

@@ -146,6 +146,8 @@ pub enum Attribute {
     Real(f64),
     /// A whole number.
     Integer(i64),
+    /// A whole number that is not negative, such as a seed.
+    Natural(u64),
 }
 
 impl From<&str> for Attribute {
@@ -163,6 +165,12 @@ impl From<String> for Attribute {
 impl From<f64> for Attribute {
     fn from(number: f64) -> Self {
         Self::Real(number)
+    }
+}
+
+impl From<u64> for Attribute {
+    fn from(number: u64) -> Self {
+        Self::Natural(number)
     }
 }
 
@@ -263,6 +271,7 @@ impl<'a> Archive<'a> {
             Attribute::Text(text) => write_attribute(&at, name, &text_of(&whole, &text)?),
             Attribute::Real(number) => write_attribute(&at, name, &number),
             Attribute::Integer(number) => write_attribute(&at, name, &number),
+            Attribute::Natural(number) => write_attribute(&at, name, &number),
         };
         written.map_err(|error| self.failed(&whole, &error))
     }

@@ -1,11 +1,9 @@
 //! A path that belongs to this process while it writes there.
 
 use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-
-use fs4::{FileExt, TryLockError};
 
 use crate::FileError;
 
@@ -39,7 +37,7 @@ impl Output {
                 .truncate(false)
                 .open(&lock_path)
                 .map_err(|source| FileError::Io { action: "create", path: lock_path.clone(), source })?;
-            match FileExt::try_lock(&lock) {
+            match lock.try_lock() {
                 Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock }),
                 Ok(()) => continue,
                 Err(TryLockError::WouldBlock) => break,
@@ -116,7 +114,7 @@ impl Drop for Output {
     fn drop(&mut self) {
         // Unlink first, unlock after: whoever waits for the lock then finds that the name is gone and starts over.
         let _ = fs::remove_file(beside(&self.path, ".lock"));
-        let _ = FileExt::unlock(&self.lock);
+        let _ = self.lock.unlock();
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Axis, Cell, Parameters, Richardson, chance_of_misfit};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::{Axis, Cell, Parameters, Richardson};
 
 /// A number and what is known of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -300,4 +302,9 @@ impl fmt::Display for Warning {
             Self::FailedRefits { failed, resamples } => write!(f, "{failed} of {resamples} resamples gave no fit"),
         }
     }
+}
+
+/// The probability of a chi^2 at least this large, if the model and the noise are right.
+fn chance_of_misfit(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
+    ChiSquared::new(degrees_of_freedom as f64).ok().map(|distribution| distribution.sf(chi_squared))
 }

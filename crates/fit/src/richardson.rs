@@ -1,6 +1,7 @@
 //! Three levels along one axis: the exponent and the limit that pass through them (theory.md, section 11).
 
-use super::{Axis, Cell, same_level};
+use super::design::same_level;
+use super::{Axis, Cell};
 
 /// Three cells that differ in one eps alone, at a constant ratio of levels, and what extrapolates from them.
 #[derive(Clone, Debug, PartialEq)]

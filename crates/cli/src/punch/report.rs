@@ -110,7 +110,7 @@ pub(super) fn scalars(report: &Report) -> [(&'static str, &'static str, &'static
         ("punch_width", "length", "width of the punch", report.punch_width),
         ("effective_width", "length", "width that its points stand for, N - 1/3 spacings", report.effective_width),
         ("contact_nodes", "1", "points under the punch", report.contact_nodes as f64),
-        ("elastic_energy", "stress length", "elastic energy per area of the surface", report.elastic_energy),
+        ("elastic_energy", "stress*length", "elastic energy per area of the surface", report.elastic_energy),
         ("residual", "1", "largest error of the prescribed displacement over the depth", report.residual),
         ("converged", "1", "1 if the residual is within the tolerance", f64::from(u8::from(report.converged))),
         ("iterations", "1", "iterations, or time steps", report.iterations as f64),

@@ -81,8 +81,11 @@ pub(super) fn write_dimension_list(file: &File, dataset: &Dataset, scales: &[Str
 fn write_terminated(dataset: &Dataset, name: &str, text: &str) -> Result<(), hdf5::Error> {
     let kind = Datatype::from_descriptor(&TypeDescriptor::FixedAscii(text.len() + 1))?;
     let status = hdf5::sync::sync(|| {
+        #[allow(unsafe_code, reason = "the `hdf5` crate does not set the padding of strings")]
         // SAFETY: `kind` owns a fresh, modifiable string type and outlives the call; `sync` holds the library's lock.
-        unsafe { H5Tset_strpad(kind.id(), H5T_str_t::H5T_STR_NULLTERM) }
+        unsafe {
+            H5Tset_strpad(kind.id(), H5T_str_t::H5T_STR_NULLTERM)
+        }
     });
     if status < 0 {
         return Err(hdf5::Error::query()?);

@@ -42,7 +42,8 @@ fn write_all(path: &std::path::Path) {
     archive.write("/fields/displacement", &vector, &vec![1.5; 3600]).unwrap();
     let single = Variable { dimensions: &[], units: "1", long_name: "kappa in the limit" };
     archive.write("/fit/kappa_tfc", &single, &[2.1]).unwrap();
-    archive.attribute("/fit", "resamples", 2000).unwrap();
+    archive.attribute("/fit", "resamples", 2000_i64).unwrap();
+    archive.attribute("/fit", "seed", u64::MAX).unwrap();
     archive.attribute("/fit/kappa_tfc", "note", "three axes").unwrap();
     archive.attribute("/fit", "p_star", 0.02).unwrap();
     archive.finish().unwrap();
@@ -74,6 +75,8 @@ fn what_is_written_is_read_back() {
     assert_eq!(file.text("/fields/pressure", "units").unwrap(), "stress");
     assert_eq!(file.text("/fit/kappa_tfc", "note").unwrap(), "three axes");
     assert_eq!(file.number("/", "threads").unwrap(), 2.0);
+    let seed = File::open(&path).unwrap().group("/fit").unwrap().attr("seed").unwrap();
+    assert_eq!(seed.read_scalar::<u64>().unwrap(), u64::MAX, "to the last digit");
     assert_eq!(file.number("/fit", "p_star").unwrap(), 0.02);
     assert!(file.contains("/fields/pressure") && !file.contains("/fields/gap") && !file.contains("/fields"));
 }

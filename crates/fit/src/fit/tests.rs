@@ -1,8 +1,11 @@
+use std::collections::BTreeMap;
+
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
+use crate::{Estimate, Parameters, Uncertainty};
 
 const TRUTH: Parameters =
     Parameters { kappa_tfc: 2.07, coefficients: [-0.31, 0.83, 1.74], exponents: [1.37, 0.71, 1.13] };

@@ -1,0 +1,82 @@
+//! The data of a fit: cells of a design with three axes.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// One of the three limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Axis {
+    /// Thermodynamic: eps_t = largest wavelength / cell length.
+    Thermodynamic,
+    /// Fractal: eps_f = shortest / largest wavelength.
+    Fractal,
+    /// Continuum: eps_c = grid spacing / shortest wavelength.
+    Continuum,
+}
+
+impl Axis {
+    /// All axes, in the order of every array over axes here.
+    pub const ALL: [Self; 3] = [Self::Thermodynamic, Self::Fractal, Self::Continuum];
+
+    /// The letter t, f or c.
+    pub fn letter(self) -> char {
+        ['t', 'f', 'c'][self as usize]
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.letter())
+    }
+}
+
+/// A cell of the design: one discretisation, one level on each axis, and the kappa of its realisations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Largest wavelength / cell length.
+    pub eps_t: f64,
+    /// Shortest / largest wavelength.
+    pub eps_f: f64,
+    /// Grid spacing / shortest wavelength.
+    pub eps_c: f64,
+    /// kappa by seed. Equal seeds in two cells mean that the cells were computed on the same random modes; cells that
+    /// are independent must not have seeds in common.
+    pub kappa: BTreeMap<u64, f64>,
+}
+
+impl Cell {
+    /// The eps of one axis.
+    pub fn eps(&self, axis: Axis) -> f64 {
+        self.all_eps()[axis as usize]
+    }
+
+    /// (eps_t, eps_f, eps_c).
+    pub fn all_eps(&self) -> [f64; 3] {
+        [self.eps_t, self.eps_f, self.eps_c]
+    }
+
+    /// Mean over the realisations.
+    pub fn mean(&self) -> f64 {
+        self.kappa.values().sum::<f64>() / self.kappa.len() as f64
+    }
+
+    /// Variance of one realisation; `None` for a single one.
+    pub fn variance(&self) -> Option<f64> {
+        let mean = self.mean();
+        let squares: f64 = self.kappa.values().map(|k| (k - mean) * (k - mean)).sum();
+        (self.kappa.len() > 1).then(|| squares / (self.kappa.len() - 1) as f64)
+    }
+}
+
+/// True for two eps that are meant to be the same.
+pub(crate) fn same_level(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+/// The distinct levels of an axis, largest first.
+pub(crate) fn levels(cells: &[Cell], axis: Axis) -> Vec<f64> {
+    let mut all: Vec<f64> = cells.iter().map(|cell| cell.eps(axis)).collect();
+    all.sort_by(|a, b| b.total_cmp(a));
+    all.dedup_by(|a, b| same_level(*a, *b));
+    all
+}

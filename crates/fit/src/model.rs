@@ -1,0 +1,94 @@
+//! The model of a fit: its terms, the exponents that are given or sought, the weights of the cells.
+
+use crate::Axis;
+
+/// What is known about the exponent of a term before the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    /// Given.
+    Fixed(f64),
+    /// Found by the fit, between bounds.
+    Free {
+        /// Smallest value, above zero.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+}
+
+impl Exponent {
+    /// The range over which a free exponent is sought unless told otherwise: [1/4, 4].
+    pub const FREE: Self = Self::Free { min: 0.25, max: 4.0 };
+}
+
+/// Which terms to fit. `None` leaves the term of an axis out although the axis has several levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// Term in eps_t.
+    pub t: Option<Exponent>,
+    /// Term in eps_f.
+    pub f: Option<Exponent>,
+    /// Term in eps_c.
+    pub c: Option<Exponent>,
+}
+
+impl Default for Model {
+    /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
+    /// other two are conventions, to be checked against a fit with [`Model::free`].
+    fn default() -> Self {
+        Self { t: Some(Exponent::Fixed(1.0)), f: Some(Exponent::Fixed(1.0)), c: Some(Exponent::Fixed(1.0)) }
+    }
+}
+
+impl Model {
+    /// All three exponents sought in [1/4, 4].
+    pub fn free() -> Self {
+        Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE) }
+    }
+
+    pub(crate) fn of(&self, axis: Axis) -> Option<Exponent> {
+        [self.t, self.f, self.c][axis as usize]
+    }
+}
+
+/// The variance given to one realisation of a cell. A cell's weight is its number of realisations over this variance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weighting {
+    /// The cell's own variance and the variance pooled over all cells, averaged by degrees of freedom, the pool
+    /// counting as `prior` of them: with few realisations the pool decides, with many the cell.
+    Shrunk {
+        /// Degrees of freedom given to the pooled variance.
+        prior: f64,
+    },
+    /// The pooled variance for all cells.
+    Pooled,
+    /// The same weight for all cells, whatever their number of realisations.
+    Equal,
+}
+
+/// How to fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The terms and their exponents.
+    pub model: Model,
+    /// The weights of the cells.
+    pub weighting: Weighting,
+    /// Number of bootstrap resamples; 0 for none.
+    pub resamples: usize,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+    /// Whether the cells of one seed are resampled together. Only a test of the method has a reason to say no.
+    pub paired: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            model: Model::default(),
+            weighting: Weighting::Shrunk { prior: 8.0 },
+            resamples: 2000,
+            seed: 1,
+            paired: true,
+        }
+    }
+}
