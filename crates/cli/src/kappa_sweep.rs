@@ -199,7 +199,7 @@ fn solve(
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
-    let press = contact.press(Load::MeanPressure(pressure)).budget(budget).solver(config.solver.method.into());
+    let press = contact.press(Load::MeanPressure(pressure)).budget(budget).solver(config.solver.method);
     press.starting_from(last).watch(&mut watch).solve()
 }
 

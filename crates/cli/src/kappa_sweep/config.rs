@@ -1,12 +1,12 @@
 //! What a sweep computes, as TOML and as presets.
 
+use gfmd_contact::Solver;
 use gfmd_fit::{Exponent, Model};
 use gfmd_green::{Body, Height, Material};
 use gfmd_surface::Discretisation;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::solver::SolverName;
 
 /// A sweep. Every field has a default: those of the preset `default`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -116,7 +116,8 @@ pub struct StatisticsConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct SolverConfig {
     /// The method.
-    pub method: SolverName,
+    #[serde(with = "crate::solver::by_name")]
+    pub method: Solver,
     /// Largest residual of a converged state.
     pub tol: f64,
     /// Iterations after which a load is given up.
@@ -189,7 +190,7 @@ impl Default for StatisticsConfig {
 
 impl Default for SolverConfig {
     fn default() -> Self {
-        Self { method: SolverName::Auto, tol: 1e-8, max_iter: 10_000 }
+        Self { method: Solver::Auto, tol: 1e-8, max_iter: 10_000 }
     }
 }
 
