@@ -70,7 +70,10 @@ impl<'a> Problem<'a> {
         let method = match solver {
             Solver::Auto => Method::Auto,
             Solver::Fire => Method::Dynamics,
-            _ => return Err(Failure::input("--solver", format!("auto or fire is allowed with --law {}", kind.name()))),
+            found => {
+                let allowed = &[Solver::Auto, Solver::Fire];
+                return Err(Failure::input("--solver", Refusal::Solver { found, allowed }));
+            }
         };
         let interface = Interface::normal(response, heights, law).map_err(|error| Failure::input(name, error))?;
         if let Some(trapping) = interface.trapping() {
@@ -146,6 +149,7 @@ fn judge(outcome: Result<Solution, SolveError<Solution>>) -> Result<(Solution, O
         Ok(solution) => Ok((solution, None)),
         Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
         Err(SolveError::Refused(error @ Refusal::Approach { .. })) => Err(Failure::input("--displacement", error)),
+        Err(SolveError::Refused(error @ Refusal::Solver { .. })) => Err(Failure::input("--solver", error)),
         Err(error) => {
             let failure = Failure::Computation(error.to_string());
             match error.into_state() {
