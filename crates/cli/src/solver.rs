@@ -3,14 +3,14 @@
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Budget, Solver};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// How to solve.
 #[derive(Args, Clone, Copy, Debug, Serialize)]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
     #[arg(long, value_parser = solvers(), default_value_t = Solver::Auto)]
-    #[serde(serialize_with = "by_name::serialize")]
+    #[serde(serialize_with = "by_name")]
     pub solver: Solver,
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
@@ -33,26 +33,6 @@ pub fn solvers() -> impl TypedValueParser<Value = Solver> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Solver>())
 }
 
-/// A solver as the text of its name.
-pub mod by_name {
-    use std::borrow::Cow;
-
-    use gfmd_contact::Solver;
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-    /// Writes the name.
-    ///
-    /// # Errors
-    /// As the format.
-    pub fn serialize<S: Serializer>(solver: &Solver, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(solver.name())
-    }
-
-    /// Reads the name.
-    ///
-    /// # Errors
-    /// A name that no solver has.
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Solver, D::Error> {
-        Cow::<str>::deserialize(deserializer)?.parse().map_err(D::Error::custom)
-    }
+fn by_name<S: Serializer>(solver: &Solver, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(solver.name())
 }
