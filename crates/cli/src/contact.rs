@@ -159,7 +159,7 @@ impl Prepared {
         let name = args.source.name();
         let response = Arc::new(NormalResponse::new(self.surface.grid, &self.body));
         let heights = &self.surface.heights;
-        let problem = Problem::new(&response, heights, args.law.law, &self.law, args.solver.solver.into(), &name)?;
+        let problem = Problem::new(&response, heights, args.law.law, &self.law, args.solver.solver, &name)?;
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
