@@ -189,6 +189,8 @@ impl Prepared {
             let reason = format!("a positive, finite length is allowed, found {}", args.depth);
             return Err(Failure::input("--depth", reason));
         }
+        let finest = args.n.saturating_mul(1 << (args.refine - 1));
+        Held::PUNCH.check("--n", [finest, if args.dim == 2 { 1 } else { finest }])?;
         let grids = (0..args.refine)
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
@@ -382,8 +384,6 @@ fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
         return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
     }
-    let points = [n, if args.dim == 2 { 1 } else { n }];
-    Held::PUNCH.check("--n", points)?;
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
     grid.map_err(|error| Failure::input("--length", error))
 }
