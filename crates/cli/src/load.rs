@@ -68,7 +68,8 @@ impl LoadRecord {
         Self::of(&summary, solution.approach, solution.effort, solution.residual.into(), converged, seconds)
     }
 
-    fn of(
+    /// The record of a hard wall from its parts.
+    pub(crate) fn of(
         summary: &Summary,
         approach: f64,
         effort: Effort,

@@ -11,10 +11,12 @@ impl Held {
     pub const SURFACE: Self = Self(5);
     /// A contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
-    /// A contact or a path with a law that reaches across the gap, of u_z alone.
+    /// A contact with a law that reaches across the gap.
     pub const LAW: Self = Self(27);
+    /// A path of u_z alone, with the states on either side of a jump.
+    pub const PATH: Self = Self(36);
     /// A path that moves all components.
-    pub const ALL_COMPONENTS: Self = Self(75);
+    pub const ALL_COMPONENTS: Self = Self(92);
     /// A punch.
     pub const PUNCH: Self = Self(48);
     /// Held below a surface: spectra of the surface and of a plane, its fields, and the values written.

@@ -2,7 +2,6 @@
 
 mod figures;
 mod file;
-mod mechanics;
 mod record;
 mod report;
 mod waypoints;
@@ -14,31 +13,34 @@ use std::time::Instant;
 use clap::Args as ClapArgs;
 use gfmd_files::Output;
 use gfmd_green::Body;
-use gfmd_interface::{Drive, FrictionalContact, Interface, InterfaceError, Method, Settings};
+use gfmd_interface::{
+    Drive, FrictionalContact, Interface, InterfaceError, Method, Path, Quasistatic, Reading, Refinement, Settings, Step,
+};
 use gfmd_law::{Kind, Law, Limit};
 use gfmd_response::{FullResponse, NormalResponse};
+use ndarray::Array2;
 use serde::Serialize;
 
 use self::file::PathFile;
-use self::mechanics::{End, Mechanics};
+use self::record::{Recorded, Stop};
 use self::waypoints::WaypointArgs;
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
-use crate::memory::{Held, peak_bytes};
+use crate::memory::Held;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
 pub use self::record::{ResidualRecord, StepRecord};
-pub use self::report::{Report, Sliding};
+pub use self::report::{Head, Report, Sliding};
 
 /// Flags of `path`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
-  gfmd path --n 256 --law exponential --param gamma=1e-5 --param range=4e-4 --displacement=-0.002,0.006,-0.004 \\
-    --steps 20 --out loop.h5 --plots loop
+  gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
+    --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
     --displacement 0.002 --lateral 0,0.01 --json")]
@@ -72,11 +74,17 @@ pub struct Args {
     /// Iterations after which a step is given up
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
+    /// Error of the dissipated energy, of laws that have an energy: largest share of the work done in a step
+    #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
+    energy_tol: f64,
+    /// Most further solves for each step, on the average, that it may take to find the dissipated energy; 0 for none
+    #[arg(long, default_value_t = Refinement::default().solves_per_step, value_name = "N")]
+    energy_solves: u64,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the path and the map at its end: PREFIX-path.svg, .png, PREFIX-map.svg, .png
+    /// Draw the path and the map at its largest contact: PREFIX-path.svg, .png, PREFIX-map.svg, .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -111,6 +119,12 @@ impl Prepared {
         if !(1e-14..=0.1).contains(&args.tol) {
             return Err(Failure::input("--tol", format!("1e-14 to 0.1 is allowed, found {}", args.tol)));
         }
+        if !(1e-9..=0.1).contains(&args.energy_tol) {
+            return Err(Failure::input(
+                "--energy-tol",
+                format!("the tolerance is {:e}; it must be between 1e-9 and 0.1", args.energy_tol),
+            ));
+        }
         let limit = (args.friction.map(Limit::Coulomb)).or(args.shear_strength.map(Limit::Tresca));
         let action = match limit {
             Some(limit) => {
@@ -122,7 +136,7 @@ impl Prepared {
         };
         let surface = args.source.surface()?;
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = if all { Held::ALL_COMPONENTS } else { Held::LAW };
+        let fields = if all { Held::ALL_COMPONENTS } else { Held::PATH };
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
@@ -133,63 +147,49 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let name = args.source.name();
-        let refuse = |error: InterfaceError| Failure::input(&name, error);
+        let refuse = |error: InterfaceError| Failure::input(&args.source.name(), error);
         let heights = self.surface.heights.view();
-        let all = matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty();
-        let (normal, full);
-        let mut mechanics = match &self.action {
+        let law = match &self.action {
             Action::Friction(limit) => {
-                full = FullResponse::new(self.surface.grid, &self.body);
-                let contact = FrictionalContact::new(&full, heights, *limit).map_err(refuse)?;
-                Mechanics::Friction(contact, None)
+                let response = FullResponse::new(self.surface.grid, &self.body);
+                let contact = FrictionalContact::new(&response, heights, *limit).map_err(refuse)?;
+                return self.follow(&contact, args, session);
             }
-            Action::Law(law) => {
-                let interface = if all {
-                    full = FullResponse::new(self.surface.grid, &self.body);
-                    Interface::full(&full, heights, law.as_ref())
-                } else {
-                    normal = NormalResponse::new(self.surface.grid, &self.body);
-                    Interface::normal(&normal, heights, law.as_ref())
-                };
-                let interface = interface.map_err(refuse)?;
-                if let Some(trapping) = interface.trapping() {
-                    tracing::warn!("{trapping}");
-                }
-                Mechanics::Law(interface, None)
-            }
+            Action::Law(law) => law.as_ref(),
         };
-        for drive in &self.drives {
-            mechanics.check(*drive)?;
+        let (normal, full);
+        let interface = if self.moves_sideways(args) {
+            full = FullResponse::new(self.surface.grid, &self.body);
+            Interface::full(&full, heights, law)
+        } else {
+            normal = NormalResponse::new(self.surface.grid, &self.body);
+            Interface::normal(&normal, heights, law)
+        };
+        let interface = interface.map_err(refuse)?;
+        if let Some(trapping) = interface.trapping() {
+            tracing::warn!("{trapping}");
         }
-        let mut report = Report {
-            n: self.surface.grid.points(),
-            length: self.surface.grid.lengths(),
-            unit: self.surface.unit.clone(),
-            surface: self.surface.description.clone(),
-            rms_gradient: self.surface.rms_gradient(),
-            rms_height: heights.std(0.0),
-            e_star: self.body.material().contact_modulus(),
-            law: match &self.action {
-                Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
-                Action::Friction(Limit::Tresca(_)) => "tresca".into(),
-                Action::Law(_) => args.law.law.name().into(),
-            },
-            direction: args.waypoints.along(),
-            steps: Vec::new(),
-            sliding: Vec::new(),
-            dissipated: 0.0,
-            lowest_mean_pressure: f64::INFINITY,
-            parted_at: None,
-            peak_bytes: 0,
-            out: None,
-            plots: Vec::new(),
-        };
-        let file = self.output.as_ref().map(|output| PathFile::create(output, self, args, all, session));
-        let mut file = file.transpose()?;
+        self.follow(&interface, args, session)
+    }
+
+    fn moves_sideways(&self, args: &Args) -> bool {
+        matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty()
+    }
+
+    /// Takes the problem through all drives, as far as it goes.
+    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
+    where
+        P::State: Recorded,
+    {
+        for drive in &self.drives {
+            problem.check(*drive).map_err(|error| Failure::input("--displacement", error))?;
+        }
         let settings = Settings { method: Method::Auto, tolerance: args.tol, max_iterations: args.max_iter };
+        let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves };
+        let mut path = Path::new(problem, settings, refinement);
         let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
-        let mut failure = None;
+        let mut log = Log::new(self, args, session)?;
+        let (mut parted_at, mut failure) = (None, None);
         for (index, drive) in self.drives.iter().enumerate() {
             let started = Instant::now();
             let mut watch = |now: &gfmd_interface::Progress| {
@@ -197,38 +197,98 @@ impl Prepared {
                 progress.advance(0.0, &note);
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let end = mechanics.step(*drive, &settings, &mut watch)?;
-            let Some(mut record) = mechanics.record(report.steps.last(), args.tol) else { break };
-            record.p_star = record.mean_pressure / (report.e_star * report.rms_gradient);
-            record.seconds = started.elapsed().as_secs_f64();
-            progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
-            if let End::Parted = end {
-                report.parted_at = Some(index);
-                break;
-            }
-            report.dissipated += record.dissipated;
-            report.lowest_mean_pressure = report.lowest_mean_pressure.min(record.mean_pressure);
-            report.steps.push(record);
-            let waypoint = index % args.steps as usize == 0;
-            if let (Some(file), true) = (&mut file, waypoint) {
-                file.write(index / args.steps as usize, &mechanics)?;
-            }
-            if let End::Failed(reason) = end {
-                failure = Some(reason.at(&format!("step {index}")));
-                break;
-            }
+            let reached = path.step(*drive, &mut watch);
+            let seconds = started.elapsed().as_secs_f64();
+            let error = match (reached, path.state()) {
+                (Ok(step), Some(state)) => {
+                    log.write(state, &problem.reading(state), &step, seconds)?;
+                    let area = log.steps[index].area_fraction;
+                    progress.advance(1.0, &format!("p {:.3e}, area {area:.4}", log.steps[index].mean_pressure));
+                    continue;
+                }
+                (Err(error), _) => error,
+                (Ok(_), None) => break,
+            };
+            let text = error.to_string();
+            let Some((state, stop)) = P::State::stopped(error) else { return Err(Failure::Computation(text)) };
+            let stopped = match stop {
+                Stop::Parted => {
+                    parted_at = Some(index);
+                    break;
+                }
+                Stop::Interrupted => Failure::Interrupted("interrupted".into()),
+                Stop::NotConverged => Failure::Computation(text),
+            };
+            failure = Some(stopped.at(&format!("step {index}")));
+            let reading = problem.reading(&state);
+            let Reading { iterations, transform_pairs, .. } = reading;
+            log.write(&*state, &reading, &Step { iterations, transform_pairs, ..Step::default() }, seconds)?;
+            break;
         }
         progress.finish();
-        if let Some(file) = file {
-            report.out = Some(file.finish(&report.steps, self.drives.len())?);
-        }
-        report.sliding = report.sliding(args.steps as usize);
-        report.peak_bytes = peak_bytes();
-        if let (None, Some(prefix)) = (&failure, &args.plots) {
-            let pressure = mechanics.pressure().mapv(|p| p.max(0.0));
-            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, &pressure)?;
+        let out = log.file.map(|file| file.finish(&log.steps, self.drives.len())).transpose()?;
+        let mut report = Report { parted_at, out, ..Report::new(self.head(args), log.steps, args.steps as usize) };
+        if let (None, Some(prefix), Some((_, pressure))) = (&failure, &args.plots, &log.widest) {
+            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         Ok(Outcome { failure: failure.map(|failure| failure.with(&kept)), report })
+    }
+
+    fn head(&self, args: &Args) -> Head {
+        Head {
+            n: self.surface.grid.points(),
+            length: self.surface.grid.lengths(),
+            unit: self.surface.unit.clone(),
+            surface: self.surface.description.clone(),
+            rms_gradient: self.surface.rms_gradient(),
+            rms_height: self.surface.heights.std(0.0),
+            e_star: self.body.material().contact_modulus(),
+            law: match &self.action {
+                Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
+                Action::Friction(Limit::Tresca(_)) => "tresca".into(),
+                Action::Law(_) => args.law.law.name().into(),
+            },
+            direction: args.waypoints.along(),
+        }
+    }
+}
+
+/// What is kept of the steps while they are made.
+struct Log<'a> {
+    steps: Vec<StepRecord>,
+    steps_of_leg: usize,
+    file: Option<PathFile<'a>>,
+    /// The largest contact area, and the pressure there, compression alone.
+    widest: Option<(f64, Array2<f64>)>,
+    unit_pressure: f64,
+    tolerance: f64,
+}
+
+impl<'a> Log<'a> {
+    fn new(prepared: &'a Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
+        let create = |output| PathFile::create(output, prepared, args, prepared.moves_sideways(args), session);
+        Ok(Self {
+            steps: Vec::new(),
+            steps_of_leg: args.steps as usize,
+            file: prepared.output.as_ref().map(create).transpose()?,
+            widest: None,
+            unit_pressure: prepared.body.material().contact_modulus() * prepared.surface.rms_gradient(),
+            tolerance: args.tol,
+        })
+    }
+
+    fn write(&mut self, state: &impl Recorded, reading: &Reading, step: &Step, seconds: f64) -> Result<(), Failure> {
+        let index = self.steps.len();
+        if let (Some(file), true) = (&mut self.file, index.is_multiple_of(self.steps_of_leg)) {
+            file.write(index / self.steps_of_leg, state)?;
+        }
+        let p_star = reading.mean_pressure / self.unit_pressure;
+        let record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
+        if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
+            self.widest = Some((record.area_fraction, state.pressure().mapv(|p| p.max(0.0))));
+        }
+        self.steps.push(record);
+        Ok(())
     }
 }

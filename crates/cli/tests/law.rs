@@ -88,6 +88,71 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
 }
 
 #[test]
+fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 128 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=2e-3 --displacement=-0.006,0.002,-0.012";
+    let report = run(folder.path(), &format!("{flags} --steps 8 --energy-solves 20 --out l.h5 --plots l"));
+    let [lost, error] = ["dissipated", "dissipated_error"].map(|name| number(&report, name));
+    assert!(lost > 20.0 * error && error > 0.0, "{lost:e} +- {error:e}");
+    let steps = report["steps"].as_array().unwrap();
+    for (total, name) in
+        [(lost, "dissipated"), (error, "dissipated_error"), (number(&report, "extra_solves"), "extra_solves")]
+    {
+        let sum: f64 = steps.iter().map(|step| number(step, name)).sum();
+        assert!((sum - total).abs() <= 1e-12 * total.abs(), "{name}");
+    }
+    for step in steps {
+        assert!(number(step, "dissipated") >= -number(step, "dissipated_error"), "{step}");
+        assert!(step["stick_fraction"].is_null());
+    }
+    // The loss does not depend on how many steps are asked for; that of trapezoids does.
+    let finer = run(folder.path(), &format!("{flags} --steps 16 --energy-solves 20"));
+    assert!((number(&finer, "dissipated") - lost).abs() <= error + number(&finer, "dissipated_error"));
+    let bare = run(folder.path(), &format!("{flags} --steps 8 --energy-solves 0"));
+    assert!((number(&bare, "dissipated") - lost).abs() > 10.0 * error && number(&bare, "extra_solves") == 0.0);
+
+    let file = Reader::open(folder.path().join("l.h5")).unwrap();
+    for name in ["dissipated", "dissipated_error"] {
+        let stored: f64 = file.values::<f64>(&format!("/path/{name}")).unwrap().iter().sum();
+        assert!((stored - number(&report, name)).abs() <= 1e-12 * lost);
+    }
+    // The map is that of the largest contact, where the first leg ends, not that of the open surfaces at the end.
+    let shorter = flags.replace(",-0.012", "");
+    run(folder.path(), &format!("{shorter} --steps 8 --energy-solves 20 --plots s"));
+    let [whole, first_leg] =
+        ["l-map.svg", "s-map.svg"].map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap());
+    assert!(whole == first_leg && number(&steps[8], "area_fraction") > 0.1);
+}
+
+#[test]
+fn the_table_of_a_path_has_the_columns_that_apply() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = |flags: &str| {
+        let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());
+        assert!(output.status.success(), "{flags}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let columns = |text: &str| {
+        let head = text.lines().find(|line| line.trim_start().starts_with("pressure")).unwrap();
+        head.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let surface = "path --n 32 --dim 2 --eps-f-inv 4 --steps 1";
+    let adhesive =
+        table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --displacement 0.001,0.002"));
+    assert_eq!(columns(&adhesive), "pressure approach area energy dissipated +- steps residual");
+    let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
+    assert_eq!(columns(&slip), "pressure approach lateral shear area stick energy dissipated steps residual");
+    let cohesive =
+        "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --displacement 0.002";
+    let cohesive = table(&format!("{surface} {cohesive} --lateral 0,0.001"));
+    assert_eq!(columns(&cohesive), "pressure approach lateral shear area energy steps residual");
+    assert!(cohesive.contains("no dissipated energy"));
+    for text in [adhesive, slip, cohesive] {
+        assert!(!text.contains("NaN"), "{text}");
+    }
+}
+
+#[test]
 fn a_path_of_friction_sticks_slips_and_turns() {
     let folder = tempfile::tempdir().unwrap();
     let flags = "path --n 128 --dim 2 --eps-f-inv 4 --poisson 0.5 --p-star 0.05 --friction 0.3 --lateral 0,0.004,-0.004 --steps 4";
@@ -134,6 +199,7 @@ fn a_cohesive_path_moves_all_components() {
         assert_eq!(step["converged"], true);
         // This law has no energy.
         assert!(step["interface_energy"].is_null());
+        assert!(step["dissipated"].is_null() && step["dissipated_error"].is_null());
     }
     assert!(report["steps"][2]["mean_shear"][0].as_f64().unwrap() > 0.0);
 }
@@ -164,6 +230,8 @@ fn unusable_flags_are_refused_in_one_line() {
         ("path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law morse", &["--friction", "--law"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --tol 1", &["--tol", "1"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --steps 0", &["--steps", "0"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1,2,1 --steps 4294967295", &["--steps", "8589934590", "1000000"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --energy-tol 1e-20", &["--energy-tol", "1e-20", "1e-9", "0.1"]),
         ("path --n 16 --eps-f-inv 4 --displacement 1 --friction 0.1", &["--displacement", "full contact"]),
     ] {
         let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());

@@ -5,24 +5,26 @@ use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
 use crate::{Contact, Drive, Effort, Equilibrium, Refusal, Solution, SolveError, Solver, judge};
 
-/// Every solver but [`Solver::Newton`], which needs a law.
-const SOLVERS: [Solver; 9] = [
-    Solver::Auto,
-    Solver::PolonskyKeer,
-    Solver::ProjectedCg,
-    Solver::PreconditionedCg,
-    Solver::Verlet,
-    Solver::VerletCritical,
-    Solver::Fire,
-    Solver::Fire2,
-    Solver::AugmentedLagrangian,
-];
+impl Contact {
+    /// The solvers of a hard wall: all but [`Solver::Newton`], which needs a law.
+    pub const SOLVERS: [Solver; 9] = [
+        Solver::Auto,
+        Solver::PolonskyKeer,
+        Solver::ProjectedCg,
+        Solver::PreconditionedCg,
+        Solver::Verlet,
+        Solver::VerletCritical,
+        Solver::Fire,
+        Solver::Fire2,
+        Solver::AugmentedLagrangian,
+    ];
+}
 
 impl Equilibrium for Contact {
     type State = Solution;
 
     fn solvers(&self) -> &'static [Solver] {
-        &SOLVERS
+        &Self::SOLVERS
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -54,7 +56,7 @@ impl Equilibrium for Contact {
             Solver::Fire => dynamics::solve(attempt, Motion::Fire)?,
             Solver::Fire2 => dynamics::solve(attempt, Motion::Fire2)?,
             Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
-            Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: &SOLVERS }.into()),
+            Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: &Self::SOLVERS }.into()),
         };
         let mut solution = self.certified(ended.pressure, drive.load);
         solution.effort.iterations = ended.effort.iterations;

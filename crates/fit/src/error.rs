@@ -1,43 +1,43 @@
 //! Why there is no fit.
 
-use super::Axis;
+use crate::Axis;
 
 /// Why there is no fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
     /// There is nothing to fit.
-    #[error("no cells to fit; at least one is needed")]
-    NoCells,
-    /// A cell without values.
-    #[error("cell {cell} has no realisations; each cell needs at least one")]
+    #[error("there are no data to fit; at least one is needed")]
+    NoData,
+    /// A datum without values.
+    #[error("datum {datum} has no realisations; it must have at least one")]
     NoRealisations {
-        /// Index of the cell.
-        cell: usize,
+        /// Index of the datum.
+        datum: usize,
     },
     /// A kappa that is not a number.
-    #[error("cell {cell} has kappa = {found} for seed {seed}; finite numbers are allowed")]
+    #[error("datum {datum} has kappa = {found} for seed {seed}; finite numbers are allowed")]
     BadKappa {
-        /// Index of the cell.
-        cell: usize,
+        /// Index of the datum.
+        datum: usize,
         /// The seed.
         seed: u64,
         /// What was found.
         found: f64,
     },
     /// An eps that is no ratio of lengths.
-    #[error("cell {cell} has eps_{axis} = {found}; finite numbers above zero are allowed")]
+    #[error("datum {datum} has eps_{axis} = {found}; finite numbers above zero are allowed")]
     BadEps {
-        /// Index of the cell.
-        cell: usize,
+        /// Index of the datum.
+        datum: usize,
         /// The axis.
         axis: Axis,
         /// What was found.
         found: f64,
     },
-    /// Two cells at one place.
-    #[error("cells {first} and {second} have the same eps_t, eps_f and eps_c; merge their realisations")]
-    SameCell {
+    /// Two data at one place.
+    #[error("data {first} and {second} have the same eps_t, eps_f and eps_c; merge their realisations")]
+    SameDatum {
         /// Index of the first.
         first: usize,
         /// Index of the second.
@@ -60,14 +60,14 @@ pub enum FitError {
         found: f64,
     },
     /// Fewer data than unknowns.
-    #[error("{parameters} parameters but only {cells} cells; fix exponents, leave out terms or add cells")]
-    TooFewCells {
-        /// Unknowns.
+    #[error("{parameters} parameters but only {data} data; fix exponents, leave out terms or add data")]
+    TooFewData {
+        /// Number of unknowns.
         parameters: usize,
-        /// Data.
-        cells: usize,
+        /// Number of data.
+        data: usize,
     },
     /// The levels of the axes vary together, so their terms cannot be told apart.
-    #[error("the cells do not tell the terms apart (levels of two axes vary together); vary one axis at a time")]
+    #[error("the data do not tell the terms apart (levels of two axes vary together); vary one axis at a time")]
     Dependent,
 }

@@ -1,4 +1,4 @@
-//! The model of a fit: its terms, the exponents that are given or sought, the weights of the cells.
+//! The choices of a fit: terms and their exponents, weights, bootstrap.
 
 use crate::Axis;
 
@@ -51,18 +51,18 @@ impl Model {
     }
 }
 
-/// The variance given to one realisation of a cell. A cell's weight is its number of realisations over this variance.
+/// The variance given to one realisation of a datum. A datum's weight is its number of realisations over this variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
-    /// The cell's own variance and the variance pooled over all cells, averaged by degrees of freedom, the pool
-    /// counting as `prior` of them: with few realisations the pool decides, with many the cell.
+    /// The datum's own variance and the variance pooled over all data, averaged by degrees of freedom, the pool
+    /// counting as `prior` of them: with few realisations the pool decides, with many the datum.
     Shrunk {
         /// Degrees of freedom given to the pooled variance.
         prior: f64,
     },
-    /// The pooled variance for all cells.
+    /// The pooled variance for all data.
     Pooled,
-    /// The same weight for all cells, whatever their number of realisations.
+    /// One weight for all data, for any number of realisations.
     Equal,
 }
 
@@ -71,13 +71,13 @@ pub enum Weighting {
 pub struct Settings {
     /// The terms and their exponents.
     pub model: Model,
-    /// The weights of the cells.
+    /// The weights of the data.
     pub weighting: Weighting,
     /// Number of bootstrap resamples; 0 for none.
     pub resamples: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
-    /// Whether the cells of one seed are resampled together. Only a test of the method has a reason to say no.
+    /// If true, the data of one seed are resampled together. False only tests the method.
     pub paired: bool,
 }
 

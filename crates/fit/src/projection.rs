@@ -5,7 +5,7 @@
 //! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
 
 /// The largest number of terms: one per axis.
-pub(super) const AXES: usize = 3;
+pub(crate) const AXES: usize = 3;
 
 /// A pivot below this fraction of the column's length makes the columns dependent.
 const DEPENDENT: f64 = 1e-10;
@@ -16,14 +16,14 @@ const SHORT: f64 = 1e-10;
 
 /// One term C eps^alpha of the sum, with alpha given (`min == max`) or to be found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
-    pub(super) axis: usize,
-    pub(super) min: f64,
-    pub(super) max: f64,
+pub(crate) struct Shape {
+    pub(crate) axis: usize,
+    pub(crate) min: f64,
+    pub(crate) max: f64,
 }
 
 impl Shape {
-    pub(super) fn is_free(&self) -> bool {
+    pub(crate) fn is_free(&self) -> bool {
         self.max > self.min
     }
 }
@@ -45,33 +45,33 @@ impl Parameters {
         self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps[axis])).sum::<f64>()
     }
 
-    pub(super) fn term(&self, axis: usize, eps: f64) -> f64 {
+    pub(crate) fn term(&self, axis: usize, eps: f64) -> f64 {
         if self.coefficients[axis] == 0.0 { 0.0 } else { self.coefficients[axis] * eps.powf(self.exponents[axis]) }
     }
 }
 
-/// The data of one fit: abscissae, ordinates, square roots of the weights.
+/// The means of the data as a fit sees them: abscissae, ordinates, square roots of the weights.
 #[derive(Clone, Debug)]
-pub(super) struct Data {
-    pub(super) eps: Vec<[f64; AXES]>,
-    pub(super) kappa: Vec<f64>,
-    pub(super) root_weight: Vec<f64>,
+pub(crate) struct Means {
+    pub(crate) eps: Vec<[f64; AXES]>,
+    pub(crate) kappa: Vec<f64>,
+    pub(crate) root_weight: Vec<f64>,
 }
 
 /// The minimum of the weighted sum of squares.
 #[derive(Clone, Debug)]
-pub(super) struct Minimum {
-    pub(super) parameters: Parameters,
-    pub(super) sum_of_squares: f64,
+pub(crate) struct Minimum {
+    pub(crate) parameters: Parameters,
+    pub(crate) sum_of_squares: f64,
 }
 
 /// The columns do not tell the terms apart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dependent;
+pub(crate) struct Dependent;
 
 /// How densely the box of exponents is looked through before the descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Search {
+pub(crate) enum Search {
     /// For a first fit.
     Thorough,
     /// For a refit of similar data, which has a good guess besides.
@@ -80,14 +80,14 @@ pub(super) enum Search {
 
 /// The nodes of a grid over the free exponents with their factorised columns, which do not depend on the ordinates and
 /// serve all resamples.
-pub(super) struct Nodes {
+pub(crate) struct Nodes {
     shapes: Vec<Shape>,
     free: Vec<usize>,
     nodes: Vec<(Vec<f64>, Qr)>,
 }
 
 impl Nodes {
-    pub(super) fn new(data: &Data, shapes: &[Shape], search: Search) -> Result<Self, Dependent> {
+    pub(crate) fn new(means: &Means, shapes: &[Shape], search: Search) -> Result<Self, Dependent> {
         let free: Vec<usize> = (0..shapes.len()).filter(|&k| shapes[k].is_free()).collect();
         let per_axis = match (search, free.len()) {
             (_, 0) => 1,
@@ -106,7 +106,7 @@ impl Nodes {
                 exponents[k] = log_node(shapes[k].min, shapes[k].max, rest % per_axis, per_axis);
                 rest /= per_axis;
             }
-            if let Ok(qr) = Qr::new(data.columns(shapes, &exponents)) {
+            if let Ok(qr) = Qr::new(means.columns(shapes, &exponents)) {
                 nodes.push((exponents.clone(), qr));
             }
         }
@@ -114,8 +114,8 @@ impl Nodes {
     }
 
     /// Minimises over the coefficients and the free exponents; `guess` is a further start beside the nodes.
-    pub(super) fn minimise(&self, data: &Data, guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
-        let values = data.weighted_values();
+    pub(crate) fn minimise(&self, means: &Means, guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
+        let values = means.weighted_values();
         let mut least = f64::INFINITY;
         let mut start = None;
         for (exponents, qr) in &self.nodes {
@@ -128,17 +128,17 @@ impl Nodes {
         let mut start = start.ok_or(Dependent)?;
         if let Some(guess) = guess {
             let exponents: Vec<f64> = self.shapes.iter().map(|s| guess.exponents[s.axis].clamp(s.min, s.max)).collect();
-            if data.project(&self.shapes, &exponents).is_ok_and(|projection| projection.sum_of_squares() < least) {
+            if means.project(&self.shapes, &exponents).is_ok_and(|projection| projection.sum_of_squares() < least) {
                 start = exponents;
             }
         }
-        data.descend(&self.shapes, &self.free, start)
+        means.descend(&self.shapes, &self.free, start)
     }
 }
 
-impl Data {
+impl Means {
     /// One minimisation on its own.
-    pub(super) fn minimise(
+    pub(crate) fn minimise(
         &self,
         shapes: &[Shape],
         search: Search,
@@ -200,9 +200,9 @@ impl Data {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each cell): kappa_TFC, the coefficients, then the free exponents not at a
+    /// The rows d(parameter)/d(kappa of each datum): kappa_TFC, the coefficients, then the free exponents not at a
     /// bound.
-    pub(super) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
+    pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
             self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()
         };
@@ -214,12 +214,12 @@ impl Data {
         let rows = columns.len();
         let qr = Qr::new(columns)?;
         let mut sensitivities = vec![vec![0.0; self.eps.len()]; rows];
-        for cell in 0..self.eps.len() {
+        for datum in 0..self.eps.len() {
             let mut unit = vec![0.0; self.eps.len()];
-            unit[cell] = self.root_weight[cell];
+            unit[datum] = self.root_weight[datum];
             let response = qr.back_substitute(&qr.rotate(unit));
             for (row, value) in sensitivities.iter_mut().zip(response) {
-                row[cell] = value;
+                row[datum] = value;
             }
         }
         Ok(sensitivities)
@@ -227,12 +227,12 @@ impl Data {
 }
 
 /// A free exponent that did not stop at its bound.
-pub(super) fn is_interior(shape: &Shape, exponent: f64) -> bool {
+pub(crate) fn is_interior(shape: &Shape, exponent: f64) -> bool {
     shape.is_free() && exponent > shape.min && exponent < shape.max
 }
 
 /// Node `index` of `nodes` from `min` to `max`, equally spaced in the logarithm.
-pub(super) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
+pub(crate) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
     match index {
         0 => min,
         i if i + 1 == nodes => max,
@@ -257,9 +257,9 @@ impl Projection {
     }
 
     /// d(residual)/d(exponent of term `k`), Kaufman's form: exact in the gradient of the sum of squares.
-    fn slope(&self, data: &Data, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
+    fn slope(&self, means: &Means, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
         let coefficient = self.coefficients[k + 1];
-        let column = data.eps.iter().zip(&data.root_weight).map(|(eps, w)| {
+        let column = means.eps.iter().zip(&means.root_weight).map(|(eps, w)| {
             let eps = eps[shape.axis];
             -w * coefficient * eps.ln() * eps.powf(exponent)
         });

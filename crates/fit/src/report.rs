@@ -4,7 +4,7 @@ use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::{Axis, Cell, Parameters, Richardson};
+use crate::{Axis, Datum, Parameters, Richardson};
 
 /// A number and what is known of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,9 +25,9 @@ pub enum Uncertainty {
     Realisations,
     /// Linear propagation of the scatter of realisations (no bootstrap was asked for, or none of its refits worked).
     Propagated,
-    /// One realisation per cell: the misfit of the model stands for the noise.
+    /// One realisation per datum: the misfit of the model stands for the noise.
     Misfit,
-    /// One realisation per cell and as many parameters as cells: nothing is known.
+    /// One realisation per datum and as many parameters as data: nothing is known.
     None,
 }
 
@@ -36,8 +36,8 @@ impl fmt::Display for Uncertainty {
         f.write_str(match self {
             Self::Realisations => "bootstrap over realisations",
             Self::Propagated => "scatter of realisations, linearly propagated",
-            Self::Misfit => "misfit of the model (one realisation per cell)",
-            Self::None => "none: one realisation per cell and no degrees of freedom",
+            Self::Misfit => "misfit of the model (one realisation per datum)",
+            Self::None => "none: one realisation per datum and no degrees of freedom",
         })
     }
 }
@@ -74,18 +74,18 @@ pub struct ProfilePoint {
     pub kappa_tfc: f64,
 }
 
-/// One cell as the fit sees it, in the order of the data.
+/// One datum as the fit sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellReport {
+pub struct DatumReport {
     /// Mean over realisations.
     pub mean: f64,
-    /// Standard error of the mean from the cell's own scatter; `None` for a single realisation.
+    /// Standard error of the mean from the datum's own scatter; `None` for a single realisation.
     pub standard_error: Option<f64>,
     /// Weight in the sum of squares.
     pub weight: f64,
     /// The model's value.
     pub fitted: f64,
-    /// kappa_TFC of a fit without this cell; `None` where the other cells do not determine the model.
+    /// kappa_TFC of a fit without this datum; `None` where the other data do not determine the model.
     pub kappa_tfc_without: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ pub struct CellReport {
 pub struct BootstrapReport {
     /// Resamples asked for.
     pub resamples: usize,
-    /// Resamples without a fit: a cell lost all its realisations, or the terms could not be told apart.
+    /// Resamples without a fit: a datum lost all its realisations, or the terms could not be told apart.
     pub failed: usize,
     /// For each free exponent, the number of resamples in which it stopped at a bound.
     pub at_bound: Vec<(Axis, usize)>,
@@ -107,7 +107,7 @@ pub struct BootstrapReport {
     pub samples: Vec<Parameters>,
 }
 
-/// The result of [`super::fit`].
+/// The result of [`crate::fit()`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// kappa in the thermodynamic, fractal and continuum limit.
@@ -116,15 +116,15 @@ pub struct Fit {
     pub terms: Vec<Term>,
     /// All fitted numbers once more, as arrays over the axes.
     pub parameters: Parameters,
-    /// The weighted sum of squares. Cells that share seeds are correlated, so that it tends to fall below the degrees
+    /// The weighted sum of squares. Data that share seeds are correlated, so that it tends to fall below the degrees
     /// of freedom; with `noise_known` false it is a plain sum of squares in units of kappa^2.
     pub chi_squared: f64,
     /// Whether the weights are inverse variances. False for equal weights and without scatter to take them from.
     pub noise_known: bool,
-    /// Cells minus parameters.
+    /// Data minus parameters.
     pub degrees_of_freedom: usize,
-    /// The cells, in the order of the data.
-    pub cells: Vec<CellReport>,
+    /// One report for each datum, in the order of the data.
+    pub data: Vec<DatumReport>,
     /// Three-level extrapolations along single axes, a check on the joint fit.
     pub richardson: Vec<Richardson>,
     /// Where the intervals come from.
@@ -136,19 +136,24 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// The term of an axis, if it was fitted.
+    pub fn term(&self, axis: Axis) -> Option<&Term> {
+        self.terms.iter().find(|term| term.axis == axis)
+    }
+
     /// kappa of the fitted model at (eps_t, eps_f, eps_c).
     pub fn predict(&self, eps: [f64; 3]) -> f64 {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a cell with the terms of all axes but `axis` taken off: what to plot against eps^alpha of that axis.
-    pub fn isolate(&self, cell: &Cell, axis: Axis) -> f64 {
+    /// The mean of a datum with the terms of all axes but `axis` taken off: what to plot against eps^alpha of that axis.
+    pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
-        cell.mean() - others.map(|&other| self.parameters.term(other as usize, cell.eps(other))).sum::<f64>()
+        datum.mean() - others.map(|&other| self.parameters.term(other as usize, datum.eps(other))).sum::<f64>()
     }
 
-    pub(super) fn with_warnings(mut self, cells: &[Cell], single: usize) -> Self {
-        let least = cells.iter().map(|cell| cell.kappa.len()).min().unwrap_or(0);
+    pub(crate) fn with_warnings(mut self, data: &[Datum], single: usize) -> Self {
+        let least = data.iter().map(|datum| datum.kappa.len()).min().unwrap_or(0);
         let mut warnings = std::mem::take(&mut self.warnings);
         if self.degrees_of_freedom == 0 {
             warnings.push(Warning::Interpolation);
@@ -233,23 +238,23 @@ pub enum Warning {
         /// The interval of the coefficient.
         ci95: [f64; 2],
     },
-    /// As many parameters as cells.
+    /// As many parameters as data.
     Interpolation,
     /// chi^2 is larger than noise explains.
     Misfit {
         /// The weighted sum of squares.
         chi_squared: f64,
-        /// Cells minus parameters.
+        /// Data minus parameters.
         degrees_of_freedom: usize,
         /// Probability of so large a chi^2.
         chance: f64,
     },
-    /// Some groups of cells have one realisation, whose scatter is missing in the intervals.
+    /// Some groups of data have one realisation, whose scatter is missing in the intervals.
     SingleRealisation {
         /// Number of such groups.
         groups: usize,
     },
-    /// Fewer than four realisations in some cell.
+    /// Fewer than four realisations of some datum.
     FewRealisations {
         /// The smallest number.
         least: usize,
@@ -286,18 +291,18 @@ impl fmt::Display for Warning {
                 write!(f, "C_{axis} is not distinguishable from zero (95 %: {low:.3} to {high:.3})")
             }
             Self::Interpolation => {
-                write!(f, "as many parameters as cells: interpolation, no uncertainty from misfit")
+                write!(f, "as many parameters as data: interpolation, no uncertainty from misfit")
             }
             Self::Misfit { chi_squared, degrees_of_freedom, chance } => write!(
                 f,
                 "chi^2 = {chi_squared:.1} for {degrees_of_freedom} degrees of freedom (chance {chance:.1e}): \
-                 the model does not describe the cells within their noise, and the intervals do not contain this"
+                 the model does not describe the data within their noise, and the intervals do not contain this"
             ),
             Self::SingleRealisation { groups } => {
-                write!(f, "{groups} groups of cells have one realisation: their scatter is not in the intervals")
+                write!(f, "{groups} groups of data have one realisation: their scatter is not in the intervals")
             }
             Self::FewRealisations { least } => {
-                write!(f, "only {least} realisations in some cells: intervals are rough, four or more are better")
+                write!(f, "only {least} realisations of some data: intervals are rough, four or more are better")
             }
             Self::FailedRefits { failed, resamples } => write!(f, "{failed} of {resamples} resamples gave no fit"),
         }

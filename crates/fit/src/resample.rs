@@ -1,4 +1,4 @@
-//! Resampling of realisations: which cells share them, how means follow from a draw, and the spread they imply.
+//! Resampling of realisations: which data share them, how means follow from a draw, and the spread they imply.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,13 +6,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::Cell;
+use crate::Datum;
 
 /// The 97.5 % quantile of the standard normal distribution.
-pub(super) const NORMAL_975: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// The 97.5 % quantile of Student's t, whose degrees of freedom (at least one) need not be whole.
-pub(super) fn student_975(freedom: f64) -> f64 {
+pub(crate) fn student_975(freedom: f64) -> f64 {
     if freedom > 100.0 {
         // Fisher's expansion about the normal quantile, right to 2e-6 here; `statrs` does not return for large numbers.
         let z = NORMAL_975;
@@ -24,42 +24,42 @@ pub(super) fn student_975(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// Cells that share realisations, and the realisations they share. Strata are independent of each other.
+/// Data that share realisations, and the realisations that they share. Strata are independent of each other.
 #[derive(Clone, Debug)]
 struct Stratum {
     seeds: Vec<u64>,
-    cells: Vec<usize>,
+    data: Vec<usize>,
 }
 
-/// How the cells hang together through common seeds.
+/// The strata of the data: groups that common seeds hold together.
 #[derive(Clone, Debug)]
-pub(super) struct Strata<'a> {
-    cells: &'a [Cell],
+pub(crate) struct Strata<'a> {
+    data: &'a [Datum],
     strata: Vec<Stratum>,
 }
 
-/// The variance of a linear combination of the cells' means, and how well it is known.
+/// The variance of a linear combination of the data's means, and how well it is known.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spread {
-    pub(super) standard_error: f64,
+pub(crate) struct Spread {
+    pub(crate) standard_error: f64,
     /// By which the deviations of the bootstrap are multiplied: Student's t over the normal quantile, with the degrees
     /// of freedom of Welch and Satterthwaite, times the (n / (n - 1))^(1/2) that resampling n values leaves out.
-    pub(super) stretch: f64,
+    pub(crate) stretch: f64,
 }
 
 impl<'a> Strata<'a> {
-    /// With `paired` false every cell is a stratum of its own, as if it had been computed on surfaces of its own.
-    pub(super) fn new(cells: &'a [Cell], paired: bool) -> Self {
+    /// With `paired` false every datum is a stratum of its own, as if it had been computed on surfaces of its own.
+    pub(crate) fn new(data: &'a [Datum], paired: bool) -> Self {
         let mut strata: Vec<(BTreeSet<u64>, Vec<usize>)> = Vec::new();
-        for (index, cell) in cells.iter().enumerate() {
-            let mut seeds: BTreeSet<u64> = cell.kappa.keys().copied().collect();
+        for (index, datum) in data.iter().enumerate() {
+            let mut seeds: BTreeSet<u64> = datum.kappa.keys().copied().collect();
             let mut members = vec![index];
             if paired {
                 let (joined, apart): (Vec<_>, Vec<_>) = strata.into_iter().partition(|(s, _)| !s.is_disjoint(&seeds));
                 strata = apart;
-                for (other, cells) in joined {
+                for (other, data) in joined {
                     seeds.extend(other);
-                    members.extend(cells);
+                    members.extend(data);
                 }
                 members.sort_unstable();
             }
@@ -67,52 +67,52 @@ impl<'a> Strata<'a> {
         }
         strata.sort_by(|a, b| a.1.cmp(&b.1));
         let strata =
-            strata.into_iter().map(|(seeds, cells)| Stratum { seeds: seeds.into_iter().collect(), cells }).collect();
-        Self { cells, strata }
+            strata.into_iter().map(|(seeds, data)| Stratum { seeds: seeds.into_iter().collect(), data }).collect();
+        Self { data, strata }
     }
 
     /// The number of strata with a single realisation, whose scatter cannot be resampled.
-    pub(super) fn single(&self) -> usize {
+    pub(crate) fn single(&self) -> usize {
         self.strata.iter().filter(|stratum| stratum.seeds.len() < 2).count()
     }
 
     /// True if some stratum has at least two realisations.
-    pub(super) fn can_resample(&self) -> bool {
+    pub(crate) fn can_resample(&self) -> bool {
         self.single() < self.strata.len()
     }
 
-    /// The cells' means over one draw of realisations with replacement; `None` if a cell is left without any.
+    /// The data's means over one draw of realisations with replacement; `None` if a datum is left without any.
     /// The draw depends on `seed` and `index` alone.
-    pub(super) fn draw(&self, seed: u64, index: u64) -> Option<Vec<f64>> {
+    pub(crate) fn draw(&self, seed: u64, index: u64) -> Option<Vec<f64>> {
         let mut rng = Pcg64::seed_from_u64(seed.wrapping_add(index.wrapping_mul(0x9E37_79B9_7F4A_7C15)));
-        let mut means = vec![0.0; self.cells.len()];
+        let mut means = vec![0.0; self.data.len()];
         for stratum in &self.strata {
             let drawn: Vec<u64> =
                 (0..stratum.seeds.len()).map(|_| stratum.seeds[rng.random_range(0..stratum.seeds.len())]).collect();
-            for &cell in &stratum.cells {
+            for &datum in &stratum.data {
                 let values: Vec<f64> =
-                    drawn.iter().filter_map(|seed| self.cells[cell].kappa.get(seed).copied()).collect();
+                    drawn.iter().filter_map(|seed| self.data[datum].kappa.get(seed).copied()).collect();
                 if values.is_empty() {
                     return None;
                 }
-                means[cell] = values.iter().sum::<f64>() / values.len() as f64;
+                means[datum] = values.iter().sum::<f64>() / values.len() as f64;
             }
         }
         Some(means)
     }
 
     /// The spread of sum_i a_i kappa_i over realisations, from the scatter of the seeds' own contributions.
-    pub(super) fn spread(&self, combination: &[f64]) -> Option<Spread> {
+    pub(crate) fn spread(&self, combination: &[f64]) -> Option<Spread> {
         let (mut variance, mut of_resampling, mut satterthwaite) = (0.0, 0.0, 0.0);
         for stratum in self.strata.iter().filter(|stratum| stratum.seeds.len() > 1) {
             let seeds = stratum.seeds.len() as f64;
             let mut contributions: BTreeMap<u64, f64> = stratum.seeds.iter().map(|&seed| (seed, 0.0)).collect();
-            for &cell in &stratum.cells {
-                let values = &self.cells[cell].kappa;
-                let mean = self.cells[cell].mean();
+            for &datum in &stratum.data {
+                let values = &self.data[datum].kappa;
+                let mean = self.data[datum].mean();
                 for (seed, value) in values {
                     *contributions.entry(*seed).or_default() +=
-                        combination[cell] * (value - mean) * seeds / values.len() as f64;
+                        combination[datum] * (value - mean) * seeds / values.len() as f64;
                 }
             }
             let part = contributions.values().map(|z| z * z).sum::<f64>() / (seeds * (seeds - 1.0));
@@ -130,7 +130,7 @@ impl<'a> Strata<'a> {
 }
 
 /// The `level` quantile of sorted values, linear between neighbours.
-pub(super) fn quantile(sorted: &[f64], level: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], level: f64) -> f64 {
     let position = level * (sorted.len() - 1) as f64;
     let below = position.floor() as usize;
     let above = (below + 1).min(sorted.len() - 1);

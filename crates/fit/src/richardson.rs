@@ -1,15 +1,15 @@
 //! Three levels along one axis: the exponent and the limit that pass through them (theory.md, section 11).
 
-use super::design::same_level;
-use super::{Axis, Cell};
+use crate::datum::same_level;
+use crate::{Axis, Datum};
 
-/// Three cells that differ in one eps alone, at a constant ratio of levels, and what extrapolates from them.
+/// Three data that differ in one eps alone, at a constant ratio of levels, and what extrapolates from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Richardson {
     /// The axis along which the levels differ.
     pub axis: Axis,
-    /// The cells, coarse to fine, as indices into the data.
-    pub cells: [usize; 3],
+    /// Indices of the data, coarse to fine.
+    pub data: [usize; 3],
     /// rho = (k1 - k2) / (k2 - k3). No power law passes through the three unless it exceeds one.
     pub ratio: f64,
     /// The limit and exponent, if there are any.
@@ -28,34 +28,34 @@ pub struct RichardsonLimit {
 }
 
 /// All triples along `axis`, in the order of the data.
-pub(super) fn triples(cells: &[Cell], axis: Axis) -> Vec<Richardson> {
+pub(crate) fn triples(data: &[Datum], axis: Axis) -> Vec<Richardson> {
     let mut found = Vec::new();
-    let others = |a: &Cell, b: &Cell| Axis::ALL.iter().all(|&o| o == axis || same_level(a.eps(o), b.eps(o)));
-    for (first, coarse) in cells.iter().enumerate() {
-        for (second, middle) in cells.iter().enumerate() {
+    let others = |a: &Datum, b: &Datum| Axis::ALL.iter().all(|&o| o == axis || same_level(a.eps(o), b.eps(o)));
+    for (first, coarse) in data.iter().enumerate() {
+        for (second, middle) in data.iter().enumerate() {
             let ratio = coarse.eps(axis) / middle.eps(axis);
             if ratio <= 1.0 + 1e-6 || !others(coarse, middle) {
                 continue;
             }
-            let third = cells
+            let third = data
                 .iter()
                 .position(|fine| same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine));
             // Only neighbouring levels: 1, 1/2, 1/4, not 1, 1/4, 1/16 as well.
-            let skips = cells.iter().any(|between| {
+            let skips = data.iter().any(|between| {
                 others(coarse, between)
                     && between.eps(axis) < coarse.eps(axis) * (1.0 - 1e-9)
                     && between.eps(axis) > middle.eps(axis) * (1.0 + 1e-9)
             });
             if let (Some(third), false) = (third, skips) {
-                found.push(extrapolate(cells, axis, [first, second, third], ratio));
+                found.push(extrapolate(data, axis, [first, second, third], ratio));
             }
         }
     }
     found
 }
 
-fn extrapolate(cells: &[Cell], axis: Axis, indices: [usize; 3], levels: f64) -> Richardson {
-    let [coarse, middle, fine] = indices.map(|i| &cells[i]);
+fn extrapolate(data: &[Datum], axis: Axis, indices: [usize; 3], levels: f64) -> Richardson {
+    let [coarse, middle, fine] = indices.map(|i| &data[i]);
     let [k1, k2, k3] = [coarse.mean(), middle.mean(), fine.mean()];
     let ratio = (k1 - k2) / (k2 - k3);
     let limit = (ratio > 1.0 && ratio.is_finite()).then(|| {
@@ -78,5 +78,5 @@ fn extrapolate(cells: &[Cell], axis: Axis, indices: [usize; 3], levels: f64) -> 
             standard_error: (paired.len() > 1).then(|| (variance / n).sqrt()),
         }
     });
-    Richardson { axis, cells: indices, ratio, limit }
+    Richardson { axis, data: indices, ratio, limit }
 }

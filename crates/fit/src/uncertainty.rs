@@ -2,46 +2,46 @@
 
 use rayon::prelude::*;
 
-use super::projection::{Data, Minimum, Nodes, Search, Shape, is_interior};
-use super::resample::{NORMAL_975, Strata, quantile, student_975};
-use super::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
+use crate::projection::{Means, Minimum, Nodes, Search, Shape, is_interior};
+use crate::resample::{NORMAL_975, Strata, quantile, student_975};
+use crate::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
 
 /// One of the fitted numbers; terms are counted in the order of the shapes.
 #[derive(Clone, Copy)]
-pub(super) enum Quantity {
+pub(crate) enum Quantity {
     Limit,
     Coefficient(usize),
     Exponent(usize),
 }
 
 /// Where the uncertainties come from, ready to be asked for each quantity.
-pub(super) struct Errors<'a> {
-    data: &'a Data,
+pub(crate) struct Errors<'a> {
+    means: &'a Means,
     shapes: &'a [Shape],
     minimum: &'a Minimum,
     strata: &'a Strata<'a>,
     sensitivities: Vec<Vec<f64>>,
     degrees_of_freedom: usize,
-    pub(super) source: Uncertainty,
-    pub(super) bootstrap: Option<BootstrapReport>,
+    pub(crate) source: Uncertainty,
+    pub(crate) bootstrap: Option<BootstrapReport>,
 }
 
 impl<'a> Errors<'a> {
-    pub(super) fn new(
-        data: &'a Data,
+    pub(crate) fn new(
+        means: &'a Means,
         shapes: &'a [Shape],
         minimum: &'a Minimum,
         strata: &'a Strata<'a>,
         settings: &Settings,
         degrees_of_freedom: usize,
     ) -> Result<Self, FitError> {
-        let sensitivities = data.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
-        let nodes = Nodes::new(data, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
+        let sensitivities = means.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
+        let nodes = Nodes::new(means, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
         let bootstrap = (strata.can_resample() && settings.resamples > 0).then(|| {
             let refits: Vec<Option<Parameters>> = (0..settings.resamples as u64)
                 .into_par_iter()
                 .map(|index| {
-                    let resampled = Data { kappa: strata.draw(settings.seed, index)?, ..data.clone() };
+                    let resampled = Means { kappa: strata.draw(settings.seed, index)?, ..means.clone() };
                     Some(nodes.minimise(&resampled, Some(&minimum.parameters)).ok()?.parameters)
                 })
                 .collect();
@@ -65,14 +65,14 @@ impl<'a> Errors<'a> {
             _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
             _ => Uncertainty::None,
         };
-        let mut errors = Self { data, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
+        let mut errors = Self { means, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
         if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
             report.stretch = strata.spread(row).map_or(1.0, |spread| spread.stretch);
         }
         Ok(errors)
     }
 
-    pub(super) fn estimate(&self, quantity: Quantity) -> Estimate {
+    pub(crate) fn estimate(&self, quantity: Quantity) -> Estimate {
         let value = self.value(&self.minimum.parameters, quantity);
         let given = matches!(quantity, Quantity::Exponent(k) if !self.shapes[k].is_free());
         let Some(row) = self.sensitivity(quantity).filter(|_| !given) else {
@@ -90,7 +90,7 @@ impl<'a> Errors<'a> {
             (Uncertainty::Misfit, _) => {
                 let freedom = self.degrees_of_freedom as f64;
                 let unit = self.minimum.sum_of_squares / freedom;
-                let variance: f64 = row.iter().zip(&self.data.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
+                let variance: f64 = row.iter().zip(&self.means.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
                 let half = student_975(freedom) * variance.sqrt();
                 (Some(variance.sqrt()), Some([value - half, value + half]))
             }
@@ -119,7 +119,7 @@ impl<'a> Errors<'a> {
         }
     }
 
-    /// The row d(quantity)/d(kappa of each cell); `None` for an exponent that is given or at its bound.
+    /// The row d(quantity)/d(kappa of each datum); `None` for an exponent that is given or at its bound.
     fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
         let row = match quantity {
             Quantity::Limit => 0,

@@ -7,6 +7,12 @@ pub trait Quasistatic {
     /// The state at rest, with its fields.
     type State;
 
+    /// Whether a drive can be posed.
+    ///
+    /// # Errors
+    /// A drive that cannot.
+    fn check(&self, drive: Drive) -> Result<(), InterfaceError>;
+
     /// The next state at rest, reached from `start`.
     ///
     /// # Errors
@@ -374,6 +380,10 @@ impl Reading {
 impl Quasistatic for Interface<'_> {
     type State = State;
 
+    fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
+        Self::check(self, drive)
+    }
+
     fn rest(
         &self,
         drive: Drive,
@@ -403,6 +413,10 @@ impl Quasistatic for Interface<'_> {
 
 impl Quasistatic for FrictionalContact<'_> {
     type State = FrictionState;
+
+    fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
+        Self::check(self, drive)
+    }
 
     fn rest(
         &self,

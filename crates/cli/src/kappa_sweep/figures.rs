@@ -2,54 +2,52 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_fit::Axis as Limit;
+use gfmd_fit::{Axis as Limit, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
+use gfmd_sweep::{Analysis, Area, Config, Extrapolation, Plan, Study};
 
-use super::{Analysis, Area, Config, Example, Extrapolation, Plan};
 use crate::failure::Failure;
 use crate::figures::{area_chart, draw_pressure, named, theories};
 
-/// The figures of a sweep: `NAME-extrapolation`, `NAME-area` and `NAME-map` beside its file.
-pub(super) fn draw(
-    out: &Path,
-    config: &Config,
-    plan: &Plan,
-    analysis: &Analysis,
-    example: &Example,
-) -> Result<Vec<PathBuf>, Failure> {
+/// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
+///
+/// # Errors
+/// Files that cannot be written.
+pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
+    let Study { plan, analysis, example, .. } = study;
     let stem = out.with_extension("");
     let mut files = Vec::new();
-    files.extend(extrapolation(config, analysis).save(&named(&stem, "extrapolation"))?);
-    files.extend(area(config, plan, analysis).save(&named(&stem, "area"))?);
-    let grid = plan.grid(&example.point)?;
-    let modulus = config.body()?.material().contact_modulus();
-    files.extend(draw_pressure(&named(&stem, "map"), &grid, &example.pressure, modulus, "cell length")?);
+    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation"))?);
+    files.extend(area(plan, analysis).save(&named(&stem, "area"))?);
+    let modulus = plan.config.body()?.material().contact_modulus();
+    let map = named(&stem, "map");
+    files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);
     Ok(files)
 }
 
 /// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
 fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
-    let result = &analysis.extrapolations[0];
+    let result = analysis.result();
     let several = config.surface.hurst.len() > 1;
     let mut panels = Vec::new();
     for (position, axis) in Limit::ALL.into_iter().enumerate() {
-        let Some(term) = result.fit.terms.iter().find(|term| term.axis == axis) else { continue };
+        let Some(term) = result.fit.term(axis) else { continue };
         let alpha = term.exponent.value;
         let mut series = Vec::new();
         for extrapolation in &shown {
-            let Extrapolation { hurst, area, cells, fit, .. } = extrapolation;
+            let Extrapolation { hurst, area, data, fit, .. } = extrapolation;
             let family = config.surface.hurst.iter().position(|h| h == hurst).unwrap_or(0);
             let raw = *area == Area::Raw;
             let hue = if several { family } else { usize::from(!raw) };
-            // The cells of the other axes' arms would pile up on one level here.
-            let on_arm = |eps: [f64; 3]| varies(cells.iter().map(|cell| cell.all_eps()), eps, position);
-            let points = (cells.iter().zip(&fit.cells))
-                .filter(|(cell, _)| on_arm(cell.all_eps()))
-                .map(|(cell, report)| {
-                    let value = fit.isolate(cell, axis);
-                    Point::with_error(cell.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
+            // The data of the other axes' arms would pile up on one level here.
+            let on_arm = |eps: [f64; 3]| varies(data.iter().map(Datum::all_eps), eps, position);
+            let points = (data.iter().zip(&fit.data))
+                .filter(|(datum, _)| on_arm(datum.all_eps()))
+                .map(|(datum, report)| {
+                    let value = fit.isolate(datum, axis);
+                    Point::with_error(datum.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
                 })
                 .collect();
             let counting = if raw { "counted points" } else { "perimeter corrected" };
@@ -57,7 +55,7 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let mark = if raw { Mark::Points } else { Mark::HollowPoints };
             let label = if position == 2 { label } else { String::new() };
             series.push(Series { label, hue, mark, points });
-            let largest = cells.iter().map(|cell| cell.eps(axis)).fold(0.0, f64::max);
+            let largest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
             let mut others = [0.0; 3];
             let curve = (0..=60).map(|i| {
                 let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
@@ -88,30 +86,30 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     Chart::new(panels)
 }
 
-/// Whether a cell lies on the arm of an axis: its other levels are the most frequent ones.
+/// Returns true for a datum on the arm of an axis: its levels along the other axes are the most frequent ones.
 fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
     let all: Vec<[f64; 3]> = all.collect();
-    let others = |cell: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { cell[k] });
-    let count = |cell: &[f64; 3]| all.iter().filter(|other| others(other) == others(cell)).count();
+    let others = |eps: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { eps[k] });
+    let count = |eps: &[f64; 3]| all.iter().filter(|other| others(other) == others(eps)).count();
     let most = all.iter().map(count).max().unwrap_or(0);
     count(&eps) == most
 }
 
 /// Contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
-fn area(config: &Config, plan: &Plan, analysis: &Analysis) -> Chart {
+fn area(plan: &Plan, analysis: &Analysis) -> Chart {
+    let config = &plan.config;
     let loads = &config.loads.p_star;
     let mut series = Vec::new();
     for (family, &hurst) in config.surface.hurst.iter().enumerate() {
         let finest = (0..plan.points.len()).filter(|index| plan.points[*index].hurst == hurst).max_by(|a, b| {
             let eps_c = |index: usize| plan.points[index].discretisation.eps_c_inv;
-            eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n.cmp(&plan.points[*a].n))
+            eps_c(*a).total_cmp(&eps_c(*b)).then(plan.points[*b].n().cmp(&plan.points[*a].n()))
         });
-        let measured = analysis.measured.iter().filter(|m| Some(m.point) == finest);
-        let points = measured
-            .map(|m| {
-                let (kappa, error) = m.mean_and_error(0);
-                let p_star = loads[m.load];
-                Point::with_error(p_star, kappa * p_star, error.unwrap_or(0.0) * p_star)
+        let raw = analysis.data.iter().filter(|(key, _)| Some(key.point) == finest && key.area == Area::Raw);
+        let points = raw
+            .map(|(key, kappa)| {
+                let p_star = loads[key.load];
+                Point::with_error(p_star, kappa.mean() * p_star, kappa.standard_error().unwrap_or(0.0) * p_star)
             })
             .collect();
         let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);

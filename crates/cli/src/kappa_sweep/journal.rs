@@ -12,14 +12,16 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use gfmd_contact::{Effort, Residual};
 use gfmd_files::{folder, sync_folder};
+use gfmd_measure::Summary;
+use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::load::LoadRecord;
 
 /// Finished runs by number.
-pub(super) type Finished = BTreeMap<usize, Vec<LoadRecord>>;
+pub(super) type Finished = BTreeMap<usize, Vec<Pressed>>;
 
 /// The sweep that a journal belongs to.
 #[derive(Serialize, Deserialize, PartialEq)]
@@ -31,7 +33,65 @@ struct Head {
 #[derive(Serialize, Deserialize)]
 struct Entry {
     run: usize,
-    loads: Vec<LoadRecord>,
+    loads: Vec<Load>,
+}
+
+/// A load as a line holds it. The library's types know no file format, so their fields are listed here once more; the
+/// compiler refuses a list that is not complete.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Pressed")]
+struct PressedFields {
+    #[serde(with = "SummaryFields")]
+    summary: Summary,
+    approach: f64,
+    #[serde(with = "ResidualFields")]
+    residual: Residual,
+    #[serde(with = "EffortFields")]
+    effort: Effort,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Load(#[serde(with = "PressedFields")] Pressed);
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Summary")]
+struct SummaryFields {
+    mean_pressure: f64,
+    p_star: f64,
+    area_fraction: f64,
+    area_fraction_corrected: f64,
+    kappa: f64,
+    kappa_corrected: f64,
+    contact_nodes: u64,
+    boundary_links: u64,
+    mean_gap: f64,
+    max_pressure: f64,
+    mean_pressure_in_contact: f64,
+    pressure_deviation_in_contact: f64,
+    pressure_moment_2: f64,
+    elastic_energy: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Residual")]
+struct ResidualFields {
+    complementarity: f64,
+    penetration: f64,
+    negative_pressure: f64,
+    load: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Effort")]
+struct EffortFields {
+    iterations: u64,
+    transform_pairs: f64,
+}
+
+impl Entry {
+    fn new(run: usize, loads: &[Pressed]) -> Self {
+        Self { run, loads: loads.iter().map(|load| Load(*load)).collect() }
+    }
 }
 
 /// Number of runs of the sweep and of loads of each run.
@@ -108,9 +168,9 @@ impl Journal {
     ///
     /// # Errors
     /// A number that is not finite, which could not be read again; a file that cannot be written.
-    pub(super) fn record(&self, run: usize, loads: &[LoadRecord]) -> Result<(), Failure> {
+    pub(super) fn record(&self, run: usize, loads: &[Pressed]) -> Result<(), Failure> {
         let failed = |error| failed(&self.path, &error);
-        let text = line(&Entry { run, loads: loads.to_vec() }).map_err(failed)?;
+        let text = line(&Entry::new(run, loads)).map_err(failed)?;
         if text.contains("null") {
             return Err(Failure::Computation(format!(
                 "run {run} has a number that is not finite: {}",
@@ -228,7 +288,7 @@ fn runs(text: &[u8], expected: &Head, size: Size) -> Result<Finished, Unusable> 
             Slot::Occupied(_) => {
                 return Err(refuse(format!("run {run} was in an earlier line; each may be there once")));
             }
-            Slot::Vacant(slot) => drop(slot.insert(loads)),
+            Slot::Vacant(slot) => drop(slot.insert(loads.into_iter().map(|Load(load)| load).collect())),
         }
     }
     Ok(finished)
@@ -240,7 +300,6 @@ mod tests {
     use std::rc::Rc;
 
     use super::*;
-    use crate::load::ResidualRecord;
 
     const SIZE: Size = Size { runs: 6, loads: 2 };
 
@@ -252,13 +311,11 @@ mod tests {
         line(&head()).unwrap()
     }
 
-    fn loads(run: usize) -> Vec<LoadRecord> {
+    fn loads(run: usize) -> Vec<Pressed> {
         let kappa = 2.0 + 1.0 / (run as f64 + 3.0);
-        let residual = ResidualRecord { complementarity: 1e-9, penetration: 0.0, negative_pressure: 0.0, load: 1e-16 };
-        let load = LoadRecord {
+        let summary = Summary {
             mean_pressure: 0.1,
             p_star: 0.02,
-            displacement: 0.3,
             area_fraction: 0.04,
             area_fraction_corrected: 0.039,
             kappa,
@@ -271,18 +328,15 @@ mod tests {
             pressure_deviation_in_contact: 0.5,
             pressure_moment_2: 0.1,
             elastic_energy: 0.01,
-            iterations: 12,
-            transform_pairs: 24.0,
-            converged: true,
-            residual,
-            seconds: 0.0,
-            law: None,
         };
-        vec![load, LoadRecord { p_star: 0.05, ..load }]
+        let residual = Residual { complementarity: 1e-9, penetration: 0.0, negative_pressure: 0.0, load: 1e-16 };
+        let load =
+            Pressed { summary, approach: 0.3, residual, effort: Effort { iterations: 12, transform_pairs: 24.0 } };
+        vec![load, Pressed { approach: 0.4, ..load }]
     }
 
     fn entry(run: usize) -> String {
-        line(&Entry { run, loads: loads(run) }).unwrap()
+        line(&Entry::new(run, &loads(run))).unwrap()
     }
 
     /// A file as the machine sees it and as it would be found after a loss of power.
@@ -401,12 +455,12 @@ mod tests {
         refused(&[&zero, &one[..50], "\n"], 3, &["column"]);
         refused(&[&zero, "\n", &one], 3, &["not a finished run"]);
         let mut null: serde_json::Value = serde_json::from_str(&zero).unwrap();
-        null["loads"][0]["kappa"] = serde_json::Value::Null;
+        null["loads"][0]["summary"]["kappa"] = serde_json::Value::Null;
         let null = null.to_string() + "\n";
         refused(&[&null, &one], 2, &["null"]);
         refused(&[&zero.replace("\"run\":0", "\"run\":6")], 2, &["6", "0 to 5"]);
         refused(&[&one, &zero, &one], 4, &["run 1", "once"]);
-        let short = line(&Entry { run: 2, loads: loads(2)[..1].to_vec() }).unwrap();
+        let short = line(&Entry::new(2, &loads(2)[..1])).unwrap();
         refused(&[&zero, &short], 3, &["1 loads", "2"]);
         assert_eq!(open((first_line() + &zero + &one[..one.len() - 1]).as_bytes()).unwrap().1.len(), 1);
     }

@@ -1,139 +1,17 @@
-//! What a sweep found, as numbers, as JSON and as a table.
+//! The result of a sweep as JSON and as a table; the plan of one.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use gfmd_fit::{Axis, Cell, Estimate, Exponent, Fit, Settings, fit};
+use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
+use gfmd_sweep::{Area, Extrapolation, Key, Plan, Study};
 use serde::Serialize;
 
-use super::config::Config;
-use super::plan::{Plan, PlannedPoint};
+use super::calibration::seconds_per_pair;
 use crate::failure::Failure;
-use crate::load::LoadRecord;
+use crate::memory::Held;
 use crate::session::list_files;
-
-/// How contact area was counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Area {
-    /// Points in contact over all points.
-    Raw,
-    /// The same less the pixels' excess along the perimeter.
-    Corrected,
-}
-
-impl Area {
-    fn kappa(self, record: &LoadRecord) -> f64 {
-        match self {
-            Self::Raw => record.kappa,
-            Self::Corrected => record.kappa_corrected,
-        }
-    }
-}
-
-/// kappa of one point at one load.
-#[derive(Clone, Debug)]
-pub struct Measured {
-    /// Index of the point.
-    pub point: usize,
-    /// Index of the load.
-    pub load: usize,
-    /// By seed, for the areas of [`Analysis::areas`] in turn.
-    pub kappa: Vec<BTreeMap<u64, f64>>,
-}
-
-impl Measured {
-    /// Mean and standard error of the mean, for one way of counting; no error from a single value.
-    pub fn mean_and_error(&self, way: usize) -> (f64, Option<f64>) {
-        let Some(values) = self.kappa.get(way) else { return (f64::NAN, None) };
-        let n = values.len() as f64;
-        let mean = values.values().sum::<f64>() / n;
-        let squares: f64 = values.values().map(|value| (value - mean).powi(2)).sum();
-        (mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt()))
-    }
-}
-
-/// One extrapolation.
-#[derive(Clone, Debug)]
-pub struct Extrapolation {
-    /// Hurst exponent of its surfaces.
-    pub hurst: f64,
-    /// Load.
-    pub p_star: f64,
-    /// Area.
-    pub area: Area,
-    /// Its cells, in the order of the fit.
-    pub cells: Vec<Cell>,
-    /// The fit.
-    pub fit: Fit,
-}
-
-/// All that is derived from the records.
-#[derive(Clone, Debug)]
-pub struct Analysis {
-    /// Ways of counting: raw, and corrected for surfaces.
-    pub areas: Vec<Area>,
-    /// Points times loads.
-    pub measured: Vec<Measured>,
-    /// Families times loads times areas; the first one is the result.
-    pub extrapolations: Vec<Extrapolation>,
-}
-
-impl Analysis {
-    /// Groups the records and fits every load of every family.
-    ///
-    /// # Errors
-    /// A model that the points cannot determine.
-    pub fn new(config: &Config, plan: &Plan, records: &[Vec<LoadRecord>]) -> Result<Self, Failure> {
-        // No correction is known for the ends of line contacts.
-        let areas = if config.surface.dim == 2 { vec![Area::Raw] } else { vec![Area::Raw, Area::Corrected] };
-        let mut measured = Vec::new();
-        for point in 0..plan.points.len() {
-            for load in 0..config.loads.p_star.len() {
-                let of_point = || plan.runs.iter().zip(records).filter(|(run, _)| run.point == point);
-                let kappa = |area: &Area| of_point().map(|(run, loads)| (run.seed, area.kappa(&loads[load]))).collect();
-                measured.push(Measured { point, load, kappa: areas.iter().map(kappa).collect() });
-            }
-        }
-        let settings = |area: Area| -> Result<Settings, Failure> {
-            let mut model = config.model()?;
-            // What the correction leaves of the perimeter term is too small to say with which power it vanishes.
-            if area == Area::Corrected && matches!(model.c, Some(Exponent::Free { .. })) {
-                model.c = Some(Exponent::Fixed(1.0));
-            }
-            Ok(Settings { model, resamples: config.fit.resamples, ..Settings::default() })
-        };
-        let mut extrapolations = Vec::new();
-        for &hurst in &config.surface.hurst {
-            for (load, &p_star) in config.loads.p_star.iter().enumerate() {
-                for (way, &area) in areas.iter().enumerate() {
-                    let family = measured.iter().filter(|m| m.load == load && plan.points[m.point].hurst == hurst);
-                    let cells: Vec<Cell> = family
-                        .map(|m| {
-                            let d = plan.points[m.point].discretisation;
-                            Cell {
-                                eps_t: 1.0 / d.eps_t_inv,
-                                eps_f: 1.0 / d.eps_f_inv,
-                                eps_c: 1.0 / d.eps_c_inv,
-                                kappa: m.kappa[way].clone(),
-                            }
-                        })
-                        .collect();
-                    let fit = fit(&cells, &settings(area)?).map_err(|error| Failure::input("fit", error))?;
-                    extrapolations.push(Extrapolation { hurst, p_star, area, cells, fit });
-                }
-            }
-        }
-        // The result first: the load that was asked for, of the first family, raw.
-        let is_result = |e: &Extrapolation| e.p_star == config.fit.p_star && e.area == Area::Raw;
-        if let Some(position) = extrapolations.iter().position(is_result) {
-            extrapolations[..=position].rotate_right(1);
-        }
-        Ok(Self { areas, measured, extrapolations })
-    }
-}
 
 /// The result of a sweep, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -252,7 +130,7 @@ impl FitReport {
                 .filter(|three| three.axis == Axis::Continuum)
                 .map(|three| Check {
                     axis: three.axis.letter(),
-                    eps_inv: three.cells.map(|cell| 1.0 / extrapolation.cells[cell].eps_c),
+                    eps_inv: three.data.map(|index| 1.0 / extrapolation.data[index].eps_c),
                     kappa: three.limit.map(|limit| limit.kappa),
                     exponent: three.limit.map(|limit| limit.exponent),
                 })
@@ -263,40 +141,31 @@ impl FitReport {
 }
 
 impl Report {
-    /// Collects what is printed.
-    pub fn new(
-        config: &Config,
-        plan: &Plan,
-        analysis: Analysis,
-        out: PathBuf,
-        plots: Vec<PathBuf>,
-        seconds: f64,
-        peak_bytes: u64,
-    ) -> Self {
-        let points = analysis.measured.iter().map(|measured| {
-            let point = plan.points[measured.point];
-            let d = point.discretisation;
-            let (kappa, kappa_sem) = measured.mean_and_error(0);
-            let corrected = measured.kappa.get(1).map(|_| measured.mean_and_error(1));
+    /// Collects the numbers that are printed.
+    pub fn new(study: &Study, out: PathBuf, plots: Vec<PathBuf>, seconds: f64, peak_bytes: u64) -> Self {
+        let Study { plan, analysis, .. } = study;
+        let points = analysis.data.iter().filter(|(key, _)| key.area == Area::Raw).map(|(key, raw)| {
+            let point = &plan.points[key.point];
+            let corrected = analysis.data.get(&Key { area: Area::Corrected, ..*key });
             PointReport {
-                dim: config.surface.dim,
+                dim: plan.config.surface.dim,
                 hurst: point.hurst,
-                eps_t_inv: d.eps_t_inv,
-                eps_f_inv: d.eps_f_inv,
-                eps_c_inv: d.eps_c_inv,
-                n: point.n,
-                p_star: config.loads.p_star[measured.load],
-                realisations: measured.kappa[0].len(),
-                kappa,
-                kappa_sem,
-                kappa_corrected: corrected.map(|(mean, _)| mean),
-                kappa_corrected_sem: corrected.and_then(|(_, error)| error),
+                eps_t_inv: point.discretisation.eps_t_inv,
+                eps_f_inv: point.discretisation.eps_f_inv,
+                eps_c_inv: point.discretisation.eps_c_inv,
+                n: point.n(),
+                p_star: plan.config.loads.p_star[key.load],
+                realisations: raw.kappa.len(),
+                kappa: raw.mean(),
+                kappa_sem: raw.standard_error(),
+                kappa_corrected: corrected.map(Datum::mean),
+                kappa_corrected_sem: corrected.and_then(Datum::standard_error),
             }
         });
         let points = points.collect();
         let fits: Vec<FitReport> = analysis.extrapolations.iter().map(FitReport::new).collect();
         let theory = TheoryReport { persson: PERSSON_KAPPA, bush_gibson_thomas: BUSH_GIBSON_THOMAS_KAPPA };
-        Self { points, fit: fits[0].clone(), fits, theory, out, plots, seconds, peak_bytes }
+        Self { points, fit: FitReport::new(analysis.result()), fits, theory, out, plots, seconds, peak_bytes }
     }
 }
 
@@ -380,8 +249,9 @@ impl fmt::Display for Headline<'_> {
     }
 }
 
-/// What `--dry-run` prints.
+/// The output of `--dry-run`.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PlanReport {
     pub points: Vec<PlannedPoint>,
     pub loads: Vec<f64>,
@@ -390,28 +260,44 @@ pub struct PlanReport {
     pub memory_bytes: u64,
 }
 
+#[derive(Clone, Debug, Serialize)]
+pub struct PlannedPoint {
+    pub dim: u8,
+    pub hurst: f64,
+    pub eps_t_inv: f64,
+    pub eps_f_inv: f64,
+    pub eps_c_inv: f64,
+    pub n: usize,
+    pub realisations: usize,
+    pub memory_bytes: u64,
+    pub seconds: f64,
+}
+
 impl PlanReport {
     /// Estimates memory and time of a plan on this machine.
     ///
     /// # Errors
-    /// Never for a plan that was made.
-    pub fn new(config: &Config, plan: &Plan) -> Result<Self, Failure> {
-        let pair = Plan::calibrate()?;
+    /// None on a machine that can transform a small grid.
+    pub fn new(plan: &Plan) -> Result<Self, Failure> {
+        let pair = seconds_per_pair()?;
         let points: Vec<PlannedPoint> = (plan.points.iter().enumerate())
-            .map(|(index, point)| PlannedPoint {
-                dim: config.surface.dim,
-                hurst: point.hurst,
-                eps_t_inv: point.discretisation.eps_t_inv,
-                eps_f_inv: point.discretisation.eps_f_inv,
-                eps_c_inv: point.discretisation.eps_c_inv,
-                n: point.n,
-                realisations: plan.realisations(index),
-                memory_bytes: plan.memory(point),
-                seconds: plan.cost(point, pair) * plan.realisations(index) as f64,
+            .map(|(index, point)| {
+                let realisations = plan.runs_of(index).len();
+                PlannedPoint {
+                    dim: plan.config.surface.dim,
+                    hurst: point.hurst,
+                    eps_t_inv: point.discretisation.eps_t_inv,
+                    eps_f_inv: point.discretisation.eps_f_inv,
+                    eps_c_inv: point.discretisation.eps_c_inv,
+                    n: point.n(),
+                    realisations,
+                    memory_bytes: Held::HARD_WALL.bytes(point.grid.points()),
+                    seconds: plan.work(point) * pair * realisations as f64,
+                }
             })
             .collect();
         Ok(Self {
-            loads: config.loads.p_star.clone(),
+            loads: plan.config.loads.p_star.clone(),
             runs: plan.runs.len(),
             seconds: points.iter().map(|point| point.seconds).sum(),
             memory_bytes: points.iter().map(|point| point.memory_bytes).max().unwrap_or(0),
@@ -451,15 +337,4 @@ impl fmt::Display for PlanReport {
             mebibytes(self.memory_bytes)
         )
     }
-}
-
-/// The parts of an estimate as a file stores them; NaN where there is none.
-pub(super) fn numbers(estimate: &Estimate) -> [f64; 4] {
-    let [low, high] = estimate.ci95.unwrap_or([f64::NAN; 2]);
-    [estimate.value, estimate.standard_error.unwrap_or(f64::NAN), low, high]
-}
-
-/// The term of an axis: coefficient and exponent.
-pub(super) fn term(fit: &Fit, axis: Axis) -> Option<(&Estimate, &Estimate)> {
-    fit.terms.iter().find(|term| term.axis == axis).map(|term| (&term.coefficient, &term.exponent))
 }

@@ -11,7 +11,8 @@ use crate::failure::Failure;
 use crate::figures::{draw_pressure, named};
 
 /// A path, leg by leg: pressure against approach and contact area against pressure, or shear and sticking area against
-/// lateral displacement if it moves sideways; and the map of pressure at its end.
+/// lateral displacement if it moves sideways; and the map of pressure at the
+/// largest contact.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
@@ -19,9 +20,9 @@ pub(super) fn draw(
     grid: &Grid,
     pressure: &Array2<f64>,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let unit = report.unit.as_deref().unwrap_or("length");
-    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
-    let unit_pressure = report.e_star * report.rms_gradient;
+    let unit = report.head.unit.as_deref().unwrap_or("length");
+    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.head.e_star, unit)?;
+    let unit_pressure = report.head.e_star * report.head.rms_gradient;
     let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
         let last = report.steps.len().saturating_sub(1);
         let leg = |(hue, start): (usize, usize)| {
@@ -34,16 +35,13 @@ pub(super) fn draw(
         };
         (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
     };
-    let sideways = report.steps.iter().any(|step| step.lateral != report.steps[0].lateral);
     let lateral = |step: &StepRecord| report.along(step.lateral);
     let shear = |step: &StepRecord| report.along(step.mean_shear);
     let reduced = "*p*/(*E*\\* *ḡ*)";
-    let panels = if sideways {
+    let panels = if report.moves_sideways() {
         let x = Axis::linear(&format!("lateral displacement / {unit}"));
-        let share = |step: &StepRecord| {
-            if step.stick_fraction.is_nan() { step.area_fraction } else { step.stick_fraction }
-        };
-        let sticking = report.steps.iter().any(|step| !step.stick_fraction.is_nan());
+        let share = |step: &StepRecord| step.stick_fraction.unwrap_or(step.area_fraction);
+        let sticking = report.steps.iter().any(|step| step.stick_fraction.is_some());
         let area = if sticking { "sticking area" } else { "contact area" };
         vec![
             Panel {

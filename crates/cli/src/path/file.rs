@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 
-use super::mechanics::Mechanics;
-use super::record::SCALARS;
+use super::record::{Recorded, SCALARS};
 use super::{Args, Prepared, StepRecord};
 use crate::failure::Failure;
 use crate::session::Session;
@@ -50,11 +49,10 @@ impl<'a> PathFile<'a> {
         Ok(Self { archive, shears })
     }
 
-    pub(super) fn write(&mut self, waypoint: usize, mechanics: &Mechanics) -> Result<(), Failure> {
-        let Some((tractions, gap)) = mechanics.fields() else { return Ok(()) };
-        self.archive.write_slab("/fields/pressure", waypoint, &contiguous(&mechanics.pressure()))?;
-        self.archive.write_slab("/fields/gap", waypoint, &contiguous(&gap.to_owned()))?;
-        for (name, shear) in self.shears.iter().zip(&tractions) {
+    pub(super) fn write(&mut self, waypoint: usize, state: &impl Recorded) -> Result<(), Failure> {
+        self.archive.write_slab("/fields/pressure", waypoint, &contiguous(&state.pressure()))?;
+        self.archive.write_slab("/fields/gap", waypoint, &contiguous(state.gap()))?;
+        for (name, shear) in self.shears.iter().zip(state.traction().outer_iter()) {
             self.archive.write_slab(&format!("/fields/{name}"), waypoint, &contiguous(&shear.to_owned()))?;
         }
         Ok(())

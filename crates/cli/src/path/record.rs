@@ -1,5 +1,7 @@
 //! The numbers of one step.
 
+use gfmd_interface::{FrictionState, InterfaceError, Reading, State, Step};
+use ndarray::{Array2, Array3, Axis};
 use serde::Serialize;
 
 /// One step of a path.
@@ -12,18 +14,48 @@ pub struct StepRecord {
     pub lateral: [f64; 2],
     pub mean_shear: [f64; 2],
     pub area_fraction: f64,
-    pub stick_fraction: f64,
+    pub stick_fraction: Option<f64>,
     pub mean_gap: f64,
     pub elastic_energy: f64,
-    pub interface_energy: f64,
-    pub dissipated: f64,
+    pub interface_energy: Option<f64>,
+    pub dissipated: Option<f64>,
+    pub dissipated_error: Option<f64>,
     pub passed_instability: bool,
     pub lowest_curvature: f64,
+    pub extra_solves: u64,
     pub iterations: u64,
     pub transform_pairs: u64,
     pub converged: bool,
     pub residual: ResidualRecord,
     pub seconds: f64,
+}
+
+impl StepRecord {
+    /// The numbers that all states have; NaN or nothing for all else.
+    fn new(reading: &Reading, step: &Step, residual: ResidualRecord, tolerance: f64) -> Self {
+        Self {
+            mean_pressure: reading.mean_pressure,
+            p_star: f64::NAN,
+            displacement: reading.approach,
+            lateral: reading.lateral,
+            mean_shear: reading.mean_shear,
+            area_fraction: f64::NAN,
+            stick_fraction: None,
+            mean_gap: f64::NAN,
+            elastic_energy: f64::NAN,
+            interface_energy: None,
+            dissipated: step.dissipated,
+            dissipated_error: step.dissipated_error,
+            passed_instability: false,
+            lowest_curvature: f64::NAN,
+            extra_solves: step.extra_solves,
+            iterations: step.iterations,
+            transform_pairs: step.transform_pairs,
+            converged: residual.worst() <= tolerance,
+            residual,
+            seconds: f64::NAN,
+        }
+    }
 }
 
 /// The residuals of a step, recomputed from its final fields.
@@ -45,6 +77,106 @@ impl ResidualRecord {
             Self::Friction { complementarity, penetration, load, friction, excess } => {
                 gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess }.worst()
             }
+        }
+    }
+}
+
+/// Why a path goes no further.
+pub(super) enum Stop {
+    /// The surfaces parted under their load.
+    Parted,
+    Interrupted,
+    NotConverged,
+}
+
+/// A state of which a path keeps numbers and fields.
+pub(super) trait Recorded: Sized {
+    /// The numbers of the state and of the step that led to it; time and reduced pressure are the caller's.
+    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
+
+    /// Traction on the elastic surface, component by component.
+    fn traction(&self) -> &Array3<f64>;
+
+    /// Distance between the surfaces.
+    fn gap(&self) -> &Array2<f64>;
+
+    /// The state that an error of the solver carries.
+    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)>;
+
+    /// Compression positive.
+    fn pressure(&self) -> Array2<f64> {
+        let normal = self.traction().len_of(Axis(0)) - 1;
+        self.traction().index_axis(Axis(0), normal).mapv(|t| -t)
+    }
+}
+
+impl Recorded for State {
+    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+        let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load } = self.residual;
+        StepRecord {
+            area_fraction: self.contact_fraction,
+            mean_gap: self.gap.mean().unwrap_or(f64::NAN),
+            elastic_energy: self.elastic_energy,
+            interface_energy: Some(self.interface_energy).filter(|energy| !energy.is_nan()),
+            passed_instability: self.passed_instability,
+            lowest_curvature: self.lowest_curvature,
+            ..StepRecord::new(
+                reading,
+                step,
+                ResidualRecord::Law { equilibrium, penetration, wall_tension, load },
+                tolerance,
+            )
+        }
+    }
+
+    fn traction(&self) -> &Array3<f64> {
+        &self.traction
+    }
+
+    fn gap(&self) -> &Array2<f64> {
+        &self.gap
+    }
+
+    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)> {
+        match error {
+            InterfaceError::Detached { state, .. } => Some((state, Stop::Parted)),
+            InterfaceError::Interrupted { state } => Some((state, Stop::Interrupted)),
+            InterfaceError::NotConverged { state, .. } => Some((state, Stop::NotConverged)),
+            _ => None,
+        }
+    }
+}
+
+impl Recorded for FrictionState {
+    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+        let gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess } = self.residual;
+        StepRecord {
+            area_fraction: self.contact_fraction,
+            stick_fraction: Some(self.stick_fraction),
+            mean_gap: self.gap.mean().unwrap_or(f64::NAN),
+            elastic_energy: self.elastic_energy,
+            ..StepRecord::new(
+                reading,
+                step,
+                ResidualRecord::Friction { complementarity, penetration, load, friction, excess },
+                tolerance,
+            )
+        }
+    }
+
+    fn traction(&self) -> &Array3<f64> {
+        &self.traction
+    }
+
+    fn gap(&self) -> &Array2<f64> {
+        &self.gap
+    }
+
+    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)> {
+        match error {
+            InterfaceError::FrictionInterrupted { state } => Some((state, Stop::Interrupted)),
+            InterfaceError::FrictionNotConverged { state, .. } => Some((state, Stop::NotConverged)),
+            _ => None,
         }
     }
 }
@@ -78,18 +210,21 @@ pub(super) const SCALARS: &[Scalar] = &[
     scalar("mean_shear_y", "stress", "mean shear traction on the elastic surface along y", |r| r.mean_shear[1]),
     scalar("area_fraction", "1", "points that are repelled over all points", |r| r.area_fraction),
     scalar("stick_fraction", "1", "points in contact that stick over all points; NaN without friction", |r| {
-        r.stick_fraction
+        r.stick_fraction.unwrap_or(f64::NAN)
     }),
     scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
     scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
     scalar("interface_energy", "stress*length", "energy of the law per area of the surface; NaN without one", |r| {
-        r.interface_energy
+        r.interface_energy.unwrap_or(f64::NAN)
+    }),
+    scalar("dissipated", "stress*length", "energy lost in this step, per area; NaN where there is no energy", |r| {
+        r.dissipated.unwrap_or(f64::NAN)
     }),
     scalar(
-        "dissipated",
+        "dissipated_error",
         "stress*length",
-        "work of this step that is not stored, per area; of laws by trapezoids",
-        |r| r.dissipated,
+        "estimated error of dissipated; NaN where it is exact, or unknown",
+        |r| r.dissipated_error.unwrap_or(f64::NAN),
     ),
     scalar("passed_instability", "1", "1 if directions of negative curvature were met on the way", |r| {
         f64::from(u8::from(r.passed_instability))
@@ -100,10 +235,14 @@ pub(super) const SCALARS: &[Scalar] = &[
         "lowest curvature that the last search for a step saw, over the elastic one",
         |r| r.lowest_curvature,
     ),
-    scalar("iterations", "1", "steps of the solver", |r| r.iterations as f64),
-    scalar("transform_pairs", "1", "forward and inverse transforms of one component, in pairs", |r| {
-        r.transform_pairs as f64
-    }),
+    scalar("extra_solves", "1", "solves within the step that its loss of energy took", |r| r.extra_solves as f64),
+    scalar("iterations", "1", "steps of the solver, extra solves included", |r| r.iterations as f64),
+    scalar(
+        "transform_pairs",
+        "1",
+        "forward and inverse transforms of one component, in pairs, extra solves included",
+        |r| r.transform_pairs as f64,
+    ),
     scalar("converged", "1", "1 if all residuals are at most the tolerance", |r| f64::from(u8::from(r.converged))),
     scalar("residual", "1", "largest residual, from the final fields", |r| r.residual.worst()),
 ];

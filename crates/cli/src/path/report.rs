@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::StepRecord;
+use crate::memory::peak_bytes;
 use crate::session::list_files;
 
-/// The result, as printed.
+/// The problem that a path is followed in.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Report {
+pub struct Head {
     pub n: [usize; 2],
     pub length: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -23,11 +24,22 @@ pub struct Report {
     pub law: String,
     /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
     pub direction: [f64; 2],
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    #[serde(flatten)]
+    pub head: Head,
     pub steps: Vec<StepRecord>,
     /// One for each leg that moves sideways.
     pub sliding: Vec<Sliding>,
-    /// Work done along the path that is not stored at its end, per area.
-    pub dissipated: f64,
+    /// Energy lost along the path, per area; nothing where the tractions have no energy.
+    pub dissipated: Option<f64>,
+    /// Sum of the errors of the steps; nothing where `dissipated` is exact, or unknown.
+    pub dissipated_error: Option<f64>,
+    pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
     /// The step at which the surfaces parted under their load, the last one.
     pub parted_at: Option<usize>,
@@ -50,13 +62,38 @@ pub struct Sliding {
 }
 
 impl Report {
+    /// What the steps say; a leg has `steps_of_leg` of them.
+    pub(super) fn new(head: Head, steps: Vec<StepRecord>, steps_of_leg: usize) -> Self {
+        let sum = |of: fn(&StepRecord) -> Option<f64>| steps.iter().filter_map(of).reduce(|a, b| a + b);
+        let mut report = Self {
+            head,
+            sliding: Vec::new(),
+            dissipated: sum(|step| step.dissipated),
+            dissipated_error: sum(|step| step.dissipated_error),
+            extra_solves: steps.iter().map(|step| step.extra_solves).sum(),
+            lowest_mean_pressure: steps.iter().map(|step| step.mean_pressure).fold(f64::INFINITY, f64::min),
+            parted_at: None,
+            peak_bytes: peak_bytes(),
+            out: None,
+            plots: Vec::new(),
+            steps,
+        };
+        report.sliding = report.sliding(steps_of_leg);
+        report
+    }
+
     /// The part along the lateral displacement.
     pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
-        x * self.direction[0] + y * self.direction[1]
+        x * self.head.direction[0] + y * self.head.direction[1]
+    }
+
+    /// Whether the rigid surface moves sideways.
+    pub fn moves_sideways(&self) -> bool {
+        self.steps.iter().any(|step| step.lateral != self.steps[0].lateral)
     }
 
     /// The legs of so many steps each that move sideways.
-    pub(super) fn sliding(&self, steps_of_leg: usize) -> Vec<Sliding> {
+    fn sliding(&self, steps_of_leg: usize) -> Vec<Sliding> {
         let last = self.steps.len().saturating_sub(1);
         let leg = |(number, start): (usize, usize)| {
             let leg = &self.steps[start..=(start + steps_of_leg).min(last)];
@@ -73,35 +110,55 @@ impl Report {
     }
 }
 
+/// A column of the table: its head, and what stands in it.
+type Column<'a> = (&'static str, Box<dyn Fn(&StepRecord) -> String + 'a>);
+
+impl Report {
+    /// The columns that apply to any of the steps.
+    fn columns(&self) -> Vec<Column<'_>> {
+        fn short<'a>(of: impl Fn(&StepRecord) -> f64 + 'a) -> Box<dyn Fn(&StepRecord) -> String + 'a> {
+            Box::new(move |step| format!("{:>12.4e}", of(step)))
+        }
+        fn share(of: fn(&StepRecord) -> f64) -> Box<dyn Fn(&StepRecord) -> String> {
+            Box::new(move |step| format!("{:>12.6}", of(step)))
+        }
+        let any = |of: fn(&StepRecord) -> Option<f64>| self.steps.iter().any(|step| of(step).is_some());
+        let sideways = self.moves_sideways();
+        let columns: [(bool, Column); 11] = [
+            (true, ("pressure", short(|step| step.mean_pressure))),
+            (true, ("approach", short(|step| step.displacement))),
+            (sideways, ("lateral", short(|step| self.along(step.lateral)))),
+            (sideways, ("shear", short(|step| self.along(step.mean_shear)))),
+            (true, ("area", share(|step| step.area_fraction))),
+            (any(|step| step.stick_fraction), ("stick", share(|step| step.stick_fraction.unwrap_or(f64::NAN)))),
+            (true, ("energy", short(|step| step.elastic_energy + step.interface_energy.unwrap_or(0.0)))),
+            (any(|step| step.dissipated), ("dissipated", short(|step| step.dissipated.unwrap_or(f64::NAN)))),
+            (any(|step| step.dissipated_error), ("+-", short(|step| step.dissipated_error.unwrap_or(f64::NAN)))),
+            (true, ("steps", Box::new(|step| format!("{:>12}", step.iterations)))),
+            (true, ("residual", Box::new(|step| format!("{:>12.1e}", step.residual.worst())))),
+        ];
+        columns.into_iter().filter(|(applies, _)| *applies).map(|(_, column)| column).collect()
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [nx, ny] = self.n;
-        let unit = self.unit.as_deref().unwrap_or("length units");
-        writeln!(f, "{}", self.surface)?;
-        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
+        let Head { n: [nx, ny], length, unit, surface, rms_gradient, rms_height, e_star, law, .. } = &self.head;
+        let unit = unit.as_deref().unwrap_or("length units");
+        writeln!(f, "{surface}")?;
+        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", length[0], length[1])?;
         writeln!(
             f,
-            "rms gradient {:.6} (spectral), rms height {:.6e} {unit}, E* = {:.6e}, law {}\n",
-            self.rms_gradient, self.rms_height, self.e_star, self.law
+            "rms gradient {rms_gradient:.6} (spectral), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}, law {law}\n"
         )?;
-        let heads =
-            ["pressure", "approach", "lateral", "shear", "area", "stick", "energy", "dissipated", "steps", "residual"];
-        writeln!(f, "{:>5}{}", "", heads.map(|head| format!("{head:>12}")).concat())?;
+        let columns = self.columns();
+        let heads: String = columns.iter().map(|(head, _)| format!("{head:>12}")).collect();
+        writeln!(f, "{:>5}{heads}", "")?;
         for (index, step) in self.steps.iter().enumerate() {
-            let law = if step.interface_energy.is_nan() { 0.0 } else { step.interface_energy };
+            let values: String = columns.iter().map(|(_, value)| value(step)).collect();
             writeln!(
                 f,
-                "{index:>5}{:>12.4e}{:>12.4e}{:>12.4e}{:>12.4e}{:>12.6}{:>12.6}{:>12.4e}{:>12.4e}{:>12}{:>12.1e}{}{}",
-                step.mean_pressure,
-                step.displacement,
-                self.along(step.lateral),
-                self.along(step.mean_shear),
-                step.area_fraction,
-                step.stick_fraction,
-                step.elastic_energy + law,
-                step.dissipated,
-                step.iterations,
-                step.residual.worst(),
+                "{index:>5}{values}{}{}",
                 if step.passed_instability { "  passed an instability" } else { "" },
                 if step.converged { "" } else { "  NOT CONVERGED" }
             )?;
@@ -116,11 +173,14 @@ impl fmt::Display for Report {
                 leg.leg, leg.tangential_stiffness, leg.friction_coefficient
             )?;
         }
-        writeln!(
-            f,
-            "\ndissipated {:.6e} per area, lowest mean pressure {:.6e}",
-            self.dissipated, self.lowest_mean_pressure
-        )?;
+        match (self.dissipated, self.dissipated_error) {
+            (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
+            (Some(lost), None) => write!(f, "\ndissipated {lost:.6e} per area")?,
+            (Some(lost), Some(error)) => {
+                write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area ({} extra solves)", self.extra_solves)?;
+            }
+        }
+        writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

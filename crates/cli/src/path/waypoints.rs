@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
+/// Steps of a path: what is kept of so many is less than a gigabyte.
+const MOST_STEPS: u64 = 1_000_000;
+
 /// Where the path turns. One value stays as it is; several of both kinds go together.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 pub(super) struct WaypointArgs {
@@ -60,6 +63,12 @@ impl WaypointArgs {
             if length != 1 && length != count {
                 return Err(Failure::input(flag, format!("1 or {count} waypoints are allowed, found {length}")));
             }
+        }
+        let made = (count as u64 - 1).saturating_mul(u64::from(steps));
+        if made > MOST_STEPS {
+            let reason =
+                format!("{steps} between each two of {count} waypoints make {made}; at most {MOST_STEPS} are allowed");
+            return Err(Failure::input("--steps", reason));
         }
         let along = self.along();
         let at = |list: &[f64], leg: usize, share: f64| match list {

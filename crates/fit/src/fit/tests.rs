@@ -3,9 +3,11 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use rayon::prelude::*;
 
-use super::*;
-use crate::{Estimate, Parameters, Uncertainty};
+use super::{shapes, weighted};
+use crate::projection::Search;
+use crate::*;
 
 const TRUTH: Parameters =
     Parameters { kappa_tfc: 2.07, coefficients: [-0.31, 0.83, 1.74], exponents: [1.37, 0.71, 1.13] };
@@ -24,9 +26,9 @@ fn normal(rng: &mut Pcg64) -> f64 {
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
-/// The kappa of one cell with one realisation, without noise.
-fn exact(truth: &Parameters, eps: [f64; 3]) -> Cell {
-    Cell { eps_t: eps[0], eps_f: eps[1], eps_c: eps[2], kappa: [(0, truth.predict(eps))].into() }
+/// The kappa of one datum with one realisation, without noise.
+fn exact(truth: &Parameters, eps: [f64; 3]) -> Datum {
+    Datum { eps_t: eps[0], eps_f: eps[1], eps_c: eps[2], kappa: [(0, truth.predict(eps))].into() }
 }
 
 /// Axis by axis from one corner, as a sweep does, four levels each.
@@ -43,8 +45,8 @@ fn star() -> Vec<[f64; 3]> {
     all
 }
 
-/// A sweep with noise: each surface (eps_t, eps_f, seed) shifts its cells together and each cell a little on its own.
-fn noisy(truth: &Parameters, places: &[[f64; 3]], seeds: u64, common: f64, own: f64, rng: &mut Pcg64) -> Vec<Cell> {
+/// A sweep with noise: each surface (eps_t, eps_f, seed) shifts its data together and each datum a little on its own.
+fn noisy(truth: &Parameters, places: &[[f64; 3]], seeds: u64, common: f64, own: f64, rng: &mut Pcg64) -> Vec<Datum> {
     let mut surfaces: BTreeMap<(u64, u64, u64), f64> = BTreeMap::new();
     let mut numbers: BTreeMap<(u64, u64), u64> = BTreeMap::new();
     places
@@ -57,22 +59,22 @@ fn noisy(truth: &Parameters, places: &[[f64; 3]], seeds: u64, common: f64, own: 
                 let shift = *surfaces.entry((surface.0, surface.1, i)).or_insert_with(|| common * normal(rng));
                 (first + i, truth.predict(eps) + shift + own * normal(rng))
             });
-            Cell { eps_t: eps[0], eps_f: eps[1], eps_c: eps[2], kappa: kappa.collect() }
+            Datum { eps_t: eps[0], eps_f: eps[1], eps_c: eps[2], kappa: kappa.collect() }
         })
         .collect()
 }
 
 #[test]
 fn exact_data_are_recovered() {
-    let cells: Vec<Cell> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
-    let found = fit(&cells, &FREE).unwrap();
+    let data: Vec<Datum> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
+    let found = fit(&data, &FREE).unwrap();
     assert!((found.kappa_tfc.value - TRUTH.kappa_tfc).abs() < 1e-8, "{:?}", found.kappa_tfc);
     for axis in 0..3 {
         assert!((found.parameters.coefficients[axis] - TRUTH.coefficients[axis]).abs() < 1e-7);
         assert!((found.parameters.exponents[axis] - TRUTH.exponents[axis]).abs() < 1e-7);
     }
     assert!(found.chi_squared < 1e-18 && found.degrees_of_freedom == 3 && !found.noise_known);
-    for report in &found.cells {
+    for report in &found.data {
         assert!((report.fitted - report.mean).abs() < 1e-9);
         let without = report.kappa_tfc_without.unwrap();
         assert!((without - TRUTH.kappa_tfc).abs() < 1e-6, "{without}");
@@ -84,8 +86,8 @@ fn the_solution_does_not_hide_behind_a_local_minimum() {
     // Two free exponents far apart, the coefficients nearly cancelling.
     let truth = Parameters { kappa_tfc: 1.9, coefficients: [0.0, 1.2, -1.1], exponents: [1.0, 3.6, 0.31] };
     let places = (0..5).flat_map(|i| (0..5).map(move |j| [0.5, 0.3 * 0.6_f64.powi(i), 0.4 * 0.5_f64.powi(j)]));
-    let cells: Vec<Cell> = places.map(|eps| exact(&truth, eps)).collect();
-    let found = fit(&cells, &FREE).unwrap();
+    let data: Vec<Datum> = places.map(|eps| exact(&truth, eps)).collect();
+    let found = fit(&data, &FREE).unwrap();
     assert!((found.kappa_tfc.value - 1.9).abs() < 1e-8);
     assert_eq!(found.warnings[0], Warning::SingleLevel { axis: Axis::Thermodynamic, eps: 0.5 });
 }
@@ -93,8 +95,8 @@ fn the_solution_does_not_hide_behind_a_local_minimum() {
 #[test]
 fn noisy_data_are_recovered_within_the_interval() {
     let mut rng = Pcg64::seed_from_u64(11);
-    let cells = noisy(&TRUTH, &star(), 12, 0.004, 0.001, &mut rng);
-    let found = fit(&cells, &Settings { resamples: 400, ..FREE }).unwrap();
+    let data = noisy(&TRUTH, &star(), 12, 0.004, 0.001, &mut rng);
+    let found = fit(&data, &Settings { resamples: 400, ..FREE }).unwrap();
     let contains = |estimate: Estimate, truth: f64| {
         let [low, high] = estimate.ci95.unwrap();
         assert!(low < estimate.value && estimate.value < high);
@@ -114,8 +116,8 @@ fn coverage(seeds: u64, settings: &Settings, experiments: u64) -> f64 {
     let truth = Parameters { exponents: [1.0, 1.0, 1.13], ..TRUTH };
     let hits = (0..experiments).into_par_iter().filter(|&experiment| {
         let mut rng = Pcg64::seed_from_u64(1000 + experiment);
-        let cells = noisy(&truth, &star(), seeds, 0.02, 0.004, &mut rng);
-        let [low, high] = fit(&cells, settings).unwrap().kappa_tfc.ci95.unwrap();
+        let data = noisy(&truth, &star(), seeds, 0.02, 0.004, &mut rng);
+        let [low, high] = fit(&data, settings).unwrap().kappa_tfc.ci95.unwrap();
         low <= truth.kappa_tfc && truth.kappa_tfc <= high
     });
     hits.count() as f64 / experiments as f64
@@ -141,8 +143,8 @@ fn misfit_stands_in_for_scatter_with_one_realisation() {
     let settings = Settings { model, ..FREE };
     let hits = (0..300).filter(|&experiment| {
         let mut rng = Pcg64::seed_from_u64(experiment);
-        let cells = noisy(&truth, &star(), 1, 0.0, 0.005, &mut rng);
-        let found = fit(&cells, &settings).unwrap();
+        let data = noisy(&truth, &star(), 1, 0.0, 0.005, &mut rng);
+        let found = fit(&data, &settings).unwrap();
         assert_eq!(found.uncertainty, Uncertainty::Misfit);
         let [low, high] = found.kappa_tfc.ci95.unwrap();
         low <= truth.kappa_tfc && truth.kappa_tfc <= high
@@ -153,13 +155,13 @@ fn misfit_stands_in_for_scatter_with_one_realisation() {
 
 #[test]
 fn common_noise_cancels_only_if_cells_stay_paired() {
-    // kappa_TFC from eps_c alone is a difference of cells on the same surfaces; the slope hardly feels the common
+    // kappa_TFC from eps_c alone is a difference of data on the same surfaces; the slope hardly feels the common
     // noise.
     let places: Vec<[f64; 3]> = (0..4).map(|i| [0.5, 0.1, 0.5_f64.powi(i + 1)]).collect();
-    let cells = noisy(&TRUTH, &places, 10, 0.02, 0.001, &mut Pcg64::seed_from_u64(5));
+    let data = noisy(&TRUTH, &places, 10, 0.02, 0.001, &mut Pcg64::seed_from_u64(5));
     let settings = Settings { model: Model::default(), resamples: 1000, ..FREE };
     let width = |settings: &Settings| {
-        let found = fit(&cells, settings).unwrap();
+        let found = fit(&data, settings).unwrap();
         let [low, high] = found.terms[0].coefficient.ci95.unwrap();
         high - low
     };
@@ -169,9 +171,9 @@ fn common_noise_cancels_only_if_cells_stay_paired() {
 
 #[test]
 fn the_bootstrap_agrees_with_linear_propagation_where_the_model_is_linear() {
-    let cells = noisy(&TRUTH, &star(), 30, 0.01, 0.005, &mut Pcg64::seed_from_u64(9));
-    let linear = fit(&cells, &Settings { model: Model::default(), ..FREE }).unwrap();
-    let resampled = fit(&cells, &Settings { model: Model::default(), resamples: 4000, ..FREE }).unwrap();
+    let data = noisy(&TRUTH, &star(), 30, 0.01, 0.005, &mut Pcg64::seed_from_u64(9));
+    let linear = fit(&data, &Settings { model: Model::default(), ..FREE }).unwrap();
+    let resampled = fit(&data, &Settings { model: Model::default(), resamples: 4000, ..FREE }).unwrap();
     assert_eq!((linear.uncertainty, linear.kappa_tfc.value), (Uncertainty::Propagated, resampled.kappa_tfc.value));
     let pairs =
         [(linear.kappa_tfc, resampled.kappa_tfc), (linear.terms[2].coefficient, resampled.terms[2].coefficient)];
@@ -184,31 +186,31 @@ fn the_bootstrap_agrees_with_linear_propagation_where_the_model_is_linear() {
 #[test]
 fn sensitivities_are_derivatives_of_the_fit() {
     let mut rng = Pcg64::seed_from_u64(3);
-    let mut cells = noisy(&TRUTH, &star(), 1, 0.0, 1e-9, &mut rng);
-    let (data, _) = weighted(&cells, Weighting::Equal);
-    let (shapes, _) = shapes(&cells, &FREE.model, &mut Vec::new());
-    let minimum = data.minimise(&shapes, Search::Thorough, None).unwrap();
-    let rows = data.sensitivities(&shapes, &minimum.parameters).unwrap();
-    for cell in [0, 4, 9] {
+    let mut data = noisy(&TRUTH, &star(), 1, 0.0, 1e-9, &mut rng);
+    let (means, _) = weighted(&data, Weighting::Equal);
+    let (shapes, _) = shapes(&data, &FREE.model, &mut Vec::new());
+    let minimum = means.minimise(&shapes, Search::Thorough, None).unwrap();
+    let rows = means.sensitivities(&shapes, &minimum.parameters).unwrap();
+    for datum in [0, 4, 9] {
         let step = 1e-5;
         let mut moved = |by: f64| {
-            *cells[cell].kappa.values_mut().next().unwrap() += by;
-            let parameters = fit(&cells, &FREE).unwrap().parameters;
-            *cells[cell].kappa.values_mut().next().unwrap() -= by;
+            *data[datum].kappa.values_mut().next().unwrap() += by;
+            let parameters = fit(&data, &FREE).unwrap().parameters;
+            *data[datum].kappa.values_mut().next().unwrap() -= by;
             parameters
         };
         let (up, down) = (moved(step), moved(-step));
         let slope = |f: &dyn Fn(&Parameters) -> f64| (f(&up) - f(&down)) / (2.0 * step);
-        approx::assert_relative_eq!(rows[0][cell], slope(&|p| p.kappa_tfc), max_relative = 1e-3, epsilon = 1e-6);
-        approx::assert_relative_eq!(rows[3][cell], slope(&|p| p.coefficients[2]), max_relative = 1e-3, epsilon = 1e-5);
-        approx::assert_relative_eq!(rows[6][cell], slope(&|p| p.exponents[2]), max_relative = 1e-3, epsilon = 1e-5);
+        approx::assert_relative_eq!(rows[0][datum], slope(&|p| p.kappa_tfc), max_relative = 1e-3, epsilon = 1e-6);
+        approx::assert_relative_eq!(rows[3][datum], slope(&|p| p.coefficients[2]), max_relative = 1e-3, epsilon = 1e-5);
+        approx::assert_relative_eq!(rows[6][datum], slope(&|p| p.exponents[2]), max_relative = 1e-3, epsilon = 1e-5);
     }
 }
 
 #[test]
 fn profiles_have_their_minimum_at_the_fit() {
-    let cells = noisy(&TRUTH, &star(), 8, 0.005, 0.002, &mut Pcg64::seed_from_u64(21));
-    let found = fit(&cells, &FREE).unwrap();
+    let data = noisy(&TRUTH, &star(), 8, 0.005, 0.002, &mut Pcg64::seed_from_u64(21));
+    let found = fit(&data, &FREE).unwrap();
     for term in &found.terms {
         assert!(term.profile.windows(2).all(|pair| pair[0].exponent < pair[1].exponent));
         let least = term.profile.iter().min_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared)).unwrap();
@@ -217,7 +219,7 @@ fn profiles_have_their_minimum_at_the_fit() {
         approx::assert_relative_eq!(least.kappa_tfc, found.kappa_tfc.value, max_relative = 1e-7);
     }
     // A fixed exponent has a profile too: it shows what fixing it costs.
-    let fixed = fit(&cells, &Settings { model: Model::default(), ..FREE }).unwrap();
+    let fixed = fit(&data, &Settings { model: Model::default(), ..FREE }).unwrap();
     let point = fixed.terms[2].profile.iter().find(|point| point.exponent == 1.0).unwrap();
     approx::assert_relative_eq!(point.chi_squared, fixed.chi_squared, max_relative = 1e-9);
     assert!(fixed.terms[2].profile.iter().any(|point| point.chi_squared < fixed.chi_squared));
@@ -226,23 +228,23 @@ fn profiles_have_their_minimum_at_the_fit() {
 #[test]
 fn as_many_parameters_as_cells_interpolate_and_more_are_refused() {
     let truth = Parameters { coefficients: [0.0, 0.0, 1.7], ..TRUTH };
-    let cells: Vec<Cell> = [0.5, 0.25, 0.125].iter().map(|&c| exact(&truth, [0.5, 0.1, c])).collect();
-    let found = fit(&cells, &FREE).unwrap();
+    let data: Vec<Datum> = [0.5, 0.25, 0.125].iter().map(|&c| exact(&truth, [0.5, 0.1, c])).collect();
+    let found = fit(&data, &FREE).unwrap();
     assert_eq!((found.degrees_of_freedom, found.uncertainty), (0, Uncertainty::None));
     assert!(found.warnings.contains(&Warning::Interpolation));
-    assert_eq!(found.warnings[2].to_string(), "as many parameters as cells: interpolation, no uncertainty from misfit");
+    assert_eq!(found.warnings[2].to_string(), "as many parameters as data: interpolation, no uncertainty from misfit");
     assert_eq!((found.kappa_tfc.ci95, found.kappa_tfc.standard_error), (None, None));
     assert!((found.kappa_tfc.value - truth.kappa_tfc).abs() < 1e-8);
-    let error = fit(&[cells[0].clone(), exact(&TRUTH, [0.25, 0.1, 0.25])], &FREE).unwrap_err();
-    assert_eq!(error, FitError::TooFewCells { parameters: 3, cells: 2 });
+    let error = fit(&[data[0].clone(), exact(&TRUTH, [0.25, 0.1, 0.25])], &FREE).unwrap_err();
+    assert_eq!(error, FitError::TooFewData { parameters: 3, data: 2 });
 }
 
 #[test]
 fn two_levels_hold_a_free_exponent_and_say_so() {
     let truth = Parameters { coefficients: [0.0, 0.5, 1.7], exponents: [1.0, 1.0, 1.3], ..TRUTH };
     let places = [0.2, 0.1].iter().flat_map(|&f| [0.5, 0.25, 0.125, 0.0625].map(|c| [0.5, f, c]));
-    let cells: Vec<Cell> = places.map(|eps| exact(&truth, eps)).collect();
-    let found = fit(&cells, &FREE).unwrap();
+    let data: Vec<Datum> = places.map(|eps| exact(&truth, eps)).collect();
+    let found = fit(&data, &FREE).unwrap();
     assert!(found.warnings.contains(&Warning::ExponentHeld { axis: Axis::Fractal, alpha: 1.0 }));
     assert!(found.terms[0].held && !found.terms[0].free && found.terms[0].exponent.ci95.is_none());
     assert!((found.kappa_tfc.value - truth.kappa_tfc).abs() < 1e-8);
@@ -252,9 +254,9 @@ fn two_levels_hold_a_free_exponent_and_say_so() {
 fn exponents_stop_at_their_bounds_and_say_so() {
     let truth = Parameters { coefficients: [0.0, 0.0, 1.7], exponents: [1.0, 1.0, 2.5], ..TRUTH };
     let places: Vec<[f64; 3]> = (0..5).map(|i| [0.5, 0.1, 0.5_f64.powi(i)]).collect();
-    let cells = noisy(&truth, &places, 5, 0.0, 1e-4, &mut Pcg64::seed_from_u64(2));
+    let data = noisy(&truth, &places, 5, 0.0, 1e-4, &mut Pcg64::seed_from_u64(2));
     let model = Model { c: Some(Exponent::Free { min: 0.5, max: 2.0 }), ..Model::default() };
-    let found = fit(&cells, &Settings { model, resamples: 50, ..FREE }).unwrap();
+    let found = fit(&data, &Settings { model, resamples: 50, ..FREE }).unwrap();
     let term = &found.terms[0];
     assert!(term.at_bound && term.exponent.value == 2.0 && term.exponent.ci95.is_none());
     assert!(found.warnings.contains(&Warning::ExponentAtBound { axis: Axis::Continuum, alpha: 2.0 }));
@@ -265,35 +267,35 @@ fn exponents_stop_at_their_bounds_and_say_so() {
 
 #[test]
 fn terms_are_left_out_only_on_request() {
-    let cells = noisy(&TRUTH, &star(), 6, 0.01, 0.01, &mut Pcg64::seed_from_u64(8));
+    let data = noisy(&TRUTH, &star(), 6, 0.01, 0.01, &mut Pcg64::seed_from_u64(8));
     let model = Model { t: None, ..Model::default() };
-    let found = fit(&cells, &Settings { model, ..FREE }).unwrap();
+    let found = fit(&data, &Settings { model, ..FREE }).unwrap();
     assert_eq!(found.warnings[0], Warning::TermLeftOut { axis: Axis::Thermodynamic, levels: 4 });
     assert_eq!(found.terms.iter().map(|term| term.axis).collect::<Vec<_>>(), [Axis::Fractal, Axis::Continuum]);
     let none = Parameters { coefficients: [0.0; 3], ..TRUTH };
-    let cells = noisy(&none, &star(), 6, 0.01, 0.01, &mut Pcg64::seed_from_u64(8));
-    let found = fit(&cells, &Settings { model: Model::default(), resamples: 300, ..FREE }).unwrap();
+    let data = noisy(&none, &star(), 6, 0.01, 0.01, &mut Pcg64::seed_from_u64(8));
+    let found = fit(&data, &Settings { model: Model::default(), resamples: 300, ..FREE }).unwrap();
     assert_eq!(found.terms.len(), 3);
     let weak = found.warnings.iter().filter(|w| matches!(w, Warning::NotSignificant { .. })).count();
     assert!(weak >= 2, "{:?}", found.warnings);
 }
 
 #[test]
-fn weights_lie_between_the_pool_and_the_cell() {
+fn weights_lie_between_the_pool_and_the_datum() {
     let mut rng = Pcg64::seed_from_u64(17);
-    let mut cells = noisy(&TRUTH, &star()[..2], 5, 0.0, 0.01, &mut rng);
-    cells[1].kappa = noisy(&TRUTH, &star()[1..2], 40, 0.0, 0.1, &mut rng).remove(0).kappa;
-    let variance = |weighting, cell: usize| {
-        let (data, known) = weighted(&cells, weighting);
+    let mut data = noisy(&TRUTH, &star()[..2], 5, 0.0, 0.01, &mut rng);
+    data[1].kappa = noisy(&TRUTH, &star()[1..2], 40, 0.0, 0.1, &mut rng).remove(0).kappa;
+    let variance = |weighting, index: usize| {
+        let (means, known) = weighted(&data, weighting);
         assert!(known);
-        cells[cell].kappa.len() as f64 / data.root_weight[cell].powi(2)
+        data[index].kappa.len() as f64 / means.root_weight[index].powi(2)
     };
-    for (cell, data) in cells.iter().enumerate() {
-        let own = data.variance().unwrap();
-        let pooled = variance(Weighting::Pooled, cell);
-        let shrunk = variance(Weighting::Shrunk { prior: 8.0 }, cell);
+    for (index, datum) in data.iter().enumerate() {
+        let own = datum.variance().unwrap();
+        let pooled = variance(Weighting::Pooled, index);
+        let shrunk = variance(Weighting::Shrunk { prior: 8.0 }, index);
         assert!(own.min(pooled) < shrunk && shrunk < own.max(pooled));
-        let own_weight = (data.kappa.len() - 1) as f64;
+        let own_weight = (datum.kappa.len() - 1) as f64;
         approx::assert_relative_eq!(
             shrunk,
             (8.0 * pooled + own_weight * own) / (8.0 + own_weight),
@@ -301,7 +303,7 @@ fn weights_lie_between_the_pool_and_the_cell() {
         );
     }
     approx::assert_relative_eq!(variance(Weighting::Pooled, 0), variance(Weighting::Pooled, 1), max_relative = 1e-12);
-    assert!(!weighted(&cells, Weighting::Equal).1);
+    assert!(!weighted(&data, Weighting::Equal).1);
 }
 
 #[test]
@@ -309,9 +311,9 @@ fn richardson_passes_through_three_levels() {
     let truth = Parameters { coefficients: [0.0, 0.0, 1.74], ..TRUTH };
     for (ratio, exponent) in [(2.0, 0.5), (2.0, 1.0), (2.0, 2.0), (3.0, 1.3)] {
         let truth = Parameters { exponents: [1.0, 1.0, exponent], ..truth };
-        let cells: Vec<Cell> = (0..3).map(|i| exact(&truth, [0.5, 0.1, 0.4 * f64::powi(ratio, -i)])).rev().collect();
-        let found = richardson::triples(&cells, Axis::Continuum);
-        assert_eq!((found.len(), found[0].cells), (1, [2, 1, 0]));
+        let data: Vec<Datum> = (0..3).map(|i| exact(&truth, [0.5, 0.1, 0.4 * f64::powi(ratio, -i)])).rev().collect();
+        let found = richardson::triples(&data, Axis::Continuum);
+        assert_eq!((found.len(), found[0].data), (1, [2, 1, 0]));
         let limit = found[0].limit.unwrap();
         approx::assert_relative_eq!(limit.kappa, truth.kappa_tfc, max_relative = 1e-12);
         approx::assert_relative_eq!(limit.exponent, exponent, max_relative = 1e-9);
@@ -319,12 +321,12 @@ fn richardson_passes_through_three_levels() {
         assert_eq!(found[0].limit.is_some(), found[0].ratio > 1.0);
     }
     // Differences that grow: no power law passes through.
-    let mut cells: Vec<Cell> = (0..3).map(|i| exact(&truth, [0.5, 0.1, 0.5_f64.powi(i)])).collect();
-    cells[2].kappa = [(0, truth.kappa_tfc - 5.0)].into();
-    let found = richardson::triples(&cells, Axis::Continuum);
+    let mut data: Vec<Datum> = (0..3).map(|i| exact(&truth, [0.5, 0.1, 0.5_f64.powi(i)])).collect();
+    data[2].kappa = [(0, truth.kappa_tfc - 5.0)].into();
+    let found = richardson::triples(&data, Axis::Continuum);
     assert!(found[0].ratio < 1.0 && found[0].limit.is_none());
     // Four levels give two triples; other axes none.
-    let four: Vec<Cell> = star()[6..].iter().chain(&star()[..1]).map(|&eps| exact(&truth, eps)).collect();
+    let four: Vec<Datum> = star()[6..].iter().chain(&star()[..1]).map(|&eps| exact(&truth, eps)).collect();
     assert_eq!(richardson::triples(&four, Axis::Continuum).len(), 2);
     assert_eq!(richardson::triples(&four, Axis::Fractal).len(), 0);
 }
@@ -335,8 +337,8 @@ fn richardson_amplifies_noise_as_derived() {
     for (exponent, amplification) in [(0.5, 21.0), (1.0, 5.7), (2.0, 2.0)] {
         let truth = Parameters { coefficients: [0.0, 0.0, 1.0], exponents: [1.0, 1.0, exponent], ..TRUTH };
         let places: Vec<[f64; 3]> = (0..3).map(|i| [0.5, 0.1, 0.5_f64.powi(i + 1)]).collect();
-        let cells = noisy(&truth, &places, 4000, 0.0, 1e-4, &mut Pcg64::seed_from_u64(4));
-        let limit = richardson::triples(&cells, Axis::Continuum)[0].limit.unwrap();
+        let data = noisy(&truth, &places, 4000, 0.0, 1e-4, &mut Pcg64::seed_from_u64(4));
+        let limit = richardson::triples(&data, Axis::Continuum)[0].limit.unwrap();
         let found = limit.standard_error.unwrap() / (1e-4 / 4000_f64.sqrt());
         approx::assert_relative_eq!(found, amplification, max_relative = 0.06);
     }
@@ -344,26 +346,26 @@ fn richardson_amplifies_noise_as_derived() {
 
 #[test]
 fn the_same_bits_come_out_of_any_number_of_threads() {
-    let cells = noisy(&TRUTH, &star(), 5, 0.01, 0.002, &mut Pcg64::seed_from_u64(6));
+    let data = noisy(&TRUTH, &star(), 5, 0.01, 0.002, &mut Pcg64::seed_from_u64(6));
     let settings = Settings { resamples: 100, ..FREE };
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fit(&cells, &settings).unwrap())
+        pool.install(|| fit(&data, &settings).unwrap())
     };
     let (one, three) = (run(1), run(3));
     assert_eq!(one, three);
-    let other = fit(&cells, &Settings { seed: 2, ..settings }).unwrap();
+    let other = fit(&data, &Settings { seed: 2, ..settings }).unwrap();
     assert!(other.kappa_tfc.value == one.kappa_tfc.value && other.kappa_tfc.ci95 != one.kappa_tfc.ci95);
 }
 
 #[test]
 fn cells_with_missing_realisations_stay_in_one_stratum() {
-    let mut cells = noisy(&TRUTH, &star(), 6, 0.01, 0.001, &mut Pcg64::seed_from_u64(6));
-    let first = *cells[8].kappa.keys().next().unwrap();
-    cells[8].kappa.remove(&first);
-    let lone = *cells[9].kappa.keys().next().unwrap();
-    cells[9].kappa.retain(|&seed, _| seed == lone);
-    let found = fit(&cells, &Settings { model: Model::default(), resamples: 200, ..FREE }).unwrap();
+    let mut data = noisy(&TRUTH, &star(), 6, 0.01, 0.001, &mut Pcg64::seed_from_u64(6));
+    let first = *data[8].kappa.keys().next().unwrap();
+    data[8].kappa.remove(&first);
+    let lone = *data[9].kappa.keys().next().unwrap();
+    data[9].kappa.retain(|&seed, _| seed == lone);
+    let found = fit(&data, &Settings { model: Model::default(), resamples: 200, ..FREE }).unwrap();
     let failed = found.bootstrap.as_ref().unwrap().failed;
     // The lone seed is missed by a draw of six with chance (5/6)^6 = 1/3.
     assert!((40..95).contains(&failed), "{failed}");
@@ -373,21 +375,21 @@ fn cells_with_missing_realisations_stay_in_one_stratum() {
 
 #[test]
 fn unusable_input_is_refused() {
-    let good: Vec<Cell> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
-    let with = |change: &dyn Fn(&mut Vec<Cell>)| {
-        let mut cells = good.clone();
-        change(&mut cells);
-        fit(&cells, &FREE).unwrap_err()
+    let good: Vec<Datum> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
+    let with = |change: &dyn Fn(&mut Vec<Datum>)| {
+        let mut data = good.clone();
+        change(&mut data);
+        fit(&data, &FREE).unwrap_err()
     };
-    assert_eq!(with(&|cells| cells.clear()), FitError::NoCells);
-    assert_eq!(with(&|cells| cells[2].kappa.clear()), FitError::NoRealisations { cell: 2 });
+    assert_eq!(with(&|data| data.clear()), FitError::NoData);
+    assert_eq!(with(&|data| data[2].kappa.clear()), FitError::NoRealisations { datum: 2 });
     assert_eq!(
-        with(&|cells| assert!(cells[1].kappa.insert(7, f64::INFINITY).is_none())),
-        FitError::BadKappa { cell: 1, seed: 7, found: f64::INFINITY }
+        with(&|data| assert!(data[1].kappa.insert(7, f64::INFINITY).is_none())),
+        FitError::BadKappa { datum: 1, seed: 7, found: f64::INFINITY }
     );
-    assert_eq!(with(&|cells| cells[3].eps_c = 0.0), FitError::BadEps { cell: 3, axis: Axis::Continuum, found: 0.0 });
-    assert!(matches!(with(&|cells| cells[3].eps_t = f64::NAN), FitError::BadEps { cell: 3, .. }));
-    assert_eq!(with(&|cells| cells.push(cells[4].clone())), FitError::SameCell { first: 4, second: 10 });
+    assert_eq!(with(&|data| data[3].eps_c = 0.0), FitError::BadEps { datum: 3, axis: Axis::Continuum, found: 0.0 });
+    assert!(matches!(with(&|data| data[3].eps_t = f64::NAN), FitError::BadEps { datum: 3, .. }));
+    assert_eq!(with(&|data| data.push(data[4].clone())), FitError::SameDatum { first: 4, second: 10 });
     let with = |model| fit(&good, &Settings { model, ..FREE }).unwrap_err();
     let bad = FitError::BadExponent { axis: Axis::Fractal, min: 0.0, max: 0.0 };
     assert_eq!(with(Model { f: Some(Exponent::Fixed(0.0)), ..Model::default() }), bad);
@@ -403,12 +405,12 @@ fn unusable_input_is_refused() {
 
 #[test]
 fn isolated_cells_lie_on_their_own_term() {
-    let cells: Vec<Cell> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
-    let found = fit(&cells, &FREE).unwrap();
-    for cell in &cells {
-        let own = TRUTH.kappa_tfc + 1.74 * cell.eps_c.powf(1.13);
-        approx::assert_relative_eq!(found.isolate(cell, Axis::Continuum), own, max_relative = 1e-8);
-        approx::assert_relative_eq!(found.predict(cell.all_eps()), cell.mean(), max_relative = 1e-9);
+    let data: Vec<Datum> = star().into_iter().map(|eps| exact(&TRUTH, eps)).collect();
+    let found = fit(&data, &FREE).unwrap();
+    for datum in &data {
+        let own = TRUTH.kappa_tfc + 1.74 * datum.eps_c.powf(1.13);
+        approx::assert_relative_eq!(found.isolate(datum, Axis::Continuum), own, max_relative = 1e-8);
+        approx::assert_relative_eq!(found.predict(datum.all_eps()), datum.mean(), max_relative = 1e-9);
     }
 }
 
@@ -418,15 +420,15 @@ proptest! {
     /// kappa -> scale kappa + shift carries through: the fit knows no preferred unit or origin.
     #[test]
     fn fits_follow_scale_and_shift(seed in 0_u64..1000, scale in 0.01_f64..100.0, shift in -3.0_f64..3.0) {
-        let cells = noisy(&TRUTH, &star(), 4, 0.003, 0.001, &mut Pcg64::seed_from_u64(seed));
+        let data = noisy(&TRUTH, &star(), 4, 0.003, 0.001, &mut Pcg64::seed_from_u64(seed));
         let model = Model { c: Some(Exponent::FREE), ..Model::default() };
         let settings = Settings { model, ..FREE };
-        let before = fit(&cells, &settings).unwrap();
-        let moved: Vec<Cell> = cells
+        let before = fit(&data, &settings).unwrap();
+        let moved: Vec<Datum> = data
             .iter()
-            .map(|cell| {
-                let kappa = cell.kappa.iter().map(|(seed, kappa)| (*seed, scale * kappa + shift)).collect();
-                Cell { kappa, ..cell.clone() }
+            .map(|datum| {
+                let kappa = datum.kappa.iter().map(|(seed, kappa)| (*seed, scale * kappa + shift)).collect();
+                Datum { kappa, ..datum.clone() }
             })
             .collect();
         let after = fit(&moved, &settings).unwrap();

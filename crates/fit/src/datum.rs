@@ -1,4 +1,4 @@
-//! The data of a fit: cells of a design with three axes.
+//! The input of a fit: kappa of the realisations at one discretisation.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -30,21 +30,21 @@ impl fmt::Display for Axis {
     }
 }
 
-/// A cell of the design: one discretisation, one level on each axis, and the kappa of its realisations.
+/// One discretisation of the sweep and the kappa of its realisations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct Datum {
     /// Largest wavelength / cell length.
     pub eps_t: f64,
     /// Shortest / largest wavelength.
     pub eps_f: f64,
     /// Grid spacing / shortest wavelength.
     pub eps_c: f64,
-    /// kappa by seed. Equal seeds in two cells mean that the cells were computed on the same random modes; cells that
+    /// kappa by seed. Equal seeds in two data mean that the data were computed on the same random modes; data that
     /// are independent must not have seeds in common.
     pub kappa: BTreeMap<u64, f64>,
 }
 
-impl Cell {
+impl Datum {
     /// The eps of one axis.
     pub fn eps(&self, axis: Axis) -> f64 {
         self.all_eps()[axis as usize]
@@ -66,6 +66,11 @@ impl Cell {
         let squares: f64 = self.kappa.values().map(|k| (k - mean) * (k - mean)).sum();
         (self.kappa.len() > 1).then(|| squares / (self.kappa.len() - 1) as f64)
     }
+
+    /// Standard error of the mean; `None` for a single realisation.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.variance().map(|variance| (variance / self.kappa.len() as f64).sqrt())
+    }
 }
 
 /// True for two eps that are meant to be the same.
@@ -74,8 +79,8 @@ pub(crate) fn same_level(a: f64, b: f64) -> bool {
 }
 
 /// The distinct levels of an axis, largest first.
-pub(crate) fn levels(cells: &[Cell], axis: Axis) -> Vec<f64> {
-    let mut all: Vec<f64> = cells.iter().map(|cell| cell.eps(axis)).collect();
+pub(crate) fn levels(data: &[Datum], axis: Axis) -> Vec<f64> {
+    let mut all: Vec<f64> = data.iter().map(|datum| datum.eps(axis)).collect();
     all.sort_by(|a, b| b.total_cmp(a));
     all.dedup_by(|a, b| same_level(*a, *b));
     all

@@ -1,0 +1,212 @@
+//! The HDF5 file of a sweep (docs/interface.md).
+
+use std::path::PathBuf;
+
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
+use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
+use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
+use gfmd_sweep::{Analysis, Area, Config, Example, Extrapolation, Key, Plan, Point, Pressed, Run, Study};
+use ndarray::Array2;
+
+use crate::failure::Failure;
+use crate::load::{LoadRecord, SCALARS};
+
+/// Writes a study; the file appears under its name when it is complete.
+///
+/// Wall times are left out of the variables, so that a resumed sweep ends with the same numbers as one in one piece; the
+/// time of the last session is the root attribute `seconds`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write(output: &Output, study: &Study, provenance: &Provenance, seconds: f64) -> Result<PathBuf, Failure> {
+    let mut archive = Archive::create(output, provenance)?;
+    archive.attribute("/", "seconds", seconds)?;
+    write_runs(&mut archive, &study.plan, &study.runs)?;
+    write_points(&mut archive, &study.plan, &study.analysis)?;
+    write_fits(&mut archive, &study.analysis)?;
+    write_theory(&mut archive, &study.plan.config)?;
+    write_example(&mut archive, &study.plan.config, &study.example)?;
+    Ok(archive.finish()?)
+}
+
+/// One dimensionless number of each `T`: its name, its meaning, its value.
+type Column<'a, T> = (&'a str, &'a str, &'a dyn Fn(&T) -> f64);
+
+fn write_columns<T>(
+    archive: &mut Archive,
+    group: &str,
+    dimension: &Dimension,
+    rows: &[T],
+    columns: &[Column<T>],
+) -> Result<(), Failure> {
+    for (name, long_name, value) in columns {
+        let variable = Variable { dimensions: &[dimension], units: "1", long_name };
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        archive.write(&format!("{group}/{name}"), &variable, &values)?;
+    }
+    Ok(())
+}
+
+/// Writes the columns that say which surface each row is about.
+fn write_surfaces(archive: &mut Archive, group: &str, dimension: &Dimension, points: &[&Point]) -> Result<(), Failure> {
+    let columns: [Column<&Point>; 5] = [
+        ("hurst", "Hurst exponent", &|point| point.hurst),
+        ("eps_t_inv", "cell length / longest wavelength", &|point| point.discretisation.eps_t_inv),
+        ("eps_f_inv", "longest / shortest wavelength", &|point| point.discretisation.eps_f_inv),
+        ("eps_c_inv", "shortest wavelength / grid spacing", &|point| point.discretisation.eps_c_inv),
+        ("n", "grid points along one axis", &|point| point.n() as f64),
+    ];
+    write_columns(archive, group, dimension, points, &columns)
+}
+
+fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Result<(), Failure> {
+    let loads = &plan.config.loads.p_star;
+    let run = Dimension::index("run", plan.runs.len() * loads.len(), "one realisation of one point at one load");
+    let rows: Vec<(&Run, f64)> =
+        plan.runs.iter().flat_map(|run| loads.iter().map(move |p_star| (run, *p_star))).collect();
+    let points: Vec<&Point> = rows.iter().map(|(run, _)| &plan.points[run.point]).collect();
+    write_surfaces(archive, "/runs", &run, &points)?;
+    let columns: [Column<(&Run, f64)>; 3] = [
+        ("point", "index of the point in /points at the first load", &|(run, _)| run.point as f64),
+        ("realisation", "number of the realisation", &|(run, _)| run.realisation as f64),
+        ("p_star_asked", "reduced pressure asked for", &|(_, p_star)| *p_star),
+    ];
+    write_columns(archive, "/runs", &run, &rows, &columns)?;
+    let seed = Variable { dimensions: &[&run], units: "1", long_name: "seed of the surface" };
+    let seeds: Vec<i64> = rows.iter().map(|(run, _)| exact(run.seed)).collect();
+    archive.write("/runs/seed", &seed, &seeds)?;
+    let records: Vec<LoadRecord> = runs.iter().flatten().map(record).collect();
+    for scalar in SCALARS {
+        let values: Vec<f64> = records.iter().map(scalar.value).collect();
+        let variable = Variable { dimensions: &[&run], units: scalar.units, long_name: scalar.long_name };
+        archive.write(&format!("/runs/{}", scalar.name), &variable, &values)?;
+    }
+    Ok(())
+}
+
+/// A seed as files store it; a plan has none that an `i64` cannot hold.
+fn exact(seed: u64) -> i64 {
+    seed as i64
+}
+
+/// A load as `contact` records it. A load that does not converge ends the sweep, so all of these have.
+fn record(load: &Pressed) -> LoadRecord {
+    LoadRecord::of(&load.summary, load.approach, load.effort, load.residual.into(), true, f64::NAN)
+}
+
+fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Result<(), Failure> {
+    let rows: Vec<Key> = analysis.data.keys().copied().filter(|key| key.area == Area::Raw).collect();
+    let point = Dimension::index("point", rows.len(), "one discretisation at one load");
+    let points: Vec<&Point> = rows.iter().map(|row| &plan.points[row.point]).collect();
+    write_surfaces(archive, "/points", &point, &points)?;
+    let datum = |row: &Key, area: Area| analysis.data.get(&Key { area, ..*row });
+    let kappa = |row: &Key, area: Area| datum(row, area).map_or(f64::NAN, Datum::mean);
+    let error = |row: &Key, area: Area| datum(row, area).and_then(Datum::standard_error).unwrap_or(f64::NAN);
+    let columns: [Column<Key>; 7] = [
+        ("dim", "dimension of the body: 3, or 2 in plane strain", &|_| f64::from(plan.config.surface.dim)),
+        ("p_star", "reduced pressure p/(E* g)", &|row| plan.config.loads.p_star[row.load]),
+        ("realisations", "number of realisations", &|row| plan.runs_of(row.point).len() as f64),
+        ("kappa", "area fraction / p_star, mean over realisations", &|row| kappa(row, Area::Raw)),
+        ("kappa_sem", "standard error of the mean of kappa", &|row| error(row, Area::Raw)),
+        ("kappa_corrected", "kappa of the perimeter-corrected area", &|row| kappa(row, Area::Corrected)),
+        ("kappa_corrected_sem", "standard error of the mean of kappa_corrected", &|row| error(row, Area::Corrected)),
+    ];
+    write_columns(archive, "/points", &point, &rows, &columns)
+}
+
+/// The ends of a 95 % interval, NaN where there is none.
+fn ends(estimate: &Estimate) -> [f64; 2] {
+    estimate.ci95.unwrap_or([f64::NAN; 2])
+}
+
+fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure> {
+    let all = &analysis.extrapolations;
+    let fit = Dimension::index("fit", all.len(), "one Hurst exponent, load and way of counting area; the result first");
+    let limit = |e: &Extrapolation| e.fit.kappa_tfc;
+    let columns: [Column<Extrapolation>; 8] = [
+        ("hurst", "Hurst exponent", &|e| e.hurst),
+        ("p_star", "reduced pressure p/(E* g)", &|e| e.p_star),
+        ("kappa_tfc", "kappa in the thermodynamic, fractal and continuum limit", &|e| limit(e).value),
+        ("kappa_tfc_standard_error", "standard error of kappa_tfc", &|e| limit(e).standard_error.unwrap_or(f64::NAN)),
+        ("kappa_tfc_ci95_low", "lower end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[0]),
+        ("kappa_tfc_ci95_high", "upper end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[1]),
+        ("chi_squared", "weighted sum of squared residuals", &|e| e.fit.chi_squared),
+        ("degrees_of_freedom", "points minus parameters", &|e| e.fit.degrees_of_freedom as f64),
+    ];
+    write_columns(archive, "/fit", &fit, all, &columns)?;
+    let long_name = "kappa = kappa_tfc + sum over axes of coefficient * eps^exponent; NaN: no such term or interval";
+    let parts: [(&str, fn(&Term) -> &Estimate); 2] =
+        [("coefficient", |term| &term.coefficient), ("exponent", |term| &term.exponent)];
+    let numbers: [(&str, fn(&Estimate) -> f64); 3] =
+        [("", |e| e.value), ("_ci95_low", |e| ends(e)[0]), ("_ci95_high", |e| ends(e)[1])];
+    for axis in Axis::ALL {
+        for (part, estimate) in parts {
+            for (suffix, number) in numbers {
+                let name = format!("{part}_{axis}{suffix}");
+                let value = |e: &Extrapolation| e.fit.term(axis).map_or(f64::NAN, |term| number(estimate(term)));
+                write_columns(archive, "/fit", &fit, all, &[(&name, long_name, &value)])?;
+            }
+        }
+    }
+    let texts: [(&str, &str, fn(&Extrapolation) -> String); 3] = [
+        ("area", "way of counting contact area", |e| e.area.name().into()),
+        ("uncertainty", "source of the intervals", |e| e.fit.uncertainty.to_string()),
+        ("warnings", "remarks on the numbers", |e| {
+            e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+        }),
+    ];
+    for (name, long_name, text) in texts {
+        let variable = Variable { dimensions: &[&fit], units: "1", long_name };
+        archive.write_text(&format!("/fit/{name}"), &variable, &all.iter().map(text).collect::<Vec<_>>())?;
+    }
+    write_resamples(archive, &fit, all)
+}
+
+fn write_resamples(archive: &mut Archive, fit: &Dimension, all: &[Extrapolation]) -> Result<(), Failure> {
+    fn samples(e: &Extrapolation) -> &[Parameters] {
+        e.fit.bootstrap.as_ref().map_or(&[], |bootstrap| &bootstrap.samples)
+    }
+    let count = all.iter().map(|e| samples(e).len()).max().unwrap_or(0);
+    if count == 0 {
+        return Ok(());
+    }
+    let resample = Dimension::index("resample", count, "bootstrap resample of the realisations");
+    let row = |e: &Extrapolation| {
+        let mut row: Vec<f64> = samples(e).iter().map(|sample| sample.kappa_tfc).collect();
+        row.resize(count, f64::NAN);
+        row
+    };
+    let values: Vec<f64> = all.iter().flat_map(row).collect();
+    let long_name = "kappa_tfc refitted to resampled realisations, before stretching for few realisations";
+    let variable = Variable { dimensions: &[fit, &resample], units: "1", long_name };
+    Ok(archive.write("/fit/kappa_tfc_resampled", &variable, &values)?)
+}
+
+fn write_theory(archive: &mut Archive, config: &Config) -> Result<(), Failure> {
+    let scalar = |long_name| Variable { dimensions: &[], units: "1", long_name };
+    let persson = scalar("kappa of Persson's theory at vanishing load, sqrt(8/pi)");
+    archive.write("/theory/persson_kappa", &persson, &[PERSSON_KAPPA])?;
+    let bush = scalar("kappa of Bush, Gibson and Thomas at vanishing load, sqrt(2 pi)");
+    archive.write("/theory/bush_gibson_thomas_kappa", &bush, &[BUSH_GIBSON_THOMAS_KAPPA])?;
+    let loads = &config.loads.p_star;
+    let p_star = Dimension::values("p_star", loads.clone(), "1", "reduced pressure p/(E* g)");
+    let area: Vec<f64> = loads.iter().map(|p| persson_area(*p)).collect();
+    let long_name = "contact area fraction of Persson's theory, erf(sqrt(2) p_star)";
+    archive.write("/theory/persson_area", &Variable { dimensions: &[&p_star], units: "1", long_name }, &area)?;
+    Ok(())
+}
+
+fn write_example(archive: &mut Archive, config: &Config, example: &Example) -> Result<(), Failure> {
+    let [x, y] = axes(&example.point.grid, "length");
+    let dimensions = [&x, &y];
+    let field = |units, long_name| Variable { dimensions: &dimensions, units, long_name };
+    let values = |field: &Array2<f64>| field.iter().copied().collect::<Vec<f64>>();
+    let height = field("length", "height of the rigid surface, peaks towards the elastic body");
+    archive.write("/example/height", &height, &values(&example.heights))?;
+    let pressure = field("stress", "contact pressure, compression positive");
+    archive.write("/example/pressure", &pressure, &values(&example.pressure))?;
+    archive.attribute("/example", "p_star", config.fit.p_star)?;
+    archive.attribute("/example", "seed", exact(example.seed))?;
+    archive.attribute("/example", "hurst", example.point.hurst)?;
+    Ok(())
+}

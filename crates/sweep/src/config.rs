@@ -1,0 +1,477 @@
+//! The configuration of a sweep, and the sweeps that have a name.
+
+use std::fmt::Debug;
+use std::str::FromStr;
+
+use gfmd_contact::{Budget, Contact, Solver};
+use gfmd_fit::{Exponent, Model};
+use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_surface::Discretisation;
+use serde::{Deserialize, Serialize};
+
+use crate::SweepError;
+use crate::words::{height, solver};
+
+/// The configuration of a sweep. Every field has a default: that of the preset `default`.
+///
+/// ```
+/// use gfmd_sweep::{Alpha, Config};
+///
+/// let text = "
+/// surface.hurst = [0.5, 0.8]
+/// fit.alpha_t = \"free\"
+/// ";
+/// let config: Config = toml::from_str(text)?;
+/// assert_eq!(config.surface.hurst, [0.5, 0.8]);
+/// assert_eq!(config.fit.alpha_t, Alpha::Free);
+/// assert_eq!(config.statistics.realisations, 16);
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// The rough surfaces.
+    pub surface: SurfaceConfig,
+    /// The elastic body.
+    pub body: BodyConfig,
+    /// The discretisations.
+    pub points: PointsConfig,
+    /// The loads, ascending.
+    pub loads: LoadsConfig,
+    /// The realisations.
+    pub statistics: StatisticsConfig,
+    /// The contact solver.
+    pub solver: SolverConfig,
+    /// The extrapolation.
+    pub fit: FitConfig,
+}
+
+/// The rough surfaces: self-affine, Gaussian, without roll-off.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SurfaceConfig {
+    /// 3 for surfaces of three-dimensional bodies, 2 for profiles in plane strain.
+    pub dim: u8,
+    /// Hurst exponents, each with its own fit.
+    pub hurst: Vec<f64>,
+    /// Spectral rms gradient of every realisation.
+    pub rms_gradient: f64,
+}
+
+/// The elastic body under a cell of length 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BodyConfig {
+    /// Young's modulus.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Height of the slab over the cell length, or `"inf"`.
+    #[serde(with = "height")]
+    pub height: Height,
+}
+
+/// The discretisations: inverses of eps_t, eps_f, eps_c.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PointsConfig {
+    /// How the lists combine.
+    pub design: Design,
+    /// Longest wavelengths per cell.
+    pub eps_t_inv: Vec<f64>,
+    /// Longest over shortest wavelength.
+    pub eps_f_inv: Vec<f64>,
+    /// Grid points per shortest wavelength.
+    pub eps_c_inv: Vec<f64>,
+    /// The middle of a star: eps_t_inv, eps_f_inv, eps_c_inv.
+    pub centre: [f64; 3],
+    /// Leaves out points with more grid points along one axis than this; 0 for no limit.
+    pub largest_n: usize,
+}
+
+/// How the lists of the three axes combine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Design {
+    /// Every combination.
+    Grid,
+    /// One axis at a time, the other two at the centre.
+    Star,
+}
+
+/// The loads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoadsConfig {
+    /// Reduced pressures p/(E* g), ascending: each starts from the one before.
+    pub p_star: Vec<f64>,
+}
+
+/// The realisations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StatisticsConfig {
+    /// Surfaces per point, where eps_t_inv is that of the centre (of a grid: its first one).
+    pub realisations: u64,
+    /// If true, points of larger cells get fewer surfaces, and points of smaller cells more, so that all sample the same
+    /// area and are equally certain; between 4 and 4 times `realisations`.
+    pub equal_area: bool,
+    /// First seed. Points that differ only in eps_c share their seeds, so their surfaces; points that differ in
+    /// anything else have independent ones.
+    pub seed: u64,
+}
+
+/// The contact solver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverConfig {
+    /// The method.
+    #[serde(with = "solver")]
+    pub method: Solver,
+    /// Largest residual of a converged state.
+    pub tol: f64,
+    /// Iterations after which a load is given up.
+    pub max_iter: u64,
+}
+
+/// The extrapolation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FitConfig {
+    /// The load of the result that is printed large; all loads are fitted.
+    pub p_star: f64,
+    /// Exponent of the term in eps_t. A cell is a finite sample of roughness: its bias, like its variance, falls with the
+    /// area, so 2 for surfaces and 1 for profiles.
+    pub alpha_t: Alpha,
+    /// Exponent of the term in eps_f.
+    pub alpha_f: Alpha,
+    /// Exponent of the term in eps_c. Area counted in points errs by the perimeter times part of a spacing: 1.
+    pub alpha_c: Alpha,
+    /// Bootstrap resamples.
+    pub resamples: usize,
+}
+
+/// The exponent of one term: a number, `"free"`, or `"none"` for no such term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alpha {
+    /// Held at this value.
+    Fixed(f64),
+    /// Fitted.
+    Free,
+    /// No term.
+    Without,
+}
+
+impl Default for SurfaceConfig {
+    fn default() -> Self {
+        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1 }
+    }
+}
+
+impl Default for BodyConfig {
+    fn default() -> Self {
+        Self { young: 1.0, poisson: 0.0, height: Height::Infinite }
+    }
+}
+
+impl Default for PointsConfig {
+    fn default() -> Self {
+        Self {
+            design: Design::Star,
+            eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
+            eps_f_inv: vec![8.0, 16.0, 32.0, 64.0, 128.0],
+            eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],
+            centre: [2.0, 32.0, 8.0],
+            largest_n: 0,
+        }
+    }
+}
+
+impl Default for LoadsConfig {
+    fn default() -> Self {
+        Self { p_star: vec![0.01, 0.02, 0.05] }
+    }
+}
+
+impl Default for StatisticsConfig {
+    fn default() -> Self {
+        Self { realisations: 16, equal_area: true, seed: 1 }
+    }
+}
+
+impl Default for SolverConfig {
+    fn default() -> Self {
+        Self { method: Solver::Auto, tol: 1e-8, max_iter: 10_000 }
+    }
+}
+
+impl Default for FitConfig {
+    fn default() -> Self {
+        Self {
+            p_star: 0.02,
+            alpha_t: Alpha::Fixed(2.0),
+            alpha_f: Alpha::Fixed(1.0),
+            alpha_c: Alpha::Fixed(1.0),
+            resamples: 2000,
+        }
+    }
+}
+
+/// A sweep with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Seconds.
+    Smoke,
+    /// Minutes: the defaults of every field.
+    Default,
+    /// Hours.
+    Thesis,
+    /// Hours.
+    Prodanov,
+    /// Profiles.
+    Line,
+}
+
+impl Preset {
+    /// All presets.
+    pub const ALL: [Self; 5] = [Self::Smoke, Self::Default, Self::Thesis, Self::Prodanov, Self::Line];
+
+    /// The name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smoke => "smoke",
+            Self::Default => "default",
+            Self::Thesis => "thesis",
+            Self::Prodanov => "prodanov",
+            Self::Line => "line",
+        }
+    }
+
+    /// One line that says what the sweep is for.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Smoke => "Seconds: shows that everything works, not a result",
+            Self::Default => "A few minutes on two cores: H = 0.8, a believable kappa",
+            Self::Thesis => "The source's study: H = 0, slab as high as the cell, up to 8192 x 8192 points",
+            Self::Prodanov => "In the spirit of Prodanov, Dapp and Mueser (2014): H = 0, 0.3, 0.8, eps_c_inv up to 8",
+            Self::Line => "Profiles in plane strain",
+        }
+    }
+
+    /// The configuration.
+    pub fn config(self) -> Config {
+        let base = Config::default();
+        match self {
+            Self::Default => base,
+            Self::Smoke => Config {
+                points: PointsConfig {
+                    eps_t_inv: vec![1.0, 2.0],
+                    eps_f_inv: vec![8.0, 16.0],
+                    eps_c_inv: vec![4.0, 8.0, 16.0],
+                    centre: [2.0, 16.0, 4.0],
+                    ..base.points
+                },
+                statistics: StatisticsConfig { realisations: 4, ..base.statistics },
+                fit: FitConfig { resamples: 500, ..base.fit },
+                ..base
+            },
+            Self::Thesis => Config {
+                surface: SurfaceConfig { hurst: vec![0.0], rms_gradient: 0.01, ..base.surface },
+                body: BodyConfig { poisson: 0.33, height: Height::Finite(1.0), ..base.body },
+                points: PointsConfig {
+                    design: Design::Grid,
+                    eps_t_inv: vec![2.0],
+                    eps_f_inv: vec![128.0, 256.0, 512.0],
+                    eps_c_inv: vec![2.0, 4.0, 8.0],
+                    ..base.points
+                },
+                loads: LoadsConfig { p_star: vec![0.001, 0.00325, 0.0055, 0.00775, 0.01] },
+                statistics: StatisticsConfig { realisations: 4, ..base.statistics },
+                fit: FitConfig { p_star: 0.01, ..base.fit },
+                ..base
+            },
+            Self::Prodanov => Config {
+                surface: SurfaceConfig { hurst: vec![0.0, 0.3, 0.8], ..base.surface },
+                points: PointsConfig {
+                    eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
+                    eps_f_inv: vec![16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
+                    eps_c_inv: vec![2.0, 4.0, 8.0],
+                    centre: [2.0, 64.0, 8.0],
+                    ..base.points
+                },
+                loads: LoadsConfig { p_star: vec![0.01, 0.02, 0.05] },
+                statistics: StatisticsConfig { realisations: 8, ..base.statistics },
+                ..base
+            },
+            Self::Line => Config {
+                surface: SurfaceConfig { dim: 2, ..base.surface },
+                points: PointsConfig {
+                    eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
+                    eps_f_inv: vec![64.0, 256.0, 1024.0, 4096.0],
+                    eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],
+                    centre: [4.0, 1024.0, 16.0],
+                    ..base.points
+                },
+                loads: LoadsConfig { p_star: vec![0.02, 0.05, 0.1] },
+                statistics: StatisticsConfig { realisations: 32, ..base.statistics },
+                fit: FitConfig { p_star: 0.02, alpha_t: Alpha::Fixed(1.0), ..base.fit },
+                ..base
+            },
+        }
+    }
+}
+
+impl FromStr for Preset {
+    type Err = SweepError;
+
+    fn from_str(found: &str) -> Result<Self, SweepError> {
+        let names = || Self::ALL.map(Self::name).join(", ");
+        let preset = Self::ALL.into_iter().find(|preset| preset.name() == found);
+        preset.ok_or_else(|| refusal("preset", &found, format!("one of {}", names())))
+    }
+}
+
+/// The error of a field that holds `found`.
+pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
+    SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
+}
+
+impl Config {
+    /// Refuses values that no sweep can use.
+    ///
+    /// # Errors
+    /// The first such field, its value, and the values allowed.
+    pub fn check(&self) -> Result<(), SweepError> {
+        let check = |good: bool, field, found: &dyn Debug, allowed: &str| match good {
+            true => Ok(()),
+            false => Err(refusal(field, &found, allowed)),
+        };
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let Self { surface, loads, statistics, solver, fit, .. } = self;
+        check([2, 3].contains(&surface.dim), "surface.dim", &surface.dim, "2 or 3")?;
+        let hurst = &surface.hurst;
+        let good = !hurst.is_empty() && hurst.iter().all(|h| (0.0..=1.0).contains(h)) && all_differ(hurst);
+        check(good, "surface.hurst", hurst, "a list of different numbers from 0 to 1")?;
+        check(positive(surface.rms_gradient), "surface.rms_gradient", &surface.rms_gradient, "positive and finite")?;
+        let p_star = &loads.p_star;
+        let ascending = p_star.windows(2).all(|pair| pair[0] < pair[1]);
+        let good = !p_star.is_empty() && ascending && p_star.iter().all(|p| positive(*p));
+        check(good, "loads.p_star", p_star, "an ascending list of positive numbers")?;
+        let realisations = statistics.realisations;
+        check((1..=1_000_000).contains(&realisations), "statistics.realisations", &realisations, "from 1 to 1000000")?;
+        let tolerances = Budget::TOLERANCES;
+        let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
+        check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;
+        let names = Contact::SOLVERS.map(Solver::name).join(", ");
+        let method = solver.method;
+        check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
+        check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
+        check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
+        for (field, alpha) in [("fit.alpha_t", fit.alpha_t), ("fit.alpha_f", fit.alpha_f), ("fit.alpha_c", fit.alpha_c)]
+        {
+            if let Alpha::Fixed(found) = alpha {
+                check(found > 0.0 && found <= 16.0, field, &found, "above 0 and at most 16, \"free\" or \"none\"")?;
+            }
+        }
+        check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
+        self.body().map(drop)
+    }
+
+    /// Number of realisations at a point.
+    pub(crate) fn realisations(&self, at: &Discretisation) -> u64 {
+        let StatisticsConfig { realisations, equal_area, .. } = self.statistics;
+        let reference = match self.points.design {
+            Design::Star => self.points.centre[0],
+            Design::Grid => self.points.eps_t_inv.first().copied().unwrap_or(1.0),
+        };
+        if !equal_area || at.eps_t_inv == reference {
+            return realisations;
+        }
+        let sides = if self.surface.dim == 2 { 1 } else { 2 };
+        let wanted = realisations as f64 * (reference / at.eps_t_inv).powi(sides);
+        (wanted.round() as u64).clamp(realisations.min(4), 4 * realisations)
+    }
+
+    /// The elastic body.
+    ///
+    /// # Errors
+    /// A modulus, Poisson's ratio or height out of its range.
+    pub fn body(&self) -> Result<Body, SweepError> {
+        let BodyConfig { young, poisson, height } = self.body;
+        let body = Material::from_young(young, poisson).and_then(|material| Body::new(material, height));
+        body.map_err(|source| {
+            let field = match source {
+                GreenError::Young(_) => "body.young",
+                GreenError::Poisson(_) => "body.poisson",
+                _ => "body.height",
+            };
+            SweepError::Body { field, source }
+        })
+    }
+
+    /// The model of the extrapolation.
+    pub fn model(&self) -> Model {
+        let FitConfig { alpha_t, alpha_f, alpha_c, .. } = self.fit;
+        Model { t: alpha_t.exponent(), f: alpha_f.exponent(), c: alpha_c.exponent() }
+    }
+
+    /// The discretisations with their number of points along one axis, each once, small ones first.
+    ///
+    /// # Errors
+    /// A combination that is no grid; none at all.
+    pub(crate) fn discretisations(&self) -> Result<Vec<(Discretisation, usize)>, SweepError> {
+        let PointsConfig { design, eps_t_inv, eps_f_inv, eps_c_inv, centre, largest_n } = &self.points;
+        let mut all: Vec<[f64; 3]> = Vec::new();
+        match design {
+            Design::Grid => {
+                for &t in eps_t_inv {
+                    for &f in eps_f_inv {
+                        all.extend(eps_c_inv.iter().map(|&c| [t, f, c]));
+                    }
+                }
+            }
+            Design::Star => {
+                let [t, f, c] = *centre;
+                all.push(*centre);
+                all.extend(eps_t_inv.iter().map(|&t| [t, f, c]));
+                all.extend(eps_f_inv.iter().map(|&f| [t, f, c]));
+                all.extend(eps_c_inv.iter().map(|&c| [t, f, c]));
+            }
+        }
+        let mut points: Vec<(Discretisation, usize)> = Vec::new();
+        for [eps_t_inv, eps_f_inv, eps_c_inv] in all {
+            let point = Discretisation { eps_t_inv, eps_f_inv, eps_c_inv };
+            let n = point.points().map_err(SweepError::Points)?;
+            if (*largest_n == 0 || n <= *largest_n) && !points.iter().any(|(other, _)| *other == point) {
+                points.push((point, n));
+            }
+        }
+        if points.is_empty() {
+            let allowed = "at least one grid of no more than points.largest_n points along one axis".into();
+            return Err(SweepError::Field { field: "points", found: "empty".into(), allowed });
+        }
+        points.sort_by_key(|(_, n)| *n);
+        Ok(points)
+    }
+}
+
+impl SolverConfig {
+    /// Tolerance and iterations.
+    pub(crate) fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+    }
+}
+
+impl Alpha {
+    fn exponent(self) -> Option<Exponent> {
+        match self {
+            Self::Fixed(alpha) => Some(Exponent::Fixed(alpha)),
+            Self::Free => Some(Exponent::FREE),
+            Self::Without => None,
+        }
+    }
+}
+
+fn all_differ(numbers: &[f64]) -> bool {
+    numbers.iter().enumerate().all(|(i, number)| !numbers[..i].contains(number))
+}

@@ -1,0 +1,84 @@
+use std::error::Error;
+use std::fmt;
+
+use gfmd_contact::{Solution, SolveError};
+use gfmd_field::GridError;
+use gfmd_fit::FitError;
+use gfmd_green::GreenError;
+use gfmd_surface::{Discretisation, SurfaceError};
+
+/// Why a sweep ended without a result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
+    /// A field of the configuration that no sweep can use.
+    #[error("{field} is {found}; it must be {allowed}")]
+    Field {
+        /// Its name: `surface.hurst`, `loads.p_star`, ...
+        field: &'static str,
+        /// Its value.
+        found: String,
+        /// The values that are allowed.
+        allowed: String,
+    },
+    /// A number that makes no elastic body.
+    #[error("{field}: {source}")]
+    Body {
+        /// Its name.
+        field: &'static str,
+        /// The reason.
+        source: GreenError,
+    },
+    /// Discretisations that are no grids.
+    #[error("points: {0}")]
+    Points(#[source] SurfaceError),
+    /// A point without a grid.
+    #[error("points: {0}")]
+    Grid(#[source] GridError),
+    /// A surface that cannot be generated.
+    #[error("{place}: {source}")]
+    Surface {
+        /// The realisation.
+        place: Place,
+        /// The reason.
+        source: SurfaceError,
+    },
+    /// A contact that did not converge.
+    #[error("{place}: {source}")]
+    Contact {
+        /// The realisation and its load.
+        place: Place,
+        /// The reason.
+        source: Box<SolveError<Solution>>,
+    },
+    /// The caller asked to stop. Runs that were finished by then have been kept.
+    #[error("interrupted at {0}")]
+    Interrupted(Place),
+    /// A finished run that could not be kept.
+    #[error("{0}")]
+    Keep(#[source] Box<dyn Error + Send + Sync>),
+    /// Points that do not determine the model of the extrapolation.
+    #[error("fit: {0}")]
+    Fit(#[source] FitError),
+}
+
+/// A contact of a sweep, to name it in messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Hurst exponent of the surface.
+    pub hurst: f64,
+    /// Discretisation of the surface.
+    pub discretisation: Discretisation,
+    /// Seed of the surface.
+    pub seed: u64,
+    /// Reduced pressure, once there is one.
+    pub p_star: Option<f64>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Discretisation { eps_t_inv, eps_f_inv, eps_c_inv } = self.discretisation;
+        write!(f, "H = {}, 1/eps = ({eps_t_inv}, {eps_f_inv}, {eps_c_inv}), seed {}", self.hurst, self.seed)?;
+        self.p_star.map_or(Ok(()), |p_star| write!(f, ", p* = {p_star}"))
+    }
+}

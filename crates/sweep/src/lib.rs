@@ -1,0 +1,54 @@
+//! A study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to 11).
+//!
+//! | step | what it makes |
+//! |---|---|
+//! | [`Config`] | the values that a user chooses; presets by name |
+//! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
+//! | [`run()`] | the loads of every run, [`Pressed`]; [`run_one`] computes a single run |
+//! | [`Analysis`] | kappa of every point and load, and the extrapolations |
+//! | [`Study`] | all of them, in one call |
+//!
+//! ```
+//! use gfmd_sweep::{Config, Plan, PointsConfig, StatisticsConfig, Study};
+//!
+//! # fn main() -> Result<(), gfmd_sweep::SweepError> {
+//! let config = Config {
+//!     points: PointsConfig {
+//!         eps_t_inv: vec![1.0, 2.0],
+//!         eps_f_inv: vec![4.0, 8.0],
+//!         eps_c_inv: vec![4.0, 8.0],
+//!         centre: [2.0, 4.0, 4.0],
+//!         ..PointsConfig::default()
+//!     },
+//!     statistics: StatisticsConfig { realisations: 4, ..StatisticsConfig::default() },
+//!     ..Config::default()
+//! };
+//! let study = Study::new(Plan::new(config)?, &())?;
+//! let kappa = study.analysis.result().fit.kappa_tfc;
+//! assert!((1.0..3.0).contains(&kappa.value), "{kappa:?}");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Start at [`Study`]. The same configuration gives the same bits for any number of threads, in one piece or continued from
+//! runs that were kept ([`Keep`]). Not here: files, clocks and the terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
+
+mod analysis;
+mod config;
+mod error;
+mod plan;
+mod pressed;
+mod run;
+mod study;
+mod words;
+
+pub use analysis::{Analysis, Area, Extrapolation, Key};
+pub use config::{
+    Alpha, BodyConfig, Config, Design, FitConfig, LoadsConfig, PointsConfig, Preset, SolverConfig, StatisticsConfig,
+    SurfaceConfig,
+};
+pub use error::{Place, SweepError};
+pub use plan::{Plan, Point, Run};
+pub use pressed::Pressed;
+pub use run::{Example, Keep, run, run_one};
+pub use study::Study;

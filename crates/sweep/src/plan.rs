@@ -1,0 +1,159 @@
+//! The contacts of a sweep, their order, and the work that they are.
+
+use std::ops::Range;
+
+use gfmd_field::Grid;
+use gfmd_surface::Discretisation;
+
+use crate::config::{Config, refusal};
+use crate::{Place, SweepError};
+
+/// One discretisation of one family of surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Hurst exponent.
+    pub hurst: f64,
+    /// The discretisation.
+    pub discretisation: Discretisation,
+    /// The grid, on a cell of length 1.
+    pub grid: Grid,
+    /// Seed of its first realisation; the next ones follow.
+    pub first_seed: u64,
+}
+
+impl Point {
+    /// Grid points along one axis.
+    pub fn n(&self) -> usize {
+        self.grid.points()[0]
+    }
+}
+
+/// One realisation of the surface of one point, pressed with all loads of the sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Index of its point.
+    pub point: usize,
+    /// Number of the realisation.
+    pub realisation: u64,
+    /// Seed of the surface.
+    pub seed: u64,
+}
+
+/// A configuration spelt out: points, and runs of each point. A run is known by its index in [`Plan::runs`].
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The configuration.
+    pub config: Config,
+    /// Points, small grids first.
+    pub points: Vec<Point>,
+    /// Runs, point by point.
+    pub runs: Vec<Run>,
+}
+
+/// Distance between the first seeds of two groups of realisations.
+const SEEDS_PER_GROUP: u64 = 1_000_000;
+
+/// Transform pairs of one load, measured: 22 to 34 for any size. Passes over memory between two transforms take about as
+/// long again.
+const PAIRS: f64 = 2.0 * 30.0;
+
+impl Plan {
+    /// The plan of a configuration.
+    ///
+    /// # Errors
+    /// A configuration that cannot be computed.
+    pub fn new(config: Config) -> Result<Self, SweepError> {
+        config.check()?;
+        let cells = config.discretisations()?;
+        // Points of one group differ in eps_c only and have their surfaces in common.
+        let group_of = |at: &Discretisation| [at.eps_t_inv, at.eps_f_inv];
+        let mut groups: Vec<[f64; 2]> = cells.iter().map(|(at, _)| group_of(at)).collect();
+        groups.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        groups.dedup();
+        let (mut points, mut runs) = (Vec::new(), Vec::new());
+        for (discretisation, n) in cells {
+            let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
+            let grid = grid.map_err(SweepError::Grid)?;
+            let group = groups.iter().position(|group| *group == group_of(&discretisation)).unwrap_or(0);
+            let realisations = config.realisations(&discretisation);
+            if realisations > SEEDS_PER_GROUP {
+                let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
+                return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
+            }
+            for (family, &hurst) in config.surface.hurst.iter().enumerate() {
+                let offset = SEEDS_PER_GROUP * (family * groups.len() + group) as u64;
+                let first_seed = first_seed(config.statistics.seed, offset)?;
+                let point = points.len();
+                points.push(Point { hurst, discretisation, grid, first_seed });
+                runs.extend((0..realisations).map(|realisation| Run {
+                    point,
+                    realisation,
+                    seed: first_seed + realisation,
+                }));
+            }
+        }
+        Ok(Self { config, points, runs })
+    }
+
+    /// The indices of the runs of a point.
+    pub fn runs_of(&self, point: usize) -> Range<usize> {
+        let start = self.runs.partition_point(|run| run.point < point);
+        start..self.runs.partition_point(|run| run.point <= point)
+    }
+
+    /// Expected work of one run at a point, in transform pairs of a million points: times the seconds that such a pair
+    /// takes on a machine it is the time of a run.
+    pub fn work(&self, point: &Point) -> f64 {
+        const MILLION: f64 = 1_048_576.0;
+        let size = point.grid.len() as f64;
+        // A point of a line costs twice as much as one of a square.
+        let sides = if point.grid.is_line() { 2.0 } else { 1.0 };
+        let pair = size / MILLION * size.log2() / MILLION.log2();
+        PAIRS * sides * self.config.loads.p_star.len() as f64 * pair
+    }
+
+    /// The name of a run in messages.
+    pub(crate) fn place(&self, run: &Run, p_star: Option<f64>) -> Place {
+        let Point { hurst, discretisation, .. } = self.points[run.point];
+        Place { hurst, discretisation, seed: run.seed, p_star }
+    }
+}
+
+/// The first seed of a group. All its seeds are exact in files, whose integers have a sign.
+fn first_seed(seed: u64, offset: u64) -> Result<u64, SweepError> {
+    const LARGEST: u64 = i64::MAX as u64 - SEEDS_PER_GROUP;
+    let first = seed.checked_add(offset).filter(|first| *first <= LARGEST);
+    first.ok_or_else(|| refusal("statistics.seed", &seed, format!("at most {}", LARGEST.saturating_sub(offset))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Preset, StatisticsConfig};
+
+    #[test]
+    fn runs_lie_point_by_point_and_only_points_of_equal_surfaces_share_seeds() {
+        let plan = Plan::new(Preset::Smoke.config()).unwrap();
+        let all: Vec<usize> = (0..plan.points.len()).flat_map(|point| plan.runs_of(point)).collect();
+        assert!(all.into_iter().eq(0..plan.runs.len()));
+        for (a, b) in plan.runs.iter().flat_map(|a| plan.runs.iter().map(move |b| (a, b))) {
+            let [p, q] = [a, b].map(|run| plan.points[run.point].discretisation);
+            let same_surface = (p.eps_t_inv, p.eps_f_inv, a.realisation) == (q.eps_t_inv, q.eps_f_inv, b.realisation);
+            assert_eq!(a.seed == b.seed, same_surface, "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn seeds_beyond_what_a_file_holds_are_refused() {
+        let with_seed = |seed| {
+            let config = Preset::Smoke.config();
+            Plan::new(Config { statistics: StatisticsConfig { seed, ..config.statistics }, ..config })
+        };
+        for seed in [u64::MAX, i64::MAX as u64, i64::MAX as u64 - SEEDS_PER_GROUP] {
+            let message = with_seed(seed).unwrap_err().to_string();
+            assert!(message.contains("statistics.seed") && message.contains(&seed.to_string()), "{message}");
+        }
+        let seed = (1 << 53) + 1;
+        assert_eq!(with_seed(seed).unwrap().runs[0].seed % SEEDS_PER_GROUP, seed % SEEDS_PER_GROUP);
+    }
+}

@@ -1,0 +1,23 @@
+use gfmd_contact::{Effort, Fields, Residual, Solution};
+use gfmd_measure::{Scales, Summary};
+
+/// The numbers of one equilibrated load of a run. The unit of length is the cell, that of stress as of Young's modulus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pressed {
+    /// Area, pressure, gap, energy.
+    pub summary: Summary,
+    /// Rigid approach beyond first touch.
+    pub approach: f64,
+    /// Distance from the exact solution.
+    pub residual: Residual,
+    /// Effort of the solve.
+    pub effort: Effort,
+}
+
+impl Pressed {
+    /// Measures a solution.
+    pub(crate) fn of(solution: &Solution, scales: &Scales) -> Self {
+        let Solution { approach, residual, effort, .. } = *solution;
+        Self { summary: solution.summary_in(scales), approach, residual, effort }
+    }
+}

@@ -1,0 +1,183 @@
+//! The computation: contacts of all runs, side by side where the grids are small.
+
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solution, SolveError};
+use gfmd_measure::Scales;
+use gfmd_response::NormalResponse;
+use gfmd_surface::SelfAffine;
+use ndarray::Array2;
+use rayon::prelude::*;
+
+use crate::config::refusal;
+use crate::{Plan, Point, Pressed, Run, SweepError};
+
+/// Keeps the finished runs of a sweep, so that it can be continued, and says when to stop. Every method is called from
+/// several threads. `()` keeps nothing and never stops.
+pub trait Keep: Sync {
+    /// The loads of a run that was finished earlier; `None` if the run must be computed. Asked once for each run.
+    fn recall(&self, _run: usize) -> Option<Vec<Pressed>> {
+        None
+    }
+
+    /// Takes a run that has just been finished.
+    ///
+    /// # Errors
+    /// A run that cannot be kept; the sweep then ends.
+    fn keep(&self, _run: usize, _loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+        Ok(())
+    }
+
+    /// Returns true if the sweep is to end now.
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+}
+
+impl Keep for () {}
+
+/// Points along one axis of a square up to which realisations run side by side; larger grids use all threads for one.
+const SIDE_BY_SIDE: usize = 512;
+
+/// Computes the runs that `keep` does not recall, point by point. Returns the loads of every run, in the order of
+/// [`Plan::runs`].
+///
+/// # Errors
+/// A contact that did not converge, a run that could not be kept, an interruption.
+pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
+    let mut all = Vec::with_capacity(plan.runs.len());
+    for (index, point) in plan.points.iter().enumerate() {
+        let (recalled, open): (Vec<_>, Vec<_>) =
+            plan.runs_of(index).map(|run| (run, keep.recall(run))).partition(|(_, loads)| loads.is_some());
+        let mut loads = recalled;
+        if !open.is_empty() {
+            let bench = Bench::new(plan, point)?;
+            let one = |(run, _): (usize, Option<_>)| {
+                let loads = bench.press(&plan.runs[run], keep)?;
+                keep.keep(run, &loads).map_err(SweepError::Keep)?;
+                Ok((run, Some(loads)))
+            };
+            let computed: Result<Vec<_>, SweepError> = if point.grid.is_line() || point.n() <= SIDE_BY_SIDE {
+                open.into_par_iter().map(one).collect()
+            } else {
+                open.into_iter().map(one).collect()
+            };
+            loads.extend(computed?);
+            loads.sort_by_key(|(run, _)| *run);
+        }
+        all.extend(loads.into_iter().filter_map(|(_, loads)| loads));
+    }
+    Ok(all)
+}
+
+/// Computes one run by itself, whatever has been computed before: the piece of work of one machine of many.
+///
+/// # Errors
+/// A number of a run that is not in the plan, a contact that did not converge, an interruption.
+pub fn run_one(plan: &Plan, run: usize, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
+    let allowed = || refusal("run", &run, format!("below {}", plan.runs.len()));
+    let run = plan.runs.get(run).ok_or_else(allowed)?;
+    Bench::new(plan, &plan.points[run.point])?.press(run, keep)
+}
+
+/// A contact to look at: the first realisation at the load of the result, on the largest grid of moderate size.
+#[derive(Clone, Debug)]
+pub struct Example {
+    /// Its point.
+    pub point: Point,
+    /// Its seed.
+    pub seed: u64,
+    /// The pressure.
+    pub pressure: Array2<f64>,
+    /// The heights of the surface.
+    pub heights: Array2<f64>,
+}
+
+/// Points along one axis of a square up to which a contact is computed once more as an example.
+const EXAMPLE_POINTS: usize = 1024;
+
+impl Example {
+    /// Computes the example of a plan.
+    ///
+    /// # Errors
+    /// A contact that did not converge, an interruption.
+    pub fn new(plan: &Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
+        let moderate = |point: &Point| point.grid.is_line() || point.n() <= EXAMPLE_POINTS;
+        let candidates = (0..plan.points.len()).filter(|index| moderate(&plan.points[*index]));
+        let index = candidates.max_by_key(|index| plan.points[*index].n()).unwrap_or(0);
+        let (point, run) = (plan.points[index], plan.runs[plan.runs_of(index).start]);
+        let bench = Bench::new(plan, &point)?;
+        let heights = bench.heights(&run)?;
+        let contact = bench.contact(&run, &heights)?;
+        let pressure = bench.solve(&run, &contact, plan.config.fit.p_star, None, keep)?.pressure;
+        Ok(Self { point, seed: run.seed, pressure, heights })
+    }
+}
+
+/// The response of the grid of one point, shared by its realisations, and the scales of their numbers.
+struct Bench<'a> {
+    plan: &'a Plan,
+    response: Arc<NormalResponse>,
+    scales: Scales,
+}
+
+impl<'a> Bench<'a> {
+    fn new(plan: &'a Plan, point: &Point) -> Result<Self, SweepError> {
+        let response = Arc::new(NormalResponse::new(point.grid, &plan.config.body()?));
+        let rms_gradient = plan.config.surface.rms_gradient;
+        let scales = Scales { contact_modulus: response.contact_modulus(), rms_gradient };
+        Ok(Self { plan, response, scales })
+    }
+
+    fn heights(&self, run: &Run) -> Result<Array2<f64>, SweepError> {
+        let Point { hurst, discretisation, grid, .. } = self.plan.points[run.point];
+        let family = SelfAffine { hurst, ..SelfAffine::with_rms_gradient(self.scales.rms_gradient) };
+        let heights = discretisation.self_affine(1.0, family).heights(&grid, run.seed);
+        heights.map_err(|source| SweepError::Surface { place: self.plan.place(run, None), source })
+    }
+
+    /// Presses one realisation with all loads, each started from the one before.
+    fn press(&self, run: &Run, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
+        let contact = self.contact(run, &self.heights(run)?)?;
+        let mut last: Option<Solution> = None;
+        let mut loads = Vec::new();
+        for &p_star in &self.plan.config.loads.p_star {
+            let solution = self.solve(run, &contact, p_star, last.as_ref(), keep)?;
+            loads.push(Pressed::of(&solution, &self.scales));
+            last = Some(solution);
+        }
+        Ok(loads)
+    }
+
+    fn solve(
+        &self,
+        run: &Run,
+        contact: &Contact,
+        p_star: f64,
+        last: Option<&Solution>,
+        keep: &dyn Keep,
+    ) -> Result<Solution, SweepError> {
+        let pressure = p_star * self.scales.contact_modulus * self.scales.rms_gradient;
+        let mut watch = |_: &Progress| match keep.is_interrupted() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let solver = &self.plan.config.solver;
+        let press = contact.press(Load::MeanPressure(pressure)).solver(solver.method).budget(solver.budget());
+        press.starting_from(last).watch(&mut watch).solve().map_err(|error| self.failed(run, Some(p_star), error))
+    }
+
+    fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {
+        Contact::on(Arc::clone(&self.response), heights).map_err(|refusal| self.failed(run, None, refusal.into()))
+    }
+
+    fn failed(&self, run: &Run, p_star: Option<f64>, error: SolveError<Solution>) -> SweepError {
+        let place = self.plan.place(run, p_star);
+        match error {
+            SolveError::Interrupted { .. } => SweepError::Interrupted(place),
+            error => SweepError::Contact { place, source: Box::new(error) },
+        }
+    }
+}
