@@ -9,47 +9,49 @@ use gfmd_surface::SurfaceError;
 
 use crate::Reference;
 
-/// A number, and the bound it must meet.
+/// A number and the bound that it must meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// What is compared.
+    /// The quantity that is compared.
     pub name: String,
-    /// With what: where the wanted numbers come from.
+    /// The origin of the expected numbers.
     pub source: &'static str,
-    /// An error, relative unless the name says otherwise, or an order of convergence.
+    /// The error, relative unless the name says otherwise, or an order of convergence.
     pub value: f64,
-    /// What it must be.
+    /// The bound of the value.
     pub bound: Bound,
 }
 
-/// From which side a number is bounded.
+/// An upper or a lower bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// An error.
+    /// The upper bound of an error.
     AtMost(f64),
-    /// An order of convergence.
+    /// The lower bound of an order of convergence or of a ratio.
     AtLeast(f64),
 }
 
 /// Checks that belong together.
 #[derive(Clone, Copy, Debug)]
 pub struct Topic {
-    /// In words.
+    /// The name of its file here, and of its test.
+    pub name: &'static str,
+    /// The title in docs/validation.md.
     pub title: &'static str,
-    /// Computes them.
+    /// The function that computes the checks.
     pub checks: fn(&Reference) -> Result<Vec<Check>, ValidationError>,
 }
 
-/// Why a check could not be made.
+/// Reasons why a check could not be computed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidationError {
-    /// A reference file that is missing or is not what it should be.
+    /// A reference file that is missing or has unexpected contents.
     #[error("{file}: {reason}")]
     Reference {
-        /// Which.
+        /// The path of the file.
         file: String,
-        /// What was found.
+        /// The reason.
         reason: String,
     },
     /// A contact that could not be solved.
@@ -90,12 +92,12 @@ impl Check {
         Self { name: name.into(), source, value, bound: Bound::AtMost(bound) }
     }
 
-    /// An order of convergence that must reach `bound`.
-    pub fn order(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
+    /// A number that must reach `bound`: an order of convergence, or a ratio.
+    pub fn at_least(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
         Self { name: name.into(), source, value, bound: Bound::AtLeast(bound) }
     }
 
-    /// Whether the bound is met; what is not a number meets none.
+    /// Returns true if the bound is met. NaN meets none.
     pub fn passes(&self) -> bool {
         match self.bound {
             Bound::AtMost(bound) => self.value <= bound,
@@ -104,12 +106,12 @@ impl Check {
     }
 }
 
-/// The largest deviation met so far.
+/// The largest error of several comparisons.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Worst(f64);
 
 impl Worst {
-    /// None so far: not a number until something is compared.
+    /// An empty comparison, whose check fails.
     pub(crate) fn new() -> Self {
         Self(f64::NEG_INFINITY)
     }
@@ -127,14 +129,14 @@ impl Worst {
         }
     }
 
-    /// As a check; nothing compared fails.
+    /// The check of the largest error. It fails if nothing was compared.
     pub(crate) fn check(self, name: impl Into<String>, source: &'static str, bound: f64) -> Check {
         let value = if self.0 == f64::NEG_INFINITY { f64::NAN } else { self.0 };
         Check::error(name, source, value, bound)
     }
 }
 
-/// Order at which errors fall with the number of points, by least squares in logarithms.
+/// The order at which errors fall with the number of points, by least squares in logarithms.
 pub(crate) fn order<const K: usize>(errors: &[(usize, [f64; K])]) -> [f64; K] {
     let points: Vec<(f64, [f64; K])> = errors.iter().map(|(n, e)| ((*n as f64).ln(), e.map(|e| -e.ln()))).collect();
     let x = points.iter().map(|p| p.0).sum::<f64>() / points.len() as f64;
@@ -157,7 +159,7 @@ mod tests {
         worst.compare(1.0, 1.0);
         worst.compare(1.1, 1.0);
         assert!(worst.check("far", "", 0.11).passes() && !worst.check("far", "", 0.09).passes());
-        assert!(!Check::order("slow", "", 0.5, 1.0).passes());
+        assert!(!Check::at_least("slow", "", 0.5, 1.0).passes());
     }
 
     #[test]

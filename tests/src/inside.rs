@@ -45,7 +45,7 @@ fn transfer(reference: &Reference) -> Result<Check, ValidationError> {
     Ok(worst.check("transfer into the body, per wave vector", DIGITS, 5e-14))
 }
 
-/// Displacements along x, y, z (zero along y on a line) and the states at one depth.
+/// The displacements along x, y, z (zero along y on a line) and the states at one depth.
 type Plane = ([Vec<f64>; 3], Vec<State>);
 
 fn plane(interior: &Interior, depth: f64) -> Result<Plane, ValidationError> {
@@ -60,7 +60,7 @@ fn plane(interior: &Interior, depth: f64) -> Result<Plane, ValidationError> {
     Ok((displacement, (0..points).map(|point| deformation.at(point)).collect()))
 }
 
-/// Each row of the table as a real wave on a grid that holds just that.
+/// Each row of the table as a real wave on a grid with that one wave.
 fn waves(reference: &Reference) -> Result<[Check; 3], ValidationError> {
     let mut worst = [Worst::new(); 3];
     for row in reference.table("body_fields.json")? {
@@ -106,12 +106,12 @@ fn punch_field(reference: &Reference, name: &str) -> Result<Array3<f64>, Validat
     reference.array(&format!("punch3d_sticking_zm1_nu033/{name}.npy"))
 }
 
-/// `[x, y, component]` as component after component.
+/// The array `[x, y, component]` in the order component after component.
 fn components(field: Array3<f64>) -> Vec<f64> {
     field.permuted_axes([2, 0, 1]).iter().copied().collect()
 }
 
-/// On the plane y = Ly/2: every eighth of 65 heights, every second point.
+/// The comparison on the plane y = Ly/2 at every eighth of 65 heights and every second point.
 fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     let read = |name: &str| punch_field(reference, name);
     let (body, grid) = (punch_body()?, Grid::square(128, LENGTH)?);
@@ -126,7 +126,7 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
         for ((i, _, axis), wanted) in displacements.indexed_iter().filter(|((_, k, _), _)| *k == level) {
             displacement.compare_to(u[axis][middle(i)], *wanted, DEPTH);
         }
-        // At the surface itself the file keeps derivatives along Nyquist directions, which fields on a grid do not have.
+        // The surface is left out: the file has derivatives along Nyquist directions there, which fields on a grid do not.
         for ((i, _, k), wanted) in stresses.indexed_iter().filter(|((_, k, _), _)| *k == level && level < 8) {
             stress.compare_to(states[middle(i)].stress[k], *wanted, largest);
         }
@@ -137,8 +137,9 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     ])
 }
 
-/// Against finite elements of the continuum, below a punch with sharp edges, up to three quarters of the height: u of the
-/// surface from them too, at the points of a grid, so that what differs is what lies between the points near the edges.
+/// The comparison with finite elements of the continuum, below a punch with sharp edges, up to three quarters of the height.
+/// The displacement of the surface is theirs, too, at the points of a grid, so that only the values between the points near
+/// the edges differ.
 fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     const ELEMENTS: &str = "finite elements of high order, sharp edges";
     let coarse = below_sharp_punch(reference, 64)?;
@@ -148,12 +149,12 @@ fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError>
     Ok(vec![
         Check::error("sharp punch, 128 x 128: displacement below, over the depth", ELEMENTS, u, 1e-3),
         Check::error("sharp punch, 128 x 128: stress below, over the largest there", ELEMENTS, s, 3e-3),
-        Check::order("sharp punch, 64 to 128 points: order of the displacement", ELEMENTS, u_order, 1.0),
-        Check::order("sharp punch, 64 to 128 points: order of the stress", ELEMENTS, s_order, 1.0),
+        Check::at_least("sharp punch, 64 to 128 points: order of the displacement", ELEMENTS, u_order, 1.0),
+        Check::at_least("sharp punch, 64 to 128 points: order of the stress", ELEMENTS, s_order, 1.0),
     ])
 }
 
-/// Largest errors of displacement and stress on the plane y = Ly/2 of a grid with n x n points.
+/// The largest errors of displacement and stress on the plane y = Ly/2 of a grid with n x n points.
 fn below_sharp_punch(reference: &Reference, n: usize) -> Result<[f64; 2], ValidationError> {
     let read = |name: &str| punch_field(reference, name);
     let (body, grid) = (punch_body()?, Grid::square(n, LENGTH)?);
@@ -176,7 +177,7 @@ fn below_sharp_punch(reference: &Reference, n: usize) -> Result<[f64; 2], Valida
     Ok([u_error / DEPTH, s_error / largest])
 }
 
-/// A rough displacement without mean.
+/// A rough displacement with zero mean.
 fn rough(components: usize, grid: &Grid) -> Vec<f64> {
     let mut field: Vec<f64> = (1..=components * grid.len()).map(|i| (i as f64 * 0.618_033).fract()).collect();
     for component in field.chunks_exact_mut(grid.len()) {
@@ -230,7 +231,7 @@ fn identities() -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// ∫ ½ σ:ε dz, averaged over the plane, by Simpson's rule.
+/// The energy ∫ ½ σ:ε dz, averaged over the plane, by Simpson's rule.
 fn energy_inside(interior: &Interior, height: f64) -> Result<f64, ValidationError> {
     const STEPS: usize = 2000;
     let mut ws = interior.workspace();

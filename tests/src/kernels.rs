@@ -11,7 +11,7 @@ use crate::{Check, Reference, ValidationError};
 
 const DIGITS: &str = "boundary-value problems in 60-digit arithmetic";
 
-/// Relative error of a matrix entry.
+/// The relative error of a matrix entry.
 const KERNEL: f64 = 2e-14;
 
 pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
@@ -67,7 +67,7 @@ fn three_dimensions(reference: &Reference) -> Result<Worst, ValidationError> {
                 [("xx", m[0][0].re), ("xy", m[0][1].re), ("xy", m[1][0].re), ("yy", m[1][1].re), ("zz", m[2][2].re)]
             {
                 let wanted = row.get(&format!("{letter}{name}"));
-                // xy is the difference of two numbers that agree at ν = 0: it has the digits of its neighbours.
+                // Entry xy is the difference of two numbers that are equal at ν = 0, so its error is that of its neighbours.
                 worst.compare_to(found, wanted, if name == "xy" { m[0][0].re } else { wanted.abs() });
             }
             for (name, found) in [("xz", m[0][2]), ("xz", m[2][0].conj()), ("yz", m[1][2]), ("yz", m[2][1].conj())] {
@@ -102,7 +102,7 @@ fn limits(reference: &Reference) -> Result<Worst, ValidationError> {
         ] {
             worst.compare(found, row.get(name));
         }
-        // The file leaves open what is infinite.
+        // The file has no entry where a value is infinite.
         let infinite = |wanted: f64| if wanted.is_nan() { f64::INFINITY } else { wanted };
         worst.compare(material.p_wave_modulus().unwrap_or(f64::INFINITY), infinite(row.get("C11")));
         worst.compare(uniform[2][2].re, infinite(row.get("K0_norm")));
@@ -192,14 +192,14 @@ fn softest_mode(reference: &Reference) -> Result<Worst, ValidationError> {
         let material = Material::from_young(1.0, row.get("nu"))?;
         let body = Body::slab(material, 1.0)?;
         let at_minimum = row.get("h_at_minimum (0 = uniform mode)");
-        // The mode (0, 1) of this cell is the softest there is.
+        // The mode (0, 1) of this cell is the softest one.
         let length = if at_minimum > 0.0 { TAU / at_minimum } else { 3.0 };
         let softest = normal_stiffness_range(&body, &Grid::square(16, length)?);
         let (stiffness, wavenumber) =
             softest.map_or([f64::NAN; 2].into(), |range| (range.softest, range.softest_mode.wavenumber()));
         worst.compare(stiffness * material.p_wave_compliance(), row.get("min (1/Gzz)/(C11/zm)"));
         worst.compare(wavenumber, at_minimum);
-        // It is a minimum: never softer nearby.
+        // It is a minimum: modes nearby are not softer.
         for nearby in [0.999, 1.001] {
             let softer = stiffness - body.normal_stiffness((at_minimum + 1e-3) * nearby);
             worst.compare_to(softer.max(0.0), 0.0, stiffness);
@@ -208,9 +208,9 @@ fn softest_mode(reference: &Reference) -> Result<Worst, ValidationError> {
     Ok(worst)
 }
 
-/// Made numerically.
+/// The comparison with a table of finite elements.
 fn finite_elements(reference: &Reference) -> Result<Check, ValidationError> {
-    /// The largest change of the file's last refinement.
+    /// The largest change in the last refinement of the finite elements, which is their accuracy.
     const CHANGE: f64 = 7e-12;
     let file = reference.json("stiffness_table.json")?;
     let mut worst = Worst::new();
@@ -225,7 +225,7 @@ fn finite_elements(reference: &Reference) -> Result<Check, ValidationError> {
             ("kTT", k.transverse),
             ("compliance_zz_shear_free", body.normal_compliance(get("q_zm"))),
         ] {
-            // The coupling passes through zero, where its error is that of the matrix.
+            // The coupling passes through zero; its error is relative to the longitudinal entry.
             worst.compare_to(found, get(name), if name == "kLz" { k.longitudinal } else { found });
         }
     }

@@ -30,14 +30,14 @@ pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
 pub const TOPICS: [Topic; 8] = [
-    Topic { title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
-    Topic { title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
-    Topic { title: "Fields inside the body", checks: inside::checks },
-    Topic { title: "Flat punches that stick: chapter 4 of the source", checks: punch::checks },
-    Topic { title: "Damping of the dynamics", checks: damping::checks },
-    Topic { title: "Contacts with a closed form", checks: analytic::checks },
-    Topic { title: "Contacts that other programs solved", checks: exact::checks },
-    Topic { title: "Adhesion, cohesion, friction", checks: laws::checks },
+    Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
+    Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
+    Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
+    Topic { name: "punch", title: "Flat punches that stick: chapter 4 of the source", checks: punch::checks },
+    Topic { name: "damping", title: "Damping of the dynamics", checks: damping::checks },
+    Topic { name: "analytic", title: "Contacts with a closed form", checks: analytic::checks },
+    Topic { name: "exact", title: "Contacts that other programs solved", checks: exact::checks },
+    Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
 ];
 
 /// Every method that can be asked for by name.

@@ -19,7 +19,7 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
         let (shear, s, r) = (material.shear_modulus(), material.s(), material.r());
         let springs = [shear, shear, shear / s].map(|modulus| modulus / HEIGHT);
         for [nx, ny] in DIRECTIONS {
-            // Table 3.1, at q = 0 and near it: the entries approach it like q zm.
+            // Table 3.1, at q = 0 and near it: the entries approach the limit like q zm.
             for (worst, h) in [(&mut uniform, 0.0), (&mut long, 1e-7)] {
                 let k = slab.stiffness([nx * h / HEIGHT, ny * h / HEIGHT]);
                 for (i, row) in k.iter().enumerate() {
@@ -29,7 +29,7 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
                     }
                 }
             }
-            // Table 3.2: what differs falls like exp(−2 q zm).
+            // Table 3.2: the difference from the limit falls like exp(−2 q zm).
             let q = 40.0 / HEIGHT;
             let (k, unit) = (slab.stiffness([nx * q, ny * q]), shear * q / (1.0 + s));
             for (found, wanted) in [

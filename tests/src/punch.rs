@@ -40,7 +40,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// One geometry, and where its references lie.
+/// One geometry and the folder of its references.
 struct Case<'a> {
     folder: &'static str,
     reference: &'a Reference,
@@ -84,7 +84,7 @@ impl Case<'_> {
         Ok(-self.summary()?["continuum_mean_sigma_zz_GPa"].as_f64().unwrap_or(f64::NAN))
     }
 
-    /// Every point, and the force.
+    /// The comparison of every point and of the force.
     fn points(
         &self,
         what: &str,
@@ -116,7 +116,7 @@ impl Case<'_> {
         Ok(worst.check("square, 64 points, three kinds of dynamics: displacement over the depth", DISCRETE, 1e-8))
     }
 
-    /// The source's measure, with points on the edge held.
+    /// The error measure of the source, with points on the edge held.
     fn nearness(&self) -> Result<Vec<Check>, ValidationError> {
         let continuum = self.displacement("continuum_u_n128")?;
         let grids = if self.line { vec![128] } else { vec![64, 128, 256] };
@@ -126,6 +126,8 @@ impl Case<'_> {
         }
         let what = if self.line { "strip" } else { "square" };
         let Some((_, [x, z])) = errors.iter().find(|(n, _)| *n == 128) else { return Ok(Vec::new()) };
+        // Alarms for a regression: a hair above 6.44e-4 and 6.32e-3 (strip), 6.35e-4 and 7.80e-3 (square), measured on
+        // x86-64. The claim against the source, 0.00196, holds by a factor of three.
         let [x_bound, z_bound] = if self.line { [0.00065, 0.0064] } else { [0.00064, 0.0079] };
         let mut checks = vec![
             Check::error(
@@ -138,20 +140,20 @@ impl Case<'_> {
         ];
         if errors.len() > 1 {
             let [order, _] = order(&errors);
-            checks.push(Check::order(format!("{what}, 64 to 256 points: order of u_x"), CONTINUUM, order, 0.85));
+            checks.push(Check::at_least(format!("{what}, 64 to 256 points: order of u_x"), CONTINUUM, order, 0.85));
         }
         Ok(checks)
     }
 
-    /// With its own strict inequality the source cannot have come so near.
+    /// Repeating the published set-up (strict inequality at the edge) gives at least twice the published error.
     fn strict(&self) -> Result<Check, ValidationError> {
         let [x, _] = rms(&self.solve(128, Edge::Strict)?, &self.displacement("continuum_u_n128")?);
         let name = "square, 128 points, edge not held: error of u_x over the source's";
-        Ok(Check::order(name, CONTINUUM, x / SOURCE_ERROR, 2.0))
+        Ok(Check::at_least(name, CONTINUUM, x / SOURCE_ERROR, 2.0))
     }
 
-    /// Errors of the mean pressure on the grids n, 2 n, 4 n: their order is one, and without the first and second power of
-    /// the spacing nothing is left.
+    /// The errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the first and second
+    /// power of the spacing removes them.
     fn force(&self, what: &str, n: usize, [order, limit]: [f64; 2]) -> Result<[Check; 2], ValidationError> {
         let continuum = self.continuum()?;
         let [mut orders, mut limits] = [Worst::new(); 2];
@@ -167,7 +169,7 @@ impl Case<'_> {
         ])
     }
 
-    /// Either convention stands for an effective width; interpolated to the true one.
+    /// The mean pressure interpolated to the true width, from the effective widths of the two conventions.
     fn effective_width(&self) -> Result<Check, ValidationError> {
         let grid = self.grid(128)?;
         let mut ends = [[0.0; 2]; 2];

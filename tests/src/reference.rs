@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::ValidationError;
 
-/// The folder with the check values.
+/// The folder with the reference files.
 #[derive(Clone, Debug)]
 pub struct Reference {
     folder: PathBuf,
@@ -57,9 +57,12 @@ impl Reference {
             let name_of = |column: &Value| column.as_str().or(column["name"].as_str()).map(str::to_owned);
             let columns: Vec<String> = columns.as_array()?.iter().map(name_of).collect::<Option<_>>()?;
             let row = |row: &Value| -> Option<Row> {
-                let values = row.as_array()?.iter().map(|value| value.as_f64().unwrap_or(f64::NAN));
-                let row = Row(columns.iter().cloned().zip(values).collect());
-                (row.0.len() == columns.len()).then_some(row)
+                let values = row.as_array()?;
+                // Yes and no count as one and zero.
+                let number = |value: &Value| value.as_f64().or(value.as_bool().map(f64::from)).unwrap_or(f64::NAN);
+                let numbers = columns.iter().cloned().zip(values.iter().map(number)).collect();
+                let name = values.first().and_then(Value::as_str).unwrap_or_default().to_owned();
+                (values.len() == columns.len()).then_some(Row { name, numbers })
             };
             rows.as_array()?.iter().map(row).collect()
         };
@@ -71,19 +74,23 @@ impl Reference {
     }
 }
 
-/// Named numbers; what the file leaves open is not a number.
-pub(crate) struct Row(Vec<(String, f64)>);
+/// One row of a table: numbers by the names of their columns, NaN where the file has no number.
+pub(crate) struct Row {
+    /// The text in the first column; empty if that is a number.
+    pub(crate) name: String,
+    numbers: Vec<(String, f64)>,
+}
 
 impl Row {
     pub(crate) fn get(&self, column: &str) -> f64 {
-        self.0.iter().find(|(name, _)| name == column).map_or(f64::NAN, |(_, value)| *value)
+        self.numbers.iter().find(|(name, _)| name == column).map_or(f64::NAN, |(_, value)| *value)
     }
 
     pub(crate) fn complex(&self, column: &str) -> Complex64 {
         Complex64::new(self.get(&format!("Re_{column}")), self.get(&format!("Im_{column}")))
     }
 
-    /// Of the columns E and nu.
+    /// The material from the columns E and nu.
     pub(crate) fn material(&self) -> Result<Material, GreenError> {
         Material::from_young(self.get("E"), self.get("nu"))
     }

@@ -48,7 +48,7 @@ fn every_mode_moves_as_the_eigenvalues_of_its_update_matrix_say() {
                 let predicted = expected(&|k| damping.amplitude(k, steps));
                 assert!(worst(&found, &predicted) < 1e-11, "{factor}, {steps}: {:e}", worst(&found, &predicted));
             }
-            // A coefficient of its own for each mode, and each critically damped.
+            // Mode-dependent damping, critical for each mode.
             let retain = function(stiffness, |k| Damping::critical(k, dt).beta);
             let scratch = Mutex::new((response.workspace(), vec![0.0; start.len()]));
             let retain = |motion: &mut [f64]| {

@@ -1,4 +1,4 @@
-//! A solution is the same wherever the search for it begins.
+//! The solution does not depend on the start of the search.
 
 use approx::assert_relative_eq;
 use gfmd_contact::{Contact, Equilibrium, Load, Solution};

@@ -19,11 +19,12 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
-use gfmd_cli::solver::SolverName;
+use gfmd_cli::solver::solvers;
+use gfmd_contact::Solver;
 use gfmd_field::Grid;
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use contestant::{Contestant, Problem};
 use measure::Bench;
@@ -56,8 +57,9 @@ pub struct Args {
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
     pub tol: f64,
     /// Solvers of this program to run
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [SolverName::Auto, SolverName::Cg])]
-    pub solvers: Vec<SolverName>,
+    #[arg(long, value_parser = solvers(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
+    #[serde(serialize_with = "names")]
+    pub solvers: Vec<Solver>,
     /// Other programs to run
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart])]
     pub peers: Vec<Peer>,
@@ -82,6 +84,10 @@ pub struct Args {
     /// Write the page of the documentation
     #[arg(long, num_args = 0..=1, default_missing_value = "docs/benchmarks.md", value_name = "FILE.md")]
     pub write_docs: Option<PathBuf>,
+}
+
+fn names<S: Serializer>(solvers: &[Solver], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(solvers.iter().map(|solver| solver.name()))
 }
 
 /// Other programs.

@@ -1,30 +1,30 @@
 use gfmd_green::Material;
 
-/// Strain and stress on one plane of a body, point by point, in the memory of a [`Workspace`](crate::Workspace).
+/// The strain and the stress on one plane of a body, point by point, in the memory of a [`Workspace`](crate::Workspace).
 #[derive(Clone, Copy, Debug)]
 pub struct Deformation<'w> {
     pub(crate) material: Material,
-    /// ε_xx, ε_yy, γ_xy, σ_zz, σ_yz, σ_xz; those that vanish on a line are empty.
+    /// The fields ε_xx, ε_yy, γ_xy, σ_zz, σ_yz, σ_xz; those that vanish on a line are empty.
     pub(crate) fields: [&'w [f64]; 6],
 }
 
-/// Strain and stress at one point. Components are xx, yy, zz, yz, xz, xy.
+/// The strain and the stress at one point. Components are xx, yy, zz, yz, xz, xy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Dimensionless; of shear the engineering strain γ_ij = ∂_i u_j + ∂_j u_i.
+    /// The strain, dimensionless; for shear the engineering strain γ_ij = ∂_i u_j + ∂_j u_i.
     pub strain: [f64; 6],
-    /// In stress, tension positive.
+    /// The stress, tension positive.
     pub stress: [f64; 6],
     shear_modulus: f64,
 }
 
 impl Deformation<'_> {
-    /// What the body is made of here.
+    /// The material at this plane.
     pub fn material(&self) -> &Material {
         &self.material
     }
 
-    /// Number of points.
+    /// The number of points.
     #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
     pub fn len(&self) -> usize {
         self.fields[0].len()
@@ -51,16 +51,16 @@ impl Deformation<'_> {
 }
 
 impl State {
-    /// Von Mises' equivalent stress √(3 s_ij s_ij / 2), s the deviator of the stress.
+    /// The equivalent stress of von Mises, √(3 s_ij s_ij / 2), s the deviator of the stress.
     ///
-    /// From the strains: where a body hardly changes its volume, the stresses along the axes differ by little.
+    /// It is computed from the strains, since the normal stresses of a nearly incompressible body differ by little.
     pub fn von_mises(&self) -> f64 {
         let [xx, yy, zz, yz, xz, xy] = self.strain;
         let stretch = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
         self.shear_modulus * (2.0 * stretch + 3.0 * (yz * yz + xz * xz + xy * xy)).sqrt()
     }
 
-    /// Elastic energy per volume, ½ σ_ij ε_ij, in stress.
+    /// The elastic energy per volume, ½ σ_ij ε_ij, in stress.
     pub fn energy_density(&self) -> f64 {
         0.5 * self.stress.iter().zip(self.strain).map(|(stress, strain)| stress * strain).sum::<f64>()
     }

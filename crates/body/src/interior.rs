@@ -16,15 +16,15 @@ pub struct Interior {
     surface: [Vec<Complex64>; 3],
 }
 
-/// Memory of one caller, made by [`Interior::workspace`]: six fields, their spectra, and what a transform needs. A call
-/// allocates nothing itself.
+/// The working memory of one caller, made by [`Interior::workspace`]: six fields, their spectra, and the workspace of a
+/// transform. A call itself allocates nothing.
 pub struct Workspace {
     transform: gfmd_field::Workspace,
     spectra: [Vec<Complex64>; 6],
     fields: Vec<f64>,
 }
 
-/// Why there are no fields inside.
+/// Reasons why fields inside cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InteriorError {
@@ -34,16 +34,16 @@ pub enum InteriorError {
     /// A depth outside the body.
     #[error(transparent)]
     Place(#[from] GreenError),
-    /// A value that is not a number.
-    #[error("a displacement must be finite, found {found} at index {index}")]
+    /// A value that is NaN or infinite.
+    #[error("the displacement is {found} at index {index}; it must be finite")]
     NotFinite {
-        /// What was found.
+        /// The value.
         found: f64,
-        /// The first place where.
+        /// Its index, the first one of several.
         index: usize,
     },
-    /// An incompressible slab on a rigid base whose surface moves up or down as a whole.
-    #[error("the mean of u_z must be zero on a slab that keeps its volume, found {found}")]
+    /// A mean normal displacement of an incompressible slab on a rigid base, which would change its volume.
+    #[error("the mean of u_z is {found}; it must be zero on an incompressible slab with a rigid base")]
     Volume {
         /// The mean of u_z.
         found: f64,
@@ -51,10 +51,10 @@ pub enum InteriorError {
 }
 
 impl Interior {
-    /// Of a displacement of the surface, component after component (length): x, y, z, or x, z on a line.
+    /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on a line.
     ///
-    /// The mean of u_z of an incompressible slab on a rigid base is zero, and the mean pressure, which it says nothing
-    /// of, counts as zero (theory.md, section 3).
+    /// The mean of u_z must vanish on an incompressible slab with a rigid base. Its mean pressure, which u_z does not
+    /// determine, is then taken as zero (theory.md, section 3).
     ///
     /// # Errors
     /// A displacement of the wrong length or with a value that is not finite; an incompressible slab whose volume would
@@ -71,8 +71,8 @@ impl Interior {
         Ok(interior)
     }
 
-    /// Of the normal displacement (length) of a surface without shear traction: its lateral displacement is added
-    /// (theory.md, section 3).
+    /// The interior below the normal displacement (length) of a surface without shear traction, whose lateral displacement
+    /// follows (theory.md, section 3).
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -104,12 +104,12 @@ impl Interior {
         }
     }
 
-    /// Where nothing moves the mean of u_z, it is zero but for rounding, and then exactly.
+    /// If the body has no uniform compliance, the mean of u_z must vanish. Its rounding error is removed.
     fn keep_volume(&mut self, normal: &[f64]) -> Result<(), InteriorError> {
         if self.body.normal_compliance(0.0) > 0.0 {
             return Ok(());
         }
-        // By index, never by value: the uniform mode is the first.
+        // The uniform mode is the first; it is never recognised by a small wavenumber.
         let found = std::mem::take(&mut self.surface[2][0]).re;
         let largest = normal.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
         if found.abs() <= ROUNDING * largest { Ok(()) } else { Err(InteriorError::Volume { found }) }
@@ -120,7 +120,7 @@ impl Interior {
         &self.body
     }
 
-    /// The grid of the surface, and of every plane below it.
+    /// The grid of the surface and of every plane below it.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
     }
@@ -130,7 +130,7 @@ impl Interior {
         self.components
     }
 
-    /// Memory for any number of depths. It serves as many threads as the current rayon pool has.
+    /// Allocates memory for any number of depths and for as many threads as the current rayon pool has.
     pub fn workspace(&self) -> Workspace {
         let rows = if self.grid().is_line() { 3 } else { 6 };
         Workspace {
@@ -140,7 +140,7 @@ impl Interior {
         }
     }
 
-    /// Displacement (length) at `depth` (length) below the surface, component after component.
+    /// The displacement (length) at `depth` (length) below the surface, component after component.
     ///
     /// # Errors
     /// A depth outside the body; a workspace of another grid.
@@ -156,7 +156,7 @@ impl Interior {
         Ok(&ws.fields[..self.components.len() * self.grid().len()])
     }
 
-    /// Strain and stress at `depth` (length) below the surface. On the plane between two layers: those of the upper one.
+    /// The strain and the stress at `depth` (length) below the surface. Between two layers they are those of the upper one.
     ///
     /// # Errors
     /// As [`Self::displacement`].
@@ -186,7 +186,7 @@ impl Interior {
         if found == expected { Ok(()) } else { Err(ShapeError { what: "workspace", found, expected }) }
     }
 
-    /// Fields of some of the spectra, one after the other.
+    /// Transforms the spectra with these indices into the fields of the workspace, one after the other.
     fn synthesise(&self, spectra: &[usize], ws: &mut Workspace) -> Result<(), ShapeError> {
         for (&index, field) in spectra.iter().zip(ws.fields.chunks_exact_mut(self.grid().len())) {
             self.transform.inverse(&ws.spectra[index], field, &mut ws.transform)?;
@@ -194,20 +194,21 @@ impl Interior {
         Ok(())
     }
 
-    /// ũ of the surface at a mode of the half spectrum.
+    /// The displacement ũ of the surface by the index of a mode in the half spectrum.
     fn amplitude(&self) -> impl Fn(usize) -> [Complex64; 3] + Sync + '_ {
         let [x, y, z] = &self.surface;
         move |index| [x[index], y[index], z[index]]
     }
 }
 
-/// Modes that one thread takes at a time.
+/// The number of modes that one thread takes at a time.
 const CHUNK: usize = 512;
 
-/// A mean below this part of the largest value is the rounding error of a sum.
+/// The ratio of mean to largest value below which a mean counts as rounding error.
 const ROUNDING: f64 = 1e-12;
 
-/// What does not move has no part, even where the matrix is infinite: u_z of an incompressible slab at q = 0.
+/// The product of a matrix and an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of an
+/// incompressible slab at q = 0.
 fn apply<const ROWS: usize>(matrix: &[[Complex64; 3]; ROWS], surface: [Complex64; 3]) -> [Complex64; ROWS] {
     let product = |entry: &Complex64, u: Complex64| if u == Complex64::ZERO { u } else { entry * u };
     matrix.map(|row| row.iter().zip(surface).map(|(entry, u)| product(entry, u)).sum())

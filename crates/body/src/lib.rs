@@ -1,15 +1,15 @@
 //! Fields inside an elastic body from the displacement of its surface: displacement, strain, stress, von Mises stress and
-//! elastic energy density at any depth (theory.md, section 5).
+//! elastic energy density at any depth ([theory.md](../gfmd/theory/index.html), section 5).
 //!
-//! Start at [`Interior`]: the spectra of a surface displacement, computed once. Each depth is then one pass over the modes
-//! and an inverse transform of each component, into memory that the next depth uses again, so that a volume takes the
-//! memory of a few of its planes. A body is a half-space or a slab on any base, layers included; a surface is a plane or a
-//! line (plane strain). Fields and their components are laid out as in `gfmd-response`.
+//! Start at [`Interior`], which computes the spectra of a surface displacement once. Each depth then costs one pass over the
+//! modes and one inverse transform for each component. All depths share their memory, so that a volume takes the memory of
+//! a few of its planes. The body is a half-space or a slab on any base, layers included; the surface is a plane or a line
+//! (plane strain). Fields and their components are laid out as in `gfmd-response`.
 //!
 //! - [`Interior::new`] takes all components of the displacement; a surface that is held sideways has zeros for u_x, u_y.
-//! - [`Interior::frictionless`] takes u_z alone, of a surface without shear traction.
+//! - [`Interior::frictionless`] takes only u_z, for a surface without shear traction.
 //!
-//! Not here: what moves the surface (`gfmd-contact`), the matrices of one wave vector (`gfmd-green`), files.
+//! Not here: contact (`gfmd-contact`), the matrices of one wave vector (`gfmd-green`), files (`gfmd-files`).
 //!
 //! ```
 //! use gfmd_body::Interior;

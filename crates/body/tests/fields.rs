@@ -319,18 +319,21 @@ fn what_cannot_be_is_refused_in_words() {
     let grid = Grid::square(4, 1.0).unwrap();
     let (plain, rubber) = (slab(0.3, 0.5), slab(0.5, 0.5));
     let error = |result: Result<Interior, InteriorError>| result.unwrap_err().to_string();
-    assert_eq!(error(Interior::new(&plain, grid, &[0.0; 16])), "the displacement has 16 values, this grid needs 48");
+    assert_eq!(
+        error(Interior::new(&plain, grid, &[0.0; 16])),
+        "the displacement has 16 values; it must have 48 on this grid"
+    );
     let mut surface = [0.0; 48];
     surface[20] = f64::NAN;
-    assert_eq!(error(Interior::new(&plain, grid, &surface)), "a displacement must be finite, found NaN at index 20");
+    assert_eq!(error(Interior::new(&plain, grid, &surface)), "the displacement is NaN at index 20; it must be finite");
     surface[20] = 0.0;
     surface[32..].fill(-0.25);
-    let volume = "the mean of u_z must be zero on a slab that keeps its volume, found -0.25";
+    let volume = "the mean of u_z is -0.25; it must be zero on an incompressible slab with a rigid base";
     assert_eq!(error(Interior::new(&rubber, grid, &surface)), volume);
     assert_eq!(error(Interior::frictionless(&rubber, grid, &surface[32..])), volume);
     let interior = Interior::new(&plain, grid, &surface).unwrap();
     let outside = interior.displacement(0.6, &mut interior.workspace()).unwrap_err().to_string();
-    assert_eq!(outside, "the depth below the surface must be between 0 and 0.5, found 0.6");
+    assert_eq!(outside, "the depth below the surface is 0.6; it must be between 0 and 0.5");
     let other = Interior::new(&plain, Grid::square(5, 1.0).unwrap(), &[0.0; 75]).unwrap();
     assert!(matches!(interior.deformation(0.1, &mut other.workspace()), Err(InteriorError::Shape(_))));
 }

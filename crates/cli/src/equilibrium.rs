@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, Solution, SolveError};
+use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, Solution, SolveError, Solver};
 use gfmd_interface::{Drive, Interface, InterfaceError, Method, State};
 use gfmd_law::{Kind, Law};
 use gfmd_response::NormalResponse;
@@ -13,12 +13,11 @@ use ndarray::{Array2, ArrayView2, Axis};
 
 use crate::failure::Failure;
 use crate::load::LoadRecord;
-use crate::solver::SolverName;
 
 /// What is to be brought to rest.
 pub enum Problem<'a> {
     /// A hard wall.
-    Wall(Contact, SolverName),
+    Wall(Contact, Solver),
     /// A law that reaches across the gap, and the method to solve with it.
     Law(Interface<'a>, Method),
 }
@@ -61,7 +60,7 @@ impl<'a> Problem<'a> {
         heights: ArrayView2<f64>,
         kind: Kind,
         law: &'a dyn Law,
-        solver: SolverName,
+        solver: Solver,
         name: &str,
     ) -> Result<Self, Failure> {
         if kind == Kind::HardWall {
@@ -69,9 +68,12 @@ impl<'a> Problem<'a> {
             return Ok(Self::Wall(contact, solver));
         }
         let method = match solver {
-            SolverName::Auto => Method::Auto,
-            SolverName::Fire => Method::Dynamics,
-            _ => return Err(Failure::input("--solver", format!("auto or fire is allowed with --law {}", kind.name()))),
+            Solver::Auto => Method::Auto,
+            Solver::Fire => Method::Dynamics,
+            found => {
+                let allowed = &[Solver::Auto, Solver::Fire];
+                return Err(Failure::input("--solver", Refusal::Solver { found, allowed }));
+            }
         };
         let interface = Interface::normal(response, heights, law).map_err(|error| Failure::input(name, error))?;
         if let Some(trapping) = interface.trapping() {
@@ -108,7 +110,7 @@ impl<'a> Problem<'a> {
                 let start =
                     last.and_then(|rest| if let Reached::Wall(start) = &rest.state { Some(start) } else { None });
                 let mut watch = |now: &gfmd_contact::Progress| watch(now.iteration, now.residual);
-                let press = contact.press(load).budget(*budget).solver((*solver).into()).starting_from(start);
+                let press = contact.press(load).budget(*budget).solver(*solver).starting_from(start);
                 let (solution, failure) = judge(press.watch(&mut watch).solve())?;
                 let seconds = started.elapsed().as_secs_f64();
                 let record = LoadRecord::measure(&solution, contact_modulus, rms_gradient, budget.tolerance, seconds);
@@ -147,6 +149,7 @@ fn judge(outcome: Result<Solution, SolveError<Solution>>) -> Result<(Solution, O
         Ok(solution) => Ok((solution, None)),
         Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
         Err(SolveError::Refused(error @ Refusal::Approach { .. })) => Err(Failure::input("--displacement", error)),
+        Err(SolveError::Refused(error @ Refusal::Solver { .. })) => Err(Failure::input("--solver", error)),
         Err(error) => {
             let failure = Failure::Computation(error.to_string());
             match error.into_state() {

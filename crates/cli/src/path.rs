@@ -39,8 +39,8 @@ pub use self::report::{Head, Report, Sliding};
 /// Flags of `path`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
-  gfmd path --n 256 --law exponential --param gamma=1e-5 --param range=4e-4 --displacement=-0.002,0.006,-0.004 \\
-    --steps 20 --out loop.h5 --plots loop
+  gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
+    --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
     --displacement 0.002 --lateral 0,0.01 --json")]

@@ -1,15 +1,17 @@
 //! The method that solves a contact, its tolerance and its patience, as flags.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Budget, Solver};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// How to solve.
 #[derive(Args, Clone, Copy, Debug, Serialize)]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
-    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
-    pub solver: SolverName,
+    #[arg(long, value_parser = solvers(), default_value_t = Solver::Auto)]
+    #[serde(serialize_with = "by_name")]
+    pub solver: Solver,
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     pub tol: f64,
@@ -18,49 +20,19 @@ pub struct SolverArgs {
     pub max_iter: u64,
 }
 
-/// The names of the methods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SolverName {
-    /// The fastest that is safe
-    Auto,
-    /// Polonsky-Keer constrained conjugate gradients
-    Cg,
-    /// Conjugate gradients without restarts
-    ProjectedCg,
-    /// The same, preconditioned on the contact
-    PreconditionedCg,
-    /// Position Verlet with the best scalar damping
-    Verlet,
-    /// Position Verlet with the softest mode critically damped
-    VerletCritical,
-    /// Fast inertial relaxation engine
-    Fire,
-    /// The same, version 2.0
-    Fire2,
-    /// Dynamics with inertia that follows the stiffness
-    AugmentedLagrangian,
-}
-
-impl From<SolverName> for Solver {
-    fn from(name: SolverName) -> Self {
-        match name {
-            SolverName::Auto => Self::Auto,
-            SolverName::Cg => Self::PolonskyKeer,
-            SolverName::ProjectedCg => Self::ProjectedCg,
-            SolverName::PreconditionedCg => Self::PreconditionedCg,
-            SolverName::Verlet => Self::Verlet,
-            SolverName::VerletCritical => Self::VerletCritical,
-            SolverName::Fire => Self::Fire,
-            SolverName::Fire2 => Self::Fire2,
-            SolverName::AugmentedLagrangian => Self::AugmentedLagrangian,
-        }
-    }
-}
-
 impl SolverArgs {
     /// Tolerance and iterations.
     pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
+}
+
+/// The value of a flag that names a solver.
+pub fn solvers() -> impl TypedValueParser<Value = Solver> {
+    let names = Solver::ALL.map(|solver| PossibleValue::new(solver.name()).help(solver.meaning()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Solver>())
+}
+
+fn by_name<S: Serializer>(solver: &Solver, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(solver.name())
 }

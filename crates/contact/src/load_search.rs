@@ -1,5 +1,6 @@
-/// Search for the load at which a monotonic excess vanishes, by false position (the Illinois variant): every load tried
-/// tells whether it is too small or too large, and once both are known the next lies between them.
+/// Search for the load at which a monotonic excess vanishes, by false position: every load tried tells whether it is too
+/// small or too large, and once both are known the next lies between them. The excess of the other side counts half after
+/// every further try, as in the Illinois variant, so that no side is kept for ever.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoadSearch {
     load: f64,

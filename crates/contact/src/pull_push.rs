@@ -1,23 +1,35 @@
+//! Pull-push: values that are known on part of a periodic grid, continued to all of it (Gortler et al. 1996).
+//!
+//! ```text
+//!   level 2                 +-------+          pull: a cell takes the weighted mean of its four children,
+//!                           |       |                level by level, up to one cell
+//!   level 1             +---+---+---+---+      push: a cell that knows little takes the rest from the level
+//!                       |   |   |   |   |            above, interpolated bilinearly, down to the points
+//!   points            +-+-+-+-+-+-+-+-+-+-+
+//!                      x . . x x . . . x .     x: known, kept as they are;  .: continued
+//! ```
+//!
+//! So a point takes the mean of the known values around it at the finest scale at which there are enough of them, and the
+//! whole costs a few operations for each point. The map E is linear; its transpose walks the pyramid with the same weights
+//! in the opposite order.
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-/// Continues values that are known on part of a periodic grid to all of it: E, linear, the identity on the known part.
-/// The others take a weighted mean of the known ones around them, at the finest scale at which there are enough
-/// ("pull-push", Gortler et al. 1996), so E costs a few operations for each point. The transpose walks the same weights
-/// the other way.
+/// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
 pub(crate) struct PullPush {
     /// Points; a profile is one row.
     points: [usize; 2],
     /// Cells of 2×2 points first, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
-    /// A bit for each point, row by row in whole words: whether it keeps its own value.
+    /// A bit for each point, row by row in whole words: set where the point keeps its own value.
     kept: Vec<AtomicU64>,
 }
 
-/// What is known: `gradient − level` where `x` > 0. Where that is negative at x = 0, and lower than what the
-/// neighbourhood suggests, the point keeps its own value, too, but does not teach others: it is about to enter the
-/// contact.
+/// The known values: `gradient − level` where `x` > 0. A point with x = 0 keeps its own value, too, if that is negative and
+/// lower than the continued one, because it is about to enter the contact; but it is not used to continue the values of
+/// its neighbours.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) x: &'a [f64],
@@ -27,11 +39,11 @@ pub(crate) struct Known<'a> {
 
 struct Level {
     cells: [usize; 2],
-    /// The known weight at which the own value of a cell counts in full.
+    /// Known weight from which on the cell's own value counts in full.
     full: f64,
-    /// How much of the next level's value is taken where the own does not count; the rest of it is zero.
+    /// Factor of the value of the next level where the cell's own value does not count: between zero and one.
     trust: f64,
-    /// Weights of the children.
+    /// Known weight: the sum of the weights of the children.
     known: Vec<f64>,
     value: Vec<f64>,
 }
@@ -74,34 +86,34 @@ impl PullPush {
         Self { points, levels, kept }
     }
 
-    /// Everything of E r but the points themselves, which [`row`](Self::row) gives.
+    /// Computes all levels of E r but the points themselves, which [`row`](Self::row) gives.
     pub(crate) fn prepare(&mut self, known: Known) {
         let Some(first) = self.levels.first_mut() else { return };
         let columns = self.points[1];
         first.pull(self.points, |i, weights, values| {
             let level = known.level;
-            let points = at(known.x, i, columns).iter().zip(at(known.gradient, i, columns));
+            let points = row_of(known.x, i, columns).iter().zip(row_of(known.gradient, i, columns));
             for ((weight, value), (x, gradient)) in weights.iter_mut().zip(values).zip(points) {
                 *weight = f64::from(*x > 0.0);
                 *value = *weight * (gradient - level);
             }
         });
-        climb(&mut self.levels, |above, below| {
+        upwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             above.pull(below.cells, |i, weights, values| {
-                let cells = at(&below.known, i, columns).iter().zip(at(&below.value, i, columns));
+                let cells = row_of(&below.known, i, columns).iter().zip(row_of(&below.value, i, columns));
                 for ((weight, product), (known, value)) in weights.iter_mut().zip(values).zip(cells) {
                     *weight = below.weight(*known);
                     *product = *weight * value;
                 }
             });
         });
-        close(&mut self.levels);
-        descend(&mut self.levels, |above, below| {
+        weigh_top(&mut self.levels);
+        downwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             let full = below.full;
             above.push(&mut below.value, columns, |i, value, pushed| {
-                for ((value, known), pushed) in value.iter_mut().zip(at(&below.known, i, columns)).zip(pushed) {
+                for ((value, known), pushed) in value.iter_mut().zip(row_of(&below.known, i, columns)).zip(pushed) {
                     let weight = weight(*known, full);
                     *value = weight * *value + (1.0 - weight) * pushed;
                 }
@@ -109,14 +121,14 @@ impl PullPush {
         });
     }
 
-    /// Row i of E r, of what was [prepared](Self::prepare).
+    /// Computes row i of E r, after [`prepare`](Self::prepare).
     pub(crate) fn row(&self, known: Known, i: usize, out: &mut [f64]) {
         let columns = self.points[1];
         match self.levels.first() {
             Some(first) => first.interpolate(i, out),
             None => out.fill(0.0),
         }
-        let points = at(known.x, i, columns).chunks(BITS).zip(at(known.gradient, i, columns).chunks(BITS));
+        let points = row_of(known.x, i, columns).chunks(BITS).zip(row_of(known.gradient, i, columns).chunks(BITS));
         for ((out, (x, gradient)), kept) in out.chunks_mut(BITS).zip(points).zip(words(&self.kept, i, columns)) {
             let mut bits = 0;
             for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
@@ -134,10 +146,10 @@ impl PullPush {
         let [height, columns] = self.points;
         let Some(first) = self.levels.first_mut() else { return };
         let kept = |i: usize| words(&self.kept, i, columns);
-        // What points have that did not keep their own value is to be handed on.
+        // Points that did not keep their own value hand theirs on to the pyramid.
         let handed = &*t;
-        first.gather([height, columns], |i, line, part| {
-            let values = line.chunks_mut(BITS).zip(at(handed, i, columns).chunks(BITS));
+        first.push_transposed([height, columns], |i, line, part| {
+            let values = line.chunks_mut(BITS).zip(row_of(handed, i, columns).chunks(BITS));
             for ((line, t), kept) in values.zip(kept(i)) {
                 let kept = kept.load(Ordering::Relaxed);
                 for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
@@ -145,27 +157,27 @@ impl PullPush {
                 }
             }
         });
-        climb(&mut self.levels, |above, below| {
+        upwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
-            above.gather(below.cells, |i, line, part| {
-                let cells = at(&below.value, i, columns).iter().zip(at(&below.known, i, columns));
+            above.push_transposed(below.cells, |i, line, part| {
+                let cells = row_of(&below.value, i, columns).iter().zip(row_of(&below.known, i, columns));
                 for (line, (image, known)) in line.iter_mut().zip(cells) {
                     *line += part * (1.0 - below.weight(*known)) * image;
                 }
             });
         });
-        close(&mut self.levels);
-        descend(&mut self.levels, |above, below| {
+        weigh_top(&mut self.levels);
+        downwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             let full = below.full;
-            above.spread(&mut below.value, columns, |i, image, share| {
-                for ((image, known), share) in image.iter_mut().zip(at(&below.known, i, columns)).zip(share) {
+            above.pull_transposed(&mut below.value, columns, |i, image, share| {
+                for ((image, known), share) in image.iter_mut().zip(row_of(&below.known, i, columns)).zip(share) {
                     *image = weight(*known, full) * (*image + share);
                 }
             });
         });
-        self.levels[0].spread(t, columns, |i, t, share| {
-            let points = share.chunks(BITS).zip(at(known.x, i, columns).chunks(BITS));
+        self.levels[0].pull_transposed(t, columns, |i, t, share| {
+            let points = share.chunks(BITS).zip(row_of(known.x, i, columns).chunks(BITS));
             for ((t, (share, x)), kept) in t.chunks_mut(BITS).zip(points).zip(kept(i)) {
                 let kept = kept.load(Ordering::Relaxed);
                 for (j, (t, (share, x))) in t.iter_mut().zip(share.iter().zip(x)).enumerate() {
@@ -176,28 +188,30 @@ impl PullPush {
     }
 }
 
-fn climb(levels: &mut [Level], mut step: impl FnMut(&mut Level, &Level)) {
+/// Visits every level with the one below it, upwards.
+fn upwards(levels: &mut [Level], mut step: impl FnMut(&mut Level, &Level)) {
     for k in 1..levels.len() {
         let (below, above) = levels.split_at_mut(k);
         step(&mut above[0], &below[k - 1]);
     }
 }
 
-/// The top, where nothing is above.
-fn close(levels: &mut [Level]) {
+/// Weighs the top level, which has no level above.
+fn weigh_top(levels: &mut [Level]) {
     if let Some(top) = levels.last_mut() {
         top.value[0] *= top.weight(top.known[0]);
     }
 }
 
-fn descend(levels: &mut [Level], mut step: impl FnMut(&Level, &mut Level)) {
+/// Visits every level with the one above it, downwards.
+fn downwards(levels: &mut [Level], mut step: impl FnMut(&Level, &mut Level)) {
     for k in (1..levels.len()).rev() {
         let (below, above) = levels.split_at_mut(k);
         step(&above[0], &mut below[k - 1]);
     }
 }
 
-/// All that goes from one level to the next, row by row. Loops run over whole rows, without branches and with their
+/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with their
 /// constants at hand, so that compilers make them wide.
 impl Level {
     fn weight(&self, known: f64) -> f64 {
@@ -224,11 +238,11 @@ impl Level {
         );
     }
 
-    /// Row i of the level below, of which the cells here are the means, bilinearly.
+    /// Interpolates row i of the level below bilinearly.
     fn interpolate(&self, i: usize, row: &mut [f64]) {
         let [height, width] = self.cells;
         let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
-        let (near, far) = (at(&self.value, i / 2, width), at(&self.value, beside, width));
+        let (near, far) = (row_of(&self.value, i / 2, width), row_of(&self.value, beside, width));
         let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
         let children = |near: &[f64], far: &[f64]| {
             let [before, own, after]: [f64; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
@@ -257,9 +271,9 @@ impl Level {
     }
 
     /// The transpose of [`push`](Self::push): `add(i, line, part)` adds this part of row i below.
-    fn gather(&mut self, [below, columns]: [usize; 2], add: impl Fn(usize, &mut [f64], f64) + Sync) {
+    fn push_transposed(&mut self, [below, columns]: [usize; 2], add: impl Fn(usize, &mut [f64], f64) + Sync) {
         let [height, width] = self.cells;
-        // Interpolated from a cell are its own children, and the nearest of its neighbours.
+        // A cell contributes to its own children, and to the nearest children of its neighbours.
         let children = |cell: usize, cells: usize| {
             let before = 2 * ((cell + cells - 1) % cells) + 1;
             let after = 2 * ((cell + 1) % cells);
@@ -286,13 +300,14 @@ impl Level {
         );
     }
 
-    /// The transpose of the mean: `write(i, row, share)` with what a child gets of its parent, for each unit of weight.
-    fn spread(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
+    /// The transpose of [`pull`](Self::pull): `write(i, row, share)` with the share of its parent that a child of unit weight
+    /// gets.
+    fn pull_transposed(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         let width = self.cells[1];
         rows(below, columns).enumerate().for_each_init(
             || vec![0.0; 2 * width],
             |share, (i, row)| {
-                let parents = at(&self.value, i / 2, width).iter().zip(at(&self.known, i / 2, width));
+                let parents = row_of(&self.value, i / 2, width).iter().zip(row_of(&self.known, i / 2, width));
                 for (pair, (image, known)) in share.as_chunks_mut::<2>().0.iter_mut().zip(parents) {
                     *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
                 }
@@ -316,18 +331,18 @@ fn add_pairs(line: &[f64], sums: &mut [f64]) {
     }
 }
 
-/// The words of row i.
+/// The words of row i of the kept bits.
 fn words(kept: &[AtomicU64], i: usize, columns: usize) -> &[AtomicU64] {
     let words = columns.div_ceil(BITS);
     &kept[i * words..][..words]
 }
 
-/// Row i.
-fn at(field: &[f64], i: usize, columns: usize) -> &[f64] {
+/// Row i of a field.
+fn row_of(field: &[f64], i: usize, columns: usize) -> &[f64] {
     &field[i * columns..][..columns]
 }
 
-/// All rows, shared out in tasks that are worth it.
+/// All rows of a field in parallel, in tasks of at least some 8000 values.
 fn rows(field: &mut [f64], columns: usize) -> impl IndexedParallelIterator<Item = &mut [f64]> {
     field.par_chunks_mut(columns).with_min_len(1 + 8192 / columns)
 }

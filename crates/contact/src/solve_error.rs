@@ -129,3 +129,35 @@ pub fn judge<S: Fields>(state: S, ending: Ending, tolerance: f64) -> Result<S, S
         Ending::GaveUp(why) => Err(SolveError::NotConverged { state: Box::new(state), asked: tolerance, why }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use gfmd_field::Grid;
+    use gfmd_green::{Body, Material};
+    use gfmd_relax::Divergence;
+    use ndarray::Array2;
+
+    use super::*;
+    use crate::{Contact, Equilibrium, Load, Solution};
+
+    /// A solution that meets a tolerance of 1e-8.
+    fn solved() -> Solution {
+        let grid = Grid::square(8, 1.0).unwrap();
+        let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+        let heights = Array2::from_shape_fn((8, 8), |(i, j)| 0.01 * ((3 * i + 5 * j) % 8) as f64);
+        Contact::new(&body, &grid, &heights).unwrap().press(Load::MeanPressure(0.01)).solve().unwrap()
+    }
+
+    #[test]
+    fn the_certificate_decides_but_not_over_a_divergence() {
+        assert!(judge(solved(), Ending::Converged, 1e-8).is_ok());
+        assert!(judge(solved(), Ending::GaveUp(Why::Iterations), 1e-8).is_ok());
+        let diverged = Ending::GaveUp(Why::Diverged(Divergence::NotFinite));
+        assert!(matches!(judge(solved(), diverged, 1e-8), Err(SolveError::NotConverged { why: Why::Diverged(_), .. })));
+        assert!(matches!(judge(solved(), Ending::Interrupted, 1e-8), Err(SolveError::Interrupted { .. })));
+        let unmet = judge(solved(), Ending::Converged, 0.0).unwrap_err();
+        assert!(matches!(unmet, SolveError::NotConverged { why: Why::Certificate, .. }));
+        assert!(unmet.to_string().starts_with("did not converge to 0e0 in"), "{unmet}");
+        assert!(unmet.state().is_some() && unmet.into_state().is_some());
+    }
+}

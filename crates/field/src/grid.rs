@@ -12,44 +12,44 @@ pub struct Grid {
 /// One Fourier mode of the stored half spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
-    /// Integer wave numbers (m, n): `−⌊nx/2⌋ ≤ m ≤ ⌈nx/2⌉−1`, likewise n. In the stored half one of them is never
-    /// negative, but for the Nyquist row, which carries its sign as in the full spectrum: `−n/2`.
+    /// Integer wave numbers (m, n): `−⌊nx/2⌋ ≤ m ≤ ⌈nx/2⌉−1`, likewise n. The number along the halved axis is never
+    /// negative, except at Nyquist, which is `−n/2` as in the full spectrum.
     pub number: [i64; 2],
     /// Wave vector `(2π m/Lx, 2π n/Ly)` in rad/length.
     pub wavevector: [f64; 2],
-    /// How many modes of the full spectrum this one stands for: 2, or 1 where the stored axis is zero or Nyquist.
+    /// The number of modes of the full spectrum that this one stands for: 2, or 1 at zero and Nyquist of the halved axis.
     pub weight: f64,
-    /// Whether m (n) is the Nyquist number of an even axis; entries odd in that component must vanish
+    /// True where m (n) is the Nyquist number of an even axis; kernel entries odd in that component of q must vanish there
     /// (theory.md, section 0).
     pub nyquist: [bool; 2],
 }
 
 impl Mode {
-    /// |q| in rad/length.
+    /// The wavenumber |q| in rad/length.
     pub fn wavenumber(&self) -> f64 {
         self.wavevector[0].hypot(self.wavevector[1])
     }
 
-    /// The uniform mode q = 0, told by its numbers and never by a small wavenumber.
+    /// Returns true for the uniform mode q = 0, recognised by its numbers and never by a small wavenumber.
     pub fn is_uniform(&self) -> bool {
         self.number == [0, 0]
     }
 
-    /// Whether −q is the same mode as q, so that its amplitude is real: all components zero or Nyquist.
+    /// Returns true if −q is the same mode as q, so that its amplitude is real: all components are zero or Nyquist.
     pub fn is_self_conjugate(&self) -> bool {
         (0..2).all(|axis| self.number[axis] == 0 || self.nyquist[axis])
     }
 }
 
-/// What makes a grid impossible.
+/// Reasons to refuse a grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
     /// An axis without points.
-    #[error("a grid needs at least one point along each axis, found {0:?}")]
+    #[error("the grid has {0:?} points; each axis must have at least one")]
     NoPoints([usize; 2]),
-    /// More points than the half spectrum of one field can have in memory.
-    #[error("a grid of {found:?} points is too large; it can have at most {most} points in all")]
+    /// More points than memory can address.
+    #[error("the grid has {found:?} points; their product must be at most {most}")]
     TooManyPoints {
         /// Points along x and along y.
         found: [usize; 2],
@@ -57,7 +57,7 @@ pub enum GridError {
         most: usize,
     },
     /// A length that is zero, negative or not finite.
-    #[error("cell lengths must be positive and finite, found {0:?}")]
+    #[error("the cell lengths are {0:?}; they must be positive and finite")]
     Length([f64; 2]),
 }
 
@@ -99,7 +99,7 @@ impl Grid {
         Self::new([points, 1], [length, 1.0])
     }
 
-    /// Number of points (nx, ny): the shape of a field.
+    /// The numbers of points (nx, ny), the shape of a field.
     pub fn points(&self) -> [usize; 2] {
         self.points
     }
@@ -109,23 +109,23 @@ impl Grid {
         self.lengths
     }
 
-    /// Distance between neighbouring points along x and along y.
+    /// The distance between neighbouring points along x and along y.
     pub fn spacing(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.lengths[axis] / self.points[axis] as f64)
     }
 
-    /// Number of points in all.
+    /// The number of points.
     #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
     pub fn len(&self) -> usize {
         self.points[0] * self.points[1]
     }
 
-    /// Whether this is a line along x (one point along y).
+    /// Returns true for a line along x (one point along y).
     pub fn is_line(&self) -> bool {
         self.points[1] == 1
     }
 
-    /// The axis that the half spectrum keeps the non-negative half of: y, or x of a line.
+    /// The axis of which the half spectrum keeps the non-negative wave numbers: y, or x of a line.
     pub fn halved_axis(&self) -> usize {
         usize::from(!self.is_line())
     }

@@ -3,9 +3,10 @@
 //! A field is a `[x, y]` array in row-major order (y contiguous), passed as a flat slice of `grid.len()` values. A line
 //! (plane strain) is a grid with one point along y: same types, same calls.
 //!
-//! Start at [`Grid`], then [`Transform`]. Conventions are those of theory.md, section 0: `f(r) = Σ_q f̃(q) e^{+i q·r}`,
-//! `f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}`, and the spectrum of a real field is stored by half, [`Grid::modes`] says in
-//! which order. Not here: what a kernel means (`gfmd-green`), where a field comes from (`gfmd-surface`).
+//! Start at [`Grid`], then [`Transform`]. The conventions are `f(r) = Σ_q f̃(q) e^{+i q·r}` and
+//! `f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}` ([theory.md](../gfmd/theory/index.html), section 0). Half of the spectrum of a real
+//! field is stored, in the order of [`Grid::modes`]. Not here: the kernels of elastic bodies (`gfmd-green`), rough surfaces
+//! (`gfmd-surface`).
 //!
 //! A cosine is one mode, and an operator that is diagonal in q multiplies it:
 //!

@@ -7,7 +7,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::plane::energy;
 
-/// Modes of which an energy is summed at a time.
+/// The number of modes in one partial sum of an energy.
 const STRETCH: usize = 1 << 10;
 
 /// Plans for one row.
@@ -40,7 +40,7 @@ impl Line {
         }
     }
 
-    /// f̃ of the row that `source` gives.
+    /// Writes the spectrum f̃ of the row that `source` fills.
     pub(crate) fn forward(&self, source: &impl Fn(usize, &mut [f64]), spectrum: &mut [Complex64], memory: &mut Memory) {
         self.ahead(source, memory);
         let scale = self.scale();
@@ -49,13 +49,13 @@ impl Line {
         }
     }
 
-    /// f of the spectrum.
+    /// Writes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex64], field: &mut [f64], memory: &mut Memory) {
         memory.half.copy_from_slice(spectrum);
         self.back(field, memory);
     }
 
-    /// K f of the row that `source` gives; `sink` gets the result.
+    /// Writes K f of the row that `source` fills; `sink` gets the result.
     pub(crate) fn convolve(
         &self,
         kernel: &[f64],
@@ -73,7 +73,7 @@ impl Line {
         sink(0, out);
     }
 
-    /// Σ_q w k |f̃|² of the row that `source` gives.
+    /// Returns Σ_q w k |f̃|² of the row that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
         kernel: &[f64],

@@ -1,9 +1,9 @@
 //! Two-dimensional grids: rows, then columns panel by panel.
 //!
 //! The rows of a field become half spectra in [`Block`]s of rows. A panel of neighbouring columns is then copied, block
-//! by block, to where each column is contiguous; it is transformed, multiplied by the kernel and transformed back while
-//! it is in the second-level cache, and copied to where it came from. A convolution thus reads and writes memory three
-//! times, and a transposed spectrum exists only if asked for.
+//! by block, to memory in which each column is contiguous. It is transformed, multiplied by the kernel, transformed back
+//! while it is in the second-level cache, and copied back. A convolution thus reads and writes memory three times, and a
+//! transposed spectrum is made only by [`Plane::forward`] and [`Plane::inverse`].
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,21 +15,21 @@ use rustfft::{Fft, FftPlanner};
 use crate::prefetch::{LINE, prefetch};
 use crate::share::{lock, share};
 
-/// Rows of a block: a panel's part of it fits the first-level cache.
+/// The number of rows in a block: the part of a block that belongs to a panel fits the first-level cache.
 const BLOCK: usize = 64;
-/// Columns of a panel: four cache lines of every row. Fewer, down to one line, where columns are so long that the panel
-/// would have more than [`PANEL`] values.
+/// The number of columns in a panel: four cache lines of every row. Fewer, down to one line, if the columns are so long
+/// that the panel would have more than [`PANEL`] values.
 const WIDTH: usize = 16;
-/// Complex values of a panel at most: 2 MB, twice a second-level cache, measured to be no worse than half of that.
+/// The largest number of complex values in a panel: 2 MB, twice a second-level cache; half of it measured no better.
 const PANEL: usize = 1 << 17;
-/// Values of rows handed to a thread at a time, at least.
+/// The least number of values in the rows that a thread takes at a time.
 const PORTION: usize = 1 << 14;
-/// Fields smaller than this are done before another thread has woken up.
+/// The number of values below which a transform ends before a second thread has woken up.
 const SHARED: usize = 1 << 15;
-/// Fields larger than this are not in the cache when they are needed.
+/// The number of values above which a field no longer stays in the cache between two passes.
 pub(crate) const LARGE: usize = 1 << 19;
-/// Complex values between the ends of neighbouring columns of a panel: columns a power of two apart would compete for
-/// the same places of the cache.
+/// The number of unused complex values between neighbouring columns of a panel: columns that lie a power of two apart
+/// would evict each other from the cache.
 const GAP: usize = LINE / size_of::<Complex64>();
 
 /// Plans for nx rows of ny points.
@@ -43,7 +43,7 @@ pub(crate) struct Plane {
     back: Arc<dyn Fft<f64>>,
 }
 
-/// Working memory: about one field for the half spectra of the rows, and a panel for each thread.
+/// Working memory: the half spectra of the rows, about as large as one field, and a panel for each thread.
 #[derive(Default)]
 pub(crate) struct Memory {
     blocks: Vec<Block>,
@@ -51,11 +51,11 @@ pub(crate) struct Memory {
     sums: Vec<f64>,
 }
 
-/// The half spectra of neighbouring rows. Row passes have a block to themselves; a panel pass locks it for as long as it
-/// takes to copy the panel's part in or out.
+/// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's part
+/// in or out.
 type Block = Mutex<Vec<Complex64>>;
 
-/// What one thread works in.
+/// The working memory of one thread.
 struct Seat {
     row: Vec<f64>,
     tile: Vec<Complex64>,
@@ -79,7 +79,7 @@ impl Plane {
         }
     }
 
-    /// Memory for this plan, with a seat for each of `threads`.
+    /// Allocates memory for this plan, with a seat for each of `threads`.
     pub(crate) fn memory(&self, threads: usize) -> Memory {
         let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
         let block = |first| Mutex::new(vec![Complex64::ZERO; BLOCK.min(self.rows - first) * self.stride()]);
@@ -105,7 +105,7 @@ impl Plane {
         }
     }
 
-    /// f̃ of the rows that `source` gives.
+    /// Writes the spectrum f̃ of the rows that `source` fills.
     pub(crate) fn forward(
         &self,
         source: &(impl Fn(usize, &mut [f64]) + Sync),
@@ -122,7 +122,7 @@ impl Plane {
         });
     }
 
-    /// f of the spectrum.
+    /// Writes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex64], field: &mut [f64], memory: &mut Memory) {
         let Memory { blocks, seats, .. } = memory;
         share(seats, self.panels(), |panel, seat| {
@@ -134,7 +134,7 @@ impl Plane {
         self.rows_back(field, &|_, _| {}, memory);
     }
 
-    /// K f of the rows that `source` gives; `sink` gets each row of the result.
+    /// Writes K f of the rows that `source` fills; `sink` gets each row of the result.
     pub(crate) fn convolve(
         &self,
         kernel: &[f64],
@@ -162,7 +162,7 @@ impl Plane {
         self.rows_back(out, sink, memory);
     }
 
-    /// Σ_q w k |f̃|² of the rows that `source` gives.
+    /// Returns Σ_q w k |f̃|² of the rows that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
         kernel: &[f64],
@@ -186,7 +186,7 @@ impl Plane {
         sums.iter().sum::<f64>() * self.scale().powi(2)
     }
 
-    /// Rows of the field to half spectra.
+    /// Transforms the rows of the field into half spectra.
     fn rows_ahead(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
         let rows = self.portion();
         let portions = portions(&mut memory.blocks, rows * self.stride());
@@ -199,7 +199,7 @@ impl Plane {
         });
     }
 
-    /// Half spectra to rows of the field.
+    /// Transforms half spectra back into the rows of the field.
     fn rows_back(&self, field: &mut [f64], sink: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
         let rows = self.portion();
         let large = field.len() > LARGE;
@@ -245,7 +245,7 @@ impl Plane {
         }
     }
 
-    /// Copies columns, `stride` apart, to where their panel belongs in the blocks.
+    /// Copies columns, `stride` apart, to the place of their panel in the blocks.
     fn store(
         &self,
         columns: &[Complex64],
@@ -267,22 +267,22 @@ impl Plane {
         }
     }
 
-    /// Modes of a row's half spectrum, and columns in all.
+    /// The number of modes in the half spectrum of a row, which is the number of columns.
     fn half(&self) -> usize {
         self.points / 2 + 1
     }
 
-    /// From row to row in a block: a whole number of cache lines.
+    /// The distance between rows of a block, a whole number of cache lines.
     fn stride(&self) -> usize {
         self.half().next_multiple_of(LINE / size_of::<Complex64>())
     }
 
-    /// From column to column in a panel.
+    /// The distance between columns of a panel.
     fn column(&self) -> usize {
         self.rows + GAP
     }
 
-    /// Rows handed out at a time: a block has a whole number of portions.
+    /// The number of rows that a thread takes at a time, a divisor of the rows of a block.
     fn portion(&self) -> usize {
         (PORTION / self.points).clamp(1, BLOCK).next_power_of_two()
     }
@@ -297,12 +297,12 @@ impl Plane {
     }
 }
 
-/// All blocks in pieces of `length`; nobody else works on them.
+/// The pieces of `length` of all blocks, without locking: the caller has them exclusively.
 fn portions(blocks: &mut [Block], length: usize) -> impl Iterator<Item = &mut [Complex64]> + Send {
     blocks.iter_mut().flat_map(move |block| block.get_mut().unwrap_or_else(PoisonError::into_inner).chunks_mut(length))
 }
 
-/// Σ k |f̃|² in an order that depends on the length alone.
+/// The sum Σ k |f̃|², in an order that depends on the length alone.
 pub(crate) fn energy(modes: &[Complex64], kernel: &[f64]) -> f64 {
     let (modes, kernel) = (modes.as_chunks::<8>(), kernel.as_chunks::<8>());
     let mut sums = [0.0; 8];

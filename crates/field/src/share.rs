@@ -1,11 +1,12 @@
-//! Work handed out to threads, each with memory of its own.
+//! Distribution of work over threads, each with its own memory.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-/// Does `work` on every item, on as many threads as there are `seats`; whoever is free takes the next item. Items own
-/// what they write, so the result does not depend on who takes which. One seat: on the calling thread, in order.
+/// Applies `work` to every item, on one thread for each of the `seats`; a thread that is free takes the next item. Each item
+/// owns the memory that it writes, so the result does not depend on the assignment. With a single seat the calling thread
+/// takes all items in order.
 pub(crate) fn share<I: Send, S: Send>(
     seats: &mut [S],
     items: impl Iterator<Item = I> + Send,
@@ -24,8 +25,8 @@ pub(crate) fn share<I: Send, S: Send>(
     });
 }
 
-/// Locks, whatever became of those who held the lock before: numbers behind it cannot be left half-moved in a way that
-/// matters, since every call writes all of them before it reads.
+/// Locks `mutex` and ignores poisoning: a panic of an earlier call leaves no state that matters, since every call writes all
+/// numbers before it reads them.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -9,8 +9,8 @@ use crate::prefetch::prefetch;
 
 /// The planned Fourier transforms of one grid: built once, shared between threads.
 ///
-/// A spectrum is laid out as [`Grid::modes`], a field as on the front page. Work is spread over the threads of the
-/// current rayon pool; the result has the same bits for any number of them.
+/// A spectrum is laid out as [`Grid::modes`], a field as on the front page. Work is distributed over the threads of the
+/// current rayon pool; the result has the same bits for any number of threads.
 pub struct Transform {
     grid: Grid,
     plan: Plan,
@@ -21,8 +21,8 @@ enum Plan {
     Plane(Plane),
 }
 
-/// Working memory of one caller, made by [`Transform::workspace`] and used again at every call: about one field, and
-/// 16 columns for each thread. A call allocates nothing itself.
+/// The working memory of one caller, made by [`Transform::workspace`] and used at every call: about one field, and 16
+/// columns for each thread. A call itself allocates nothing.
 pub struct Workspace {
     points: [usize; 2],
     line: line::Memory,
@@ -31,9 +31,9 @@ pub struct Workspace {
 
 /// A slice of the wrong length, or a workspace of another grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the {what} has {found} values, this grid needs {expected}")]
+#[error("the {what} has {found} values; it must have {expected} on this grid")]
 pub struct ShapeError {
-    /// Which argument.
+    /// The argument.
     pub what: &'static str,
     /// Its length.
     pub found: usize,
@@ -50,12 +50,12 @@ impl Transform {
         Self { grid, plan }
     }
 
-    /// The grid that was planned for.
+    /// The grid of the transforms.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// All memory that a call needs. It serves as many threads as the current rayon pool has.
+    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
     pub fn workspace(&self) -> Workspace {
         let (line, plane) = match &self.plan {
             Plan::Line(line) => (line.memory(), plane::Memory::default()),
@@ -64,7 +64,7 @@ impl Transform {
         Workspace { points: self.grid.points(), line, plane }
     }
 
-    /// f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}.
+    /// Computes the spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -79,11 +79,11 @@ impl Transform {
         Ok(())
     }
 
-    /// f(r) = Re Σ_q f̃(q) e^{+i q·r} over the full spectrum, of which the stored half is given.
+    /// Computes the field f(r) = Re Σ_q f̃(q) e^{+i q·r}, summed over the full spectrum, from the stored half.
     ///
-    /// Of a half that belongs to no real field, the part that does: on the lanes zero and Nyquist of the halved axis,
-    /// which hold q and −q both, the amplitudes count as (f̃(q) + f̃*(−q))/2, and so imaginary parts of modes that are
-    /// their own conjugate do not count.
+    /// If the spectrum is not that of a real field, its Hermitian part is used: at zero and Nyquist of the halved axis,
+    /// where both q and −q are stored, (f̃(q) + f̃*(−q))/2. The imaginary part of a mode that is its own conjugate is
+    /// therefore ignored.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -98,7 +98,7 @@ impl Transform {
         Ok(())
     }
 
-    /// `out` ← F⁻¹\[k F\[field\]\], the real kernel k laid out as [`Grid::modes`]. The spectrum is never stored.
+    /// Computes `out` = F⁻¹\[k F\[field\]\] for a real kernel k laid out as [`Grid::modes`]. The spectrum is never stored.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -113,12 +113,12 @@ impl Transform {
         self.convolve_rows(kernel, rows_of(field), out, |_, _| {}, ws)
     }
 
-    /// As [`convolve`](Self::convolve), of a field that is made row by row, and with each row of the result handed on,
-    /// both while the row is in the cache: what else is to be done with them then costs no pass over memory.
+    /// Computes a [`convolution`](Self::convolve) of a field that `source` makes row by row, and hands each row of the result
+    /// to `sink` while it is in the cache. Further work on field and result then costs no pass over memory.
     ///
-    /// `source(i, row)` fills `row` with the values `[i, ..]` of the field; `sink(i, row)` gets the same row of `out`
-    /// when it is done and may change it. A grid with one point along an axis is a single row, number 0. Rows come in
-    /// any order, on any thread, each once.
+    /// `source(i, row)` fills `row` with the values `[i, ..]` of the field; `sink(i, row)` gets the finished row `[i, ..]`
+    /// of `out` and may change it. A grid with one point along an axis is a single row, number 0. Each row is visited once,
+    /// in any order and on any thread.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -140,7 +140,7 @@ impl Transform {
         Ok(())
     }
 
-    /// Σ_q w k |f̃|² = (1/N) Σ_r f (K f), with w the weight of a mode. Half the work of a convolution.
+    /// Returns Σ_q w k |f̃|² = (1/N) Σ_r f (K f), with w the weight of a mode. It takes half the work of a convolution.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -173,7 +173,7 @@ impl fmt::Debug for Workspace {
     }
 }
 
-/// A source that copies the rows of a field, and sends for the next.
+/// A source that copies the rows of a field and prefetches the next one.
 fn rows_of(field: &[f64]) -> impl Fn(usize, &mut [f64]) + Sync {
     move |i, row| {
         let (here, next) = field[i * row.len()..].split_at(row.len());

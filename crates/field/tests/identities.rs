@@ -273,5 +273,5 @@ fn wrong_lengths_are_refused() {
     let mut line = transform([48, 1]).workspace();
     assert_eq!(here.convolve(&kernel, &field, &mut out, &mut line), wrong("workspace along x", 48, 8));
     let told = wrong("field", 47, 48).unwrap_err().to_string();
-    assert_eq!(told, "the field has 47 values, this grid needs 48");
+    assert_eq!(told, "the field has 47 values; it must have 48 on this grid");
 }

@@ -13,6 +13,7 @@
 //! | [`law`]      | cohesive zones, adhesion, friction, point by point          |
 //! | [`interface`] | adhesive, cohesive and frictional contact                  |
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
+//! | [`theory`]   | derivations of the formulas, cited as (theory.md, section N) |
 //!
 //! ```
 //! use gfmd::contact::{Contact, Equilibrium, Load};
@@ -48,3 +49,5 @@ pub use gfmd_mixed as mixed;
 pub use gfmd_relax as relax;
 pub use gfmd_response as response;
 pub use gfmd_surface as surface;
+
+pub mod theory;

@@ -6,8 +6,8 @@ pub type Matrix3 = [[Complex64; 3]; 3];
 /// A 2 × 2 matrix of one wave vector in plane strain, rows and columns x, z.
 pub type Matrix2 = [[Complex64; 2]; 2];
 
-/// A matrix of one wave vector in its own frame: the sagittal part on (long, z), where `long` points along q, and the
-/// transverse part (theory.md, sections 1 and 2).
+/// A 3 × 3 matrix of one wave vector in the frame of that vector: the sagittal part on (long, z), where `long` points along
+/// q, and the transverse part (theory.md, sections 1 and 2).
 ///
 /// ```text
 ///               long              z
@@ -15,15 +15,15 @@ pub type Matrix2 = [[Complex64; 2]; 2];
 ///   z     [  i coupling[1]   normal         ]
 /// ```
 ///
-/// A stiffness (stress/length) has coupling `[Kc, −Kc]`, a compliance (length/stress) `[−Gc, Gc]`; the transfer into
-/// the body and the blocks between two faces of a layer have two different couplings.
+/// A stiffness (stress/length) has coupling `[Kc, −Kc]`, a compliance (length/stress) `[−Gc, Gc]`. The two couplings differ
+/// for the transfer into the body and for the blocks between the two faces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocks {
-    /// Along the wave vector.
+    /// The entry along the wave vector.
     pub longitudinal: f64,
-    /// Along z.
+    /// The entry along z.
     pub normal: f64,
-    /// In the surface, across the wave vector.
+    /// The entry in the surface, across the wave vector.
     pub transverse: f64,
     /// Entries (long, z) and (z, long), each divided by i.
     pub coupling: [f64; 2],
@@ -35,7 +35,7 @@ impl Blocks {
         Self { longitudinal, normal, transverse, coupling: [coupling, -coupling] }
     }
 
-    /// No coupling; the same number along and across the wave vector.
+    /// A matrix without coupling and with one entry for both lateral directions.
     pub(crate) fn diagonal(lateral: f64, normal: f64) -> Self {
         Self { longitudinal: lateral, normal, transverse: lateral, coupling: [0.0; 2] }
     }
@@ -49,17 +49,17 @@ impl Blocks {
         }
     }
 
-    /// The same seen from below, z mirrored.
+    /// The matrix seen from below: z mirrored.
     pub(crate) fn mirrored(self) -> Self {
         Self { coupling: self.coupling.map(|c| -c), ..self }
     }
 
-    /// Of a matrix without coupling: its inverse. Zero becomes infinite, and infinite zero.
+    /// The inverse of a matrix without coupling. Zero becomes infinite, and infinite zero.
     pub(crate) fn inverse_diagonal(&self) -> Self {
         Self::diagonal(1.0 / self.transverse, 1.0 / self.normal)
     }
 
-    /// Of a Hermitian matrix: its inverse.
+    /// The inverse of a Hermitian matrix.
     pub(crate) fn inverse_hermitian(&self) -> Self {
         let coupling = self.coupling[0];
         // Divided by the pivot first: the determinant of a thin slab may overflow where the inverse does not.
@@ -69,7 +69,7 @@ impl Blocks {
         Self::hermitian(longitudinal, mixed, normal, 1.0 / self.transverse)
     }
 
-    /// On (x, y, z), with the wave vector along `direction` = q/|q| (theory.md, section 2).
+    /// The matrix on (x, y, z), with the wave vector along `direction` = q/|q| (theory.md, section 2).
     pub fn rotated(&self, direction: [f64; 2]) -> Matrix3 {
         let [nx, ny] = direction;
         let real = |value: f64| Complex64::new(value, 0.0);
@@ -83,21 +83,21 @@ impl Blocks {
         ]
     }
 
-    /// On (x, z) in plane strain, with the wave vector along +x, or along −x if `sign` is −1.
+    /// The matrix on (x, z) in plane strain, with the wave vector along +x, or along −x if `sign` is −1.
     pub(crate) fn plane(&self, sign: f64) -> Matrix2 {
         let [lz, zl] = self.coupling.map(|c| Complex64::new(0.0, sign * c));
         [[Complex64::new(self.longitudinal, 0.0), lz], [zl, Complex64::new(self.normal, 0.0)]]
     }
 }
 
-/// The unit vector along `q`, and |q|; none at q = 0, which has no direction.
+/// The unit vector along `q`, and |q|; `None` at q = 0, which has no direction.
 pub(crate) fn direction(q: [f64; 2]) -> Option<([f64; 2], f64)> {
     let wavenumber = q[0].hypot(q[1]);
     (q != [0.0, 0.0]).then(|| (q.map(|component| component / wavenumber), wavenumber))
 }
 
-/// Averages the matrix of a Nyquist mode over its aliases ±q_N: what is odd in that component of q vanishes
-/// (theory.md, section 0). An entry is odd in q_x where its indices name x an odd number of times.
+/// Averages the matrix of a Nyquist mode over its aliases ±q_N: entries odd in that component of q vanish
+/// (theory.md, section 0). An entry is odd in q_x if its indices contain x an odd number of times.
 pub(crate) fn average_aliases<const COLUMNS: usize, const ROWS: usize, const INDICES: usize>(
     matrix: &mut [[Complex64; COLUMNS]; ROWS],
     rows: &[[usize; INDICES]; ROWS],

@@ -9,16 +9,16 @@ use crate::{
     stack::Basis,
 };
 
-/// How far a body reaches below its surface.
+/// The extent of a body below its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Height {
-    /// A slab, of this thickness in length.
+    /// A slab of this thickness (length).
     Finite(f64),
     /// A half-space.
     Infinite,
 }
 
-/// What the bottom of a slab stands on.
+/// The boundary condition at the bottom of a slab.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Base {
     /// Bonded to a rigid base: u = 0.
@@ -34,9 +34,9 @@ pub enum Base {
 
 /// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`].
 ///
-/// Everything is per wave vector q (rad/length) of fields ~ e^(+i q·r); t is the traction on the body's surface,
-/// positive along +z, u its displacement, t = K u, u = G t (theory.md, section 0). K is Hermitian and, for q ≠ 0,
-/// positive definite.
+/// All stiffnesses K and compliances G are those of one wave vector q (rad/length) of fields ~ e^(+i q·r): t = K u and
+/// u = G t, with t the traction on the body's surface, positive along +z, and u its displacement (theory.md, section 0).
+/// K is Hermitian and, for q ≠ 0, positive definite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     material: Material,
@@ -69,7 +69,7 @@ impl Body {
         }
     }
 
-    /// The same slab on another base.
+    /// Returns this slab on another base.
     ///
     /// # Errors
     /// A half-space has no base.
@@ -80,7 +80,7 @@ impl Body {
         }
     }
 
-    /// The same slab bonded to another body: a coating, or the next layer of a stack.
+    /// Returns this slab bonded to another body: a coating, or the next layer of a stack.
     ///
     /// # Errors
     /// A half-space has no base.
@@ -88,25 +88,25 @@ impl Body {
         self.on(Base::Elastic(Box::new(substrate)))
     }
 
-    /// What the body, or its top layer, is made of.
+    /// The material of the body, or of its top layer.
     pub fn material(&self) -> &Material {
         &self.material
     }
 
-    /// Thickness of the body, or of its top layer.
+    /// The thickness of the body, or of its top layer.
     pub fn height(&self) -> Height {
         self.height
     }
 
-    /// What the slab stands on; [`Base::Bonded`] of a half-space, where it is out of reach.
+    /// The base of the slab; [`Base::Bonded`] for a half-space, which has none.
     pub fn base(&self) -> &Base {
         &self.base
     }
 
-    /// Stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
+    /// The stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
     ///
-    /// At q = 0 the entries are the uniform mode's (theory.md, section 3): normal C11/height, infinite if ν = 1/2;
-    /// zero where nothing holds the body.
+    /// At q = 0 it is that of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν = 1/2; zero
+    /// along directions in which the base does not hold the body.
     pub fn stiffness_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -116,8 +116,8 @@ impl Body {
         LayerMode::new(&self.material, height, q).stiffness_on(&self.base)
     }
 
-    /// Compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse of
-    /// [`Self::stiffness_blocks`]. At q = 0 infinite where nothing holds the body.
+    /// The compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse of
+    /// [`Self::stiffness_blocks`]. At q = 0 it is infinite along directions in which the base does not hold the body.
     pub fn compliance_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -127,7 +127,7 @@ impl Body {
         LayerMode::new(&self.material, height, q).compliance_on(&self.base)
     }
 
-    /// All that can happen at the surface, at q > 0.
+    /// The basis of all states of the surface at q > 0.
     pub(crate) fn basis(&self, q: f64) -> Basis {
         match self.height {
             Height::Finite(height) => LayerMode::new(&self.material, height, q).basis_on(&self.base),
@@ -142,17 +142,17 @@ impl Body {
         }
     }
 
-    /// Stiffness K of the wave vector `q` (rad/length), in stress/length. See [`Self::stiffness_blocks`] for q = 0.
+    /// The stiffness K of the wave vector `q` (rad/length), in stress/length; q = 0 as in [`Self::stiffness_blocks`].
     pub fn stiffness(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.stiffness_blocks(q))
     }
 
-    /// Compliance G = K⁻¹ of the wave vector `q` (rad/length), in length/stress.
+    /// The compliance G = K⁻¹ of the wave vector `q` (rad/length), in length/stress.
     pub fn compliance(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.compliance_blocks(q))
     }
 
-    /// Stiffness of a mode of a grid: as [`Self::stiffness`], with the entries odd in a Nyquist component zero, so that
+    /// The stiffness of a mode of a grid: as [`Self::stiffness`], but entries odd in a Nyquist component are zero, so that
     /// real fields stay real (theory.md, section 0).
     pub fn stiffness_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.stiffness(wavevector(mode));
@@ -160,7 +160,7 @@ impl Body {
         matrix
     }
 
-    /// Compliance of a mode of a grid: the inverse of [`Self::stiffness_of`].
+    /// The compliance of a mode of a grid: the inverse of [`Self::stiffness_of`].
     pub fn compliance_of(&self, mode: &Mode) -> Matrix3 {
         match mode.nyquist {
             [false, false] => self.compliance(wavevector(mode)),
@@ -168,19 +168,19 @@ impl Body {
         }
     }
 
-    /// Plane strain: stiffness on (x, z) of the wave vector `q` along x (either sign), in stress/length.
+    /// The stiffness on (x, z) in plane strain of the wave vector `q` along x (either sign), in stress/length.
     pub fn plane_stiffness(&self, q: f64) -> Matrix2 {
         self.stiffness_blocks(q).plane(q.signum())
     }
 
-    /// Plane strain: compliance on (x, z) of the wave vector `q` along x (either sign), in length/stress.
+    /// The compliance on (x, z) in plane strain of the wave vector `q` along x (either sign), in length/stress.
     pub fn plane_compliance(&self, q: f64) -> Matrix2 {
         self.compliance_blocks(q).plane(q.signum())
     }
 
-    /// Frictionless normal compliance G_zz of the wavenumber `q` (rad/length), in length/stress: u_z of t_z where the
-    /// surface bears no shear traction (theory.md, section 3). 2/(E* q) of a half-space. At q = 0: height/C11 of a slab
-    /// on a rigid base (0 if ν = 1/2), infinite where nothing holds the body.
+    /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without shear
+    /// traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11 for a slab
+    /// on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate.
     #[inline]
     pub fn normal_compliance(&self, q: f64) -> f64 {
         let q = q.abs();
@@ -197,21 +197,22 @@ impl Body {
         }
     }
 
-    /// Frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2 of a
-    /// half-space. At q = 0: C11/height of a slab on a rigid base (infinite if ν = 1/2), 0 where nothing holds the body.
+    /// The frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2 for a
+    /// half-space. At q = 0 it is C11/height for a slab on a rigid base (infinite if ν = 1/2), and 0 for a half-space or a
+    /// free plate.
     #[inline]
     pub fn normal_stiffness(&self, q: f64) -> f64 {
         1.0 / self.normal_compliance(q)
     }
 
-    /// Normal stiffness K_N of the wavenumber `q` (rad/length) where the surface cannot move sideways, in stress/length
+    /// The normal stiffness K_N of the wavenumber `q` (rad/length) of a surface that is held sideways, in stress/length
     /// (theory.md, section 3).
     pub fn restricted_normal_stiffness(&self, q: f64) -> f64 {
         self.stiffness_blocks(q).normal
     }
 
-    /// ρ of the wavenumber `q` (rad/length): without shear traction on the surface, u_long = −i ρ u_z
-    /// (theory.md, section 3). Dimensionless; s of a half-space, 0 at q = 0.
+    /// The ratio ρ in u_long = −i ρ u_z of the wavenumber `q` (rad/length) without shear traction on the surface
+    /// (theory.md, section 3). Dimensionless; s for a half-space, 0 at q = 0.
     pub fn lateral_ratio(&self, q: f64) -> f64 {
         if q == 0.0 {
             return 0.0;
@@ -220,8 +221,8 @@ impl Body {
         stiffness.coupling[0] / stiffness.longitudinal
     }
 
-    /// Factors (f_x, f_y) of a mode of a grid with (u_x, u_y) = (f_x, f_y) u_z where the surface bears no shear
-    /// traction: −i ρ q/|q|. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
+    /// The factors (f_x, f_y) = −i ρ q/|q| in (u_x, u_y) = (f_x, f_y) u_z of a mode of a grid, without shear traction on the
+    /// surface. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
     pub fn lateral_displacement(&self, mode: &Mode) -> [Complex64; 2] {
         let Some((direction, q)) = direction(wavevector(mode)) else { return [Complex64::ZERO; 2] };
         let ratio = self.lateral_ratio(q);
@@ -232,7 +233,7 @@ impl Body {
     }
 }
 
-/// q = 0: layers in series (theory.md, section 3).
+/// The compliance of the uniform mode: layers in series (theory.md, section 3).
 pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) -> Blocks {
     let (lateral, normal) = (height / material.shear_modulus(), height * material.p_wave_compliance());
     match base {
@@ -246,7 +247,7 @@ pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) 
     }
 }
 
-/// The wave vector of a mode; exactly zero for the uniform one, which is told by its numbers.
+/// The wave vector of a mode; exactly zero for the uniform one, which is recognised by its numbers.
 pub(crate) fn wavevector(mode: &Mode) -> [f64; 2] {
     if mode.is_uniform() { [0.0; 2] } else { mode.wavevector }
 }
@@ -256,7 +257,7 @@ pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
     match direction(q) {
         Some((direction, wavenumber)) => blocks(wavenumber).rotated(direction),
         None => {
-            // Rotating would multiply an infinite entry by zero; there is nothing to rotate either.
+            // The uniform mode has no direction, and rotating would multiply an infinite entry by zero.
             let uniform = blocks(0.0);
             let mut matrix = [[Complex64::ZERO; 3]; 3];
             for (axis, value) in [uniform.transverse, uniform.transverse, uniform.normal].into_iter().enumerate() {
@@ -267,8 +268,7 @@ pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
     }
 }
 
-/// Inverse of a Hermitian matrix in which a Nyquist axis is decoupled from all else, and the other lateral axis may be
-/// coupled to z.
+/// The inverse of a Hermitian matrix in which the Nyquist axis is decoupled, and the other lateral axis may couple to z.
 fn inverse_of_nyquist(matrix: Matrix3, nyquist: [bool; 2]) -> Matrix3 {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let block =

@@ -2,12 +2,12 @@ use num_complex::Complex64;
 
 use crate::{Blocks, Body, GreenError, Material, Matrix2, Matrix3, body::on_axes, slab::LayerMode};
 
-/// A layer with two faces, both of which may move: for two-sided contact, or a base with a displacement or a traction
-/// of its own (theory.md, section 4).
+/// A layer whose two faces may both move: the starting point for two-sided contact, or for a base with a prescribed
+/// displacement or traction (theory.md, section 4). No solver here uses it; it serves problems of your own.
 ///
-/// Its matrix L turns the displacements of top and bottom into the tractions on them, both outward: on the bottom
-/// −(σ_xz, σ_yz, σ_zz). It is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations cost nothing, and
-/// the entries on zz are infinite if ν = 1/2.
+/// The matrix L gives the outward tractions on top and bottom from the displacements of top and bottom; on the bottom the
+/// traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations cost no
+/// energy, and the entries on zz are infinite if ν = 1/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
     material: Material,
@@ -24,25 +24,25 @@ impl Layer {
         Ok(Self { material, thickness })
     }
 
-    /// Traction on the top of displacements of the top, L_tt, at |q| = `q` (rad/length), in stress/length: the
+    /// The block L_tt at |q| = `q` (rad/length), in stress/length: traction on the top per displacement of the top, the
     /// stiffness of the slab on a bonded base.
     pub fn top_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 { self.uniform() } else { self.mode(q).bonded_stiffness() }
     }
 
-    /// Traction on the bottom of displacements of the bottom, L_bb, at |q| = `q`: L_tt with the other sign of coupling.
+    /// The block L_bb at |q| = `q`: traction on the bottom per displacement of the bottom, L_tt with the coupling reversed.
     pub fn bottom_blocks(&self, q: f64) -> Blocks {
         self.top_blocks(q).mirrored()
     }
 
-    /// Traction on the top of displacements of the bottom, L_tb, at |q| = `q`. L_bt is its adjoint.
+    /// The block L_tb at |q| = `q`: traction on the top per displacement of the bottom. L_bt is its adjoint.
     pub fn cross_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 { self.uniform().map(|entry| -entry) } else { self.mode(q).cross_stiffness() }
     }
 
-    /// L of the wave vector `q` (rad/length), in stress/length: rows and columns x, y, z of the top, then of the bottom.
+    /// The matrix L of the wave vector `q` (rad/length), in stress/length: rows and columns x, y, z of the top, then of the bottom.
     pub fn matrix(&self, q: [f64; 2]) -> [[Complex64; 6]; 6] {
         let tt: Matrix3 = on_axes(q, |q| self.top_blocks(q));
         let bb: Matrix3 = on_axes(q, |q| self.bottom_blocks(q));
@@ -59,8 +59,8 @@ impl Layer {
         matrix
     }
 
-    /// Plane strain: L of the wave vector `q` along x (either sign), in stress/length: rows and columns x, z of the top,
-    /// then of the bottom.
+    /// The matrix L in plane strain of the wave vector `q` along x (either sign), in stress/length: rows and columns x, z of
+    /// the top, then of the bottom.
     pub fn plane_matrix(&self, q: f64) -> [[Complex64; 4]; 4] {
         let on_plane = |blocks: Blocks| -> Matrix2 { blocks.plane(q.signum()) };
         let (tt, bb) = (on_plane(self.top_blocks(q)), on_plane(self.bottom_blocks(q)));
@@ -81,7 +81,7 @@ impl Layer {
         LayerMode::new(&self.material, self.thickness, q)
     }
 
-    /// C/thickness, C = C44 or C11.
+    /// The stiffness of the uniform mode, C44/thickness laterally and C11/thickness normally.
     fn uniform(&self) -> Blocks {
         let normal = 1.0 / (self.thickness * self.material.p_wave_compliance());
         Blocks::diagonal(self.material.shear_modulus() / self.thickness, normal)
@@ -89,7 +89,7 @@ impl Layer {
 }
 
 impl LayerMode<'_> {
-    /// Traction on the top of displacement of the bottom, L_tb (theory.md, section 4).
+    /// The block L_tb, traction on the top per displacement of the bottom (theory.md, section 4).
     pub(crate) fn cross_stiffness(&self) -> Blocks {
         let (m, t) = (self.material, &self.t);
         let rh = m.r() * t.raw;

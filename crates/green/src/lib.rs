@@ -9,13 +9,13 @@
 //! | plate, free base         | (E* q/2)(sinh² h − h²)/(sinh h cosh h + h)          | theory.md, section 4   |
 //! | coating, stack of layers | layer by layer from below                           | theory.md, section 4   |
 //!
-//! Start at [`Body`]: make a [`Material`], then a half-space or a slab of it on some [`Base`], and ask for the stiffness
-//! of a wave vector or for the table of a whole grid. [`Body::at_depth`] leads to displacements and stresses inside,
-//! [`Layer`] to a layer whose both faces move. Displacement u and traction t are those of the body's surface, +z out of
-//! the body; fields go like e^(+i q·r). The mode q = 0 is told by its numbers, never by a small wavenumber. ν = 1/2 is
-//! exact, and no product q·height overflows.
+//! Start at [`Body`]: make a [`Material`], then a half-space or a slab on a [`Base`]. It gives the stiffness of a wave
+//! vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and stresses inside, [`Layer`] to
+//! a layer whose two faces both move. Displacement u and traction t are those of the body's surface, +z out of the body;
+//! fields go like e^(+i q·r). The mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact,
+//! and no product q·height overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
-//! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping.
+//! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -25,12 +25,12 @@
 //! let half_space = Body::half_space(rubber);
 //! let slab = Body::slab(rubber, 0.2)?;
 //!
-//! // Thin confined rubber is much stiffer than a half-space, and indistinguishable from it where q·height is large.
+//! // Thin confined rubber is much stiffer than a half-space, and equal to it at large q·height.
 //! assert!(slab.normal_stiffness(1.0) > 100.0 * half_space.normal_stiffness(1.0));
 //! let ratio = slab.normal_stiffness(200.0) / half_space.normal_stiffness(200.0);
 //! assert!((ratio - 1.0).abs() < 1e-12);
 //!
-//! // One number per mode of a grid, ready to be multiplied with a spectrum; q = 0 is the caller's choice.
+//! // A table has one number per mode of a grid, to be multiplied with a spectrum; the caller chooses the entry at q = 0.
 //! let grid = Grid::square(64, 1.0).unwrap();
 //! let table = normal_stiffness_table(&slab, &grid, slab.normal_stiffness(0.0));
 //! assert_eq!(table.len(), grid.spectrum_len());
@@ -42,14 +42,14 @@ mod blocks;
 mod body;
 mod error;
 mod half_space;
+mod hyperbolic;
 mod layer;
 mod material;
 mod sagittal;
+mod section;
 mod slab;
 mod stack;
 mod tables;
-mod thickness;
-mod transfer;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
@@ -57,7 +57,7 @@ pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
+pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,
 };
-pub use transfer::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};

@@ -4,8 +4,8 @@ use crate::GreenError;
 
 /// An isotropic linearly elastic material: E > 0, −1 < ν ≤ 1/2. ν = 1/2 (incompressible) is exact.
 ///
-/// The combinations that vanish at ν = 1/2 or diverge there are formed from closed expressions in ν, never by
-/// subtraction, and C11 never enters a formula (theory.md, section 0).
+/// Combinations that vanish or diverge at ν = 1/2 are computed from closed expressions in ν, never by subtraction, and C11
+/// enters no formula (theory.md, section 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     young: f64,
@@ -14,7 +14,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// From Young's modulus E (stress) and Poisson's ratio ν.
+    /// A material from Young's modulus E (stress) and Poisson's ratio ν.
     ///
     /// # Errors
     /// E not positive and finite, or ν outside −1 < ν ≤ 1/2.
@@ -26,7 +26,7 @@ impl Material {
         Ok(Self { young, poisson, contact_modulus: young / one_minus_square })
     }
 
-    /// From the contact modulus E* = E/(1 − ν²) (stress) and Poisson's ratio ν.
+    /// A material from the contact modulus E* = E/(1 − ν²) (stress) and Poisson's ratio ν.
     ///
     /// # Errors
     /// E* not positive and finite, or ν outside −1 < ν ≤ 1/2.
@@ -57,34 +57,35 @@ impl Material {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// P-wave modulus C11 = C44/s, in stress; none of an incompressible material.
+    /// P-wave modulus C11 = C44/s, in stress; `None` for an incompressible material.
     pub fn p_wave_modulus(&self) -> Option<f64> {
         (self.s() > 0.0).then(|| self.shear_modulus() / self.s())
     }
 
-    /// 1/C11 = s/C44, in 1/stress: 0 of an incompressible material.
+    /// P-wave compliance 1/C11 = s/C44, in 1/stress; 0 for an incompressible material.
     pub fn p_wave_compliance(&self) -> f64 {
         self.s() / self.shear_modulus()
     }
 
-    /// s = C44/C11 = (1 − 2ν)/(2(1 − ν)): 0 at ν = 1/2, below 3/4.
+    /// The ratio s = C44/C11 = (1 − 2ν)/(2(1 − ν)): 0 at ν = 1/2, below 3/4.
     pub fn s(&self) -> f64 {
         (1.0 - 2.0 * self.poisson) / (2.0 * (1.0 - self.poisson))
     }
 
-    /// r = (1 − s)/(1 + s) = 1/(3 − 4ν): 1 at ν = 1/2.
+    /// The ratio r = (1 − s)/(1 + s) = 1/(3 − 4ν): 1 at ν = 1/2.
     pub fn r(&self) -> f64 {
         1.0 / (3.0 - 4.0 * self.poisson)
     }
 
-    /// ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy), of lateral strains (ε_xx, ε_yy) and σ_zz (stress), or of their
-    /// amplitudes (theory.md, section 5). The remaining stresses follow: σ_xx = σ_zz + 2 C44 (ε_xx − ε_zz), σ_yy alike.
+    /// The normal strain ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy) from the lateral strains (ε_xx, ε_yy) and the stress
+    /// σ_zz, or from their amplitudes (theory.md, section 5). The lateral stresses follow:
+    /// σ_xx = σ_zz + 2 C44 (ε_xx − ε_zz), likewise σ_yy.
     pub fn normal_strain<T>(&self, lateral: [T; 2], normal_stress: T) -> T
     where
         T: Copy + Add<Output = T> + Mul<f64, Output = T>,
     {
         let narrowing = (lateral[0] + lateral[1]) * (2.0 * self.s() - 1.0);
-        // Not even an infinite stress changes the volume of an incompressible material.
+        // The stress on an incompressible material may be infinite, and zero times it would be NaN.
         if self.s() > 0.0 { normal_stress * self.p_wave_compliance() + narrowing } else { narrowing }
     }
 
@@ -115,7 +116,7 @@ impl Material {
     }
 }
 
-/// 1 − ν², of an allowed ν.
+/// The value of 1 − ν², if ν is allowed.
 fn one_minus_square(poisson: f64) -> Result<f64, GreenError> {
     if poisson > -1.0 && poisson <= 0.5 {
         Ok((1.0 - poisson) * (1.0 + poisson))
@@ -138,7 +139,7 @@ mod tests {
             assert!(matches!(Material::from_young(1.0, poisson), Err(GreenError::Poisson(_))), "{poisson}");
         }
         let message = Material::from_young(1.0, 0.7).unwrap_err().to_string();
-        assert_eq!(message, "Poisson's ratio must be above -1 and at most 0.5, found 0.7");
+        assert_eq!(message, "Poisson's ratio is 0.7; it must be above -1 and at most 0.5");
     }
 
     #[test]

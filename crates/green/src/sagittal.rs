@@ -17,7 +17,7 @@ pub(crate) fn blocks(sagittal: Real2, transverse: f64) -> Blocks {
     Blocks { longitudinal, normal, transverse, coupling: [lz, -zl] }
 }
 
-/// The same of a matrix that is Hermitian but for rounding.
+/// The blocks with this real form of a matrix that is Hermitian up to rounding.
 pub(crate) fn hermitian(sagittal: Real2, transverse: f64) -> Blocks {
     Blocks::hermitian(sagittal[0][0], 0.5 * (sagittal[0][1] + sagittal[1][0]), sagittal[1][1], transverse)
 }

@@ -1,61 +1,61 @@
 //! A slab of finite height at one wavenumber, on each of the bases that have a closed form.
 
-use crate::{Blocks, Material, thickness::Thickness};
+use crate::{Blocks, Material, hyperbolic::Hyperbolic};
 
 /// One layer at one wavenumber q > 0.
 pub(crate) struct LayerMode<'a> {
     pub(crate) material: &'a Material,
     pub(crate) q: f64,
-    pub(crate) t: Thickness,
+    pub(crate) t: Hyperbolic,
 }
 
 impl<'a> LayerMode<'a> {
     #[inline]
     pub(crate) fn new(material: &'a Material, thickness: f64, q: f64) -> Self {
-        Self { material, q, t: Thickness::new(q * thickness) }
+        Self { material, q, t: Hyperbolic::new(q * thickness) }
     }
 
-    /// P(q) = 2 C44 q/(1 + s), the unit of the sagittal stiffness.
+    /// The unit of the sagittal stiffness, P(q) = 2 C44 q/(1 + s).
     pub(crate) fn unit(&self) -> f64 {
         self.material.shear_modulus() * self.q * self.material.sagittal_unit()
     }
 
-    /// C44 q, the unit of the transverse stiffness.
+    /// The unit of the transverse stiffness, C44 q.
     pub(crate) fn shear_unit(&self) -> f64 {
         self.material.shear_modulus() * self.q
     }
 
-    /// E* q/2 = P (1 − s²), the normal stiffness of the half-space.
+    /// The normal stiffness of the half-space, E* q/2 = P (1 − s²).
     fn contact_unit(&self) -> f64 {
         0.5 * self.material.contact_modulus() * self.q
     }
 
-    /// D = sinh² h − r² h².
+    /// The determinant D = sinh² h − r² h².
     pub(crate) fn bonded_determinant(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         (m.one_minus_r() * t.h + t.sinh_minus_h) * (m.one_plus_r() * t.h + t.sinh_minus_h)
     }
 
-    /// sinh h cosh h ∓ r h.
+    /// The numerators sinh h cosh h ∓ r h.
     fn bonded_numerators(&self) -> [f64; 2] {
         let (m, t) = (self.material, &self.t);
         [m.one_minus_r(), m.one_plus_r()].map(|factor| factor * t.h_twice_scaled + t.sinh_cosh_minus_h)
     }
 
-    /// s sinh² h − r² (1 + s) h².
+    /// The numerator of the coupling, s sinh² h − r² (1 + s) h².
     fn bonded_coupling(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         t.h * t.h * ((1.0 - 4.0 * m.poisson()) * m.r()) + m.s() * t.sinh_minus_h * (2.0 * t.h + t.sinh_minus_h)
     }
 
-    /// N = 1 + (1 − s²) sinh² h + (1 − s)² h².
+    /// The determinant N = 1 + (1 − s²) sinh² h + (1 − s)² h².
     fn full_determinant(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         let stretched = m.one_minus_s() * t.h;
         t.factor * t.factor + m.one_minus_s_squared() * t.sinh * t.sinh + stretched * stretched
     }
 
-    /// Clamped base, u = 0 (theory.md, section 1).
+    /// The stiffness on a bonded base, u = 0 (theory.md, section 1).
     pub(crate) fn bonded_stiffness(&self) -> Blocks {
         // Quotients first: at tiny h the product of numerator and unit would underflow.
         let (determinant, unit) = (self.bonded_determinant(), self.unit());
@@ -76,13 +76,13 @@ impl<'a> LayerMode<'a> {
         self.bonded_numerators()[0] / self.full_determinant() / self.unit()
     }
 
-    /// s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
+    /// The numerator of the coupling, s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
     fn sliding_coupling(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         m.s() * t.sinh_cosh_minus_h - m.poisson() / (1.0 - m.poisson()) * t.h_twice_scaled
     }
 
-    /// Frictionless rigid base, u_z = 0 and no shear traction (theory.md, section 4).
+    /// The stiffness on a frictionless rigid base, u_z = 0 and no shear traction (theory.md, section 4).
     pub(crate) fn sliding_stiffness(&self) -> Blocks {
         let t = &self.t;
         let (determinant, unit) = (self.bonded_numerators()[0], self.unit());
@@ -112,14 +112,14 @@ impl<'a> LayerMode<'a> {
         t.sinh * t.sinh / t.sinh_cosh_plus_h() / self.contact_unit()
     }
 
-    /// s sinh² h + (1 − s) h².
+    /// The numerator of the coupling, s sinh² h + (1 − s) h².
     fn free_coupling(&self) -> f64 {
         let (m, t) = (self.material, &self.t);
         m.s() * t.sinh * t.sinh + m.one_minus_s() * t.h * t.h
     }
 
-    /// Free base, no traction: the inverse of [`Self::free_compliance`], whose determinant is N over sinh² h − h²
-    /// (theory.md, section 4).
+    /// The stiffness of a plate, whose base bears no traction: the inverse of [`Self::free_compliance`], with the determinant
+    /// N over sinh² h − h² (theory.md, section 4).
     pub(crate) fn free_stiffness(&self) -> Blocks {
         let t = &self.t;
         let factor = self.contact_unit() / self.full_determinant();
@@ -131,8 +131,8 @@ impl<'a> LayerMode<'a> {
         )
     }
 
-    /// Half the sum of the compliances of the mirror-symmetric and the antisymmetric mode of the plate: positive terms
-    /// only on the diagonal, however thin it is.
+    /// The compliance of a plate: half the sum of the compliances of its mirror-symmetric and its antisymmetric mode. The
+    /// diagonal has positive terms only, so that nothing cancels in a thin plate.
     pub(crate) fn free_compliance(&self) -> Blocks {
         let t = &self.t;
         let determinant = self.free_determinant();
@@ -149,7 +149,7 @@ impl<'a> LayerMode<'a> {
         self.t.sinh_cosh_plus_h() / self.free_determinant()
     }
 
-    /// (E* q/2)(sinh² h − h²).
+    /// The determinant (E* q/2)(sinh² h − h²).
     fn free_determinant(&self) -> f64 {
         self.contact_unit() * self.t.sinh_minus_h * (2.0 * self.t.h + self.t.sinh_minus_h)
     }

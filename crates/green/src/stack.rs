@@ -1,4 +1,4 @@
-//! A layer on something below it: the stiffness at its top, and the state at its bottom.
+//! A layer on its base: the stiffness at its top, and the state at its bottom.
 
 use crate::{
     Base, Blocks,
@@ -6,7 +6,7 @@ use crate::{
     slab::LayerMode,
 };
 
-/// Displacement and traction (σ_xz, σ_yz, σ_zz) on one plane of a body, per displacement of a plane above it.
+/// The displacement and the traction (σ_xz, σ_yz, σ_zz) on one plane of a body, per displacement of a plane above it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub(crate) displacement: Blocks,
@@ -15,21 +15,21 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// The same per displacement of another plane, whose displacement is `other` so far.
+    /// The state per displacement of another plane, whose displacement in the present units is `other`.
     fn per(&self, other: &Blocks) -> Self {
         let inverse = blocks(inverse(real(other)), 1.0 / other.transverse);
         Self { displacement: product(&self.displacement, &inverse), traction: product(&self.traction, &inverse) }
     }
 }
 
-/// All that can happen at the top of a body, as a basis: states that obey everything below it.
+/// A basis of the states at the top of a body that fulfil all conditions below it.
 ///
-/// Stiffness is traction · displacement⁻¹ and compliance the reverse. Dividing only at the end keeps the digits of both
-/// where one of them is nearly singular, as on a thin sliding layer that hardly changes its volume.
+/// The stiffness is traction · displacement⁻¹, the compliance displacement · traction⁻¹. Dividing only at the end keeps the
+/// digits of both if one is nearly singular, as for a thin sliding layer that is nearly incompressible.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Basis {
     state: State,
-    /// q·thickness of the thin layers since the last division. States differ less and less the deeper they come from.
+    /// q·thickness of the thin layers since the last division. States propagated from deeper planes become more alike.
     reach: f64,
 }
 
@@ -47,13 +47,13 @@ impl Basis {
     }
 }
 
-/// a b⁻¹, known to be Hermitian.
+/// The quotient a b⁻¹, which is known to be Hermitian.
 fn quotient(a: &Blocks, b: &Blocks) -> Blocks {
     hermitian(times(real(a), inverse(real(b))), a.transverse / b.transverse)
 }
 
 impl LayerMode<'_> {
-    /// Stiffness at the top of the layer on `base`.
+    /// The stiffness at the top of the layer on `base`.
     pub(crate) fn stiffness_on(&self, base: &Base) -> Blocks {
         match base {
             Base::Bonded => self.bonded_stiffness(),
@@ -64,7 +64,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// Compliance at the top of the layer on `base`.
+    /// The compliance at the top of the layer on `base`.
     pub(crate) fn compliance_on(&self, base: &Base) -> Blocks {
         match base {
             Base::Bonded => self.bonded_compliance(),
@@ -74,7 +74,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// Basis at the top of the layer on `base`.
+    /// The basis at the top of the layer on `base`.
     pub(crate) fn basis_on(&self, base: &Base) -> Basis {
         if !self.is_thin() {
             return Basis::of_stiffness(self.stiffness_on(base));
@@ -83,7 +83,7 @@ impl LayerMode<'_> {
         Basis { state: self.propagated(&bottom.state), reach: bottom.reach + self.t.raw }
     }
 
-    /// Basis at the bottom of the layer, if it is thin.
+    /// The basis at the bottom of the layer, if it is thin.
     fn bottom_basis(&self, base: &Base) -> Basis {
         // Displacement and traction that the base allows, laterally and normally.
         let allowed = |lateral: [f64; 2], normal: [f64; 2]| {
@@ -102,7 +102,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// Displacement and traction at the bottom of the layer on `base`, per displacement of its top.
+    /// The displacement and the traction at the bottom of the layer on `base`, per displacement of its top.
     pub(crate) fn base_state(&self, base: &Base) -> State {
         match base {
             Base::Bonded => {
@@ -127,7 +127,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// u_z = 0 and σ_xz = 0 at the bottom: u_long and σ_zz follow.
+    /// The state at the bottom of a thick layer on a sliding base: u_z = 0 and σ_xz = 0 there; u_long and σ_zz follow.
     fn thick_sliding_state(&self) -> State {
         let bottom = real(&self.bonded_stiffness().mirrored());
         let down = transposed(real(&self.cross_stiffness()));
@@ -139,7 +139,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// Displacement of the bottom per displacement of the top, where what is below resists with `support`.
+    /// The displacement of the bottom per displacement of the top, on a base with the stiffness `support`.
     pub(crate) fn transfer_to(&self, support: &Blocks) -> Blocks {
         if self.is_thin() {
             let bottom = Basis::of_stiffness(*support).state;
@@ -149,7 +149,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// Displacement and traction at the top of the layer, if it is thin, from those at its bottom.
+    /// The displacement and the traction at the top of the layer, if it is thin, from those at its bottom.
     pub(crate) fn propagated(&self, bottom: &State) -> State {
         let unit = self.shear_unit();
         let [uu, us, su, ss] = self.propagator();
@@ -165,24 +165,25 @@ impl LayerMode<'_> {
         }
     }
 
-    /// K_top = L_tt − L_tb (L_bb + K_below)⁻¹ L_bt: every term decays with h (theory.md, section 4).
+    /// The stiffness K_top = L_tt − L_tb (L_bb + K_below)⁻¹ L_bt of a thick layer, in which every term decays with h
+    /// (theory.md, section 4).
     ///
-    /// As the layer thins, L grows like 1/h, and the difference loses as much: [`Self::propagated`] does not.
+    /// For thin layers L grows like 1/h and the difference cancels; [`Self::propagated`] has no such loss.
     fn thick_stiffness(&self, support: &Blocks) -> Blocks {
         let (face, cross) = (self.bonded_stiffness(), self.cross_stiffness());
         let through = product(&cross, &self.thick_transfer(&face, &cross, support));
         hermitian(add(real(&face), real(&through)), face.transverse + through.transverse)
     }
 
-    /// −(L_bb + K_below)⁻¹ L_bt, from L_tt and L_tb.
+    /// The transfer −(L_bb + K_below)⁻¹ L_bt of a thick layer, from L_tt and L_tb.
     fn thick_transfer(&self, face: &Blocks, cross: &Blocks, support: &Blocks) -> Blocks {
         let bottom = add(real(&face.mirrored()), real(support));
         let sagittal = scaled(times(inverse(bottom), transposed(real(cross))), -1.0);
         blocks(sagittal, -cross.transverse / (face.transverse + support.transverse))
     }
 
-    /// From (u, σ/(C44 q)) at the bottom of a thin layer to the same at its top, sagittal part in the real form: the
-    /// blocks uu, us, su, ss.
+    /// The matrix from (u, σ/(C44 q)) at the bottom of a thin layer to (u, σ/(C44 q)) at its top, sagittal part in the real
+    /// form: the blocks uu, us, su, ss.
     ///
     /// The equations of elasticity read d/d(qz) (a, w, σ, τ) = A (a, w, σ, τ), and B = A² − 1 has B² = 0, so that
     /// exp(h A) = cosh h + A sinh h + B (h/2) sinh h + A B (h cosh h − sinh h)/2.

@@ -3,10 +3,10 @@ use rayon::prelude::*;
 
 use crate::{Body, Matrix3};
 
-/// How many modes of a line one thread takes at a time.
+/// The number of modes of a line that one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// Frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
+/// The frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
 ///
 /// `uniform` is the entry of the mode q = 0. The body's own value is
 /// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, infinite for a bonded incompressible slab,
@@ -16,13 +16,13 @@ pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64
     isotropic_table(grid, uniform, |q| body.normal_stiffness(q))
 }
 
-/// Normal stiffness K_N (stress/length) of every mode of `grid` where the surface cannot move sideways, laid out like
-/// [`Grid::modes`]. `uniform` as in [`normal_stiffness_table`].
+/// The normal stiffness K_N (stress/length) of every mode of `grid` for a surface that is held sideways, laid out like
+/// [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
 pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     isotropic_table(grid, uniform, |q| body.restricted_normal_stiffness(q))
 }
 
-/// A function of |q|, evaluated once for ±m.
+/// The table of a function of |q|, which is evaluated once for ±m.
 fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
     let mut table = vec![0.0; grid.spectrum_len()];
@@ -47,23 +47,23 @@ fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync)
     table
 }
 
-/// The softest and the stiffest mode of a body on a grid: they bound time steps and damping (theory.md, section 6).
+/// The softest and the stiffest mode of a body on a grid, which bound time steps and damping (theory.md, section 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessRange {
     /// Smallest stiffness, in stress/length.
     pub softest: f64,
-    /// A mode that has it.
+    /// A mode with the smallest stiffness.
     pub softest_mode: Mode,
     /// Largest stiffness, in stress/length.
     pub stiffest: f64,
-    /// A mode that has it.
+    /// A mode with the largest stiffness.
     pub stiffest_mode: Mode,
 }
 
-/// Range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
+/// The range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
 ///
-/// A uniform mode without stiffness (half-space, free base) or without compliance (incompressible) is left out: no
-/// solver moves it by its stiffness. None if no mode is left.
+/// A uniform mode without stiffness (half-space, free base) or without compliance (incompressible) is left out, since no
+/// solver moves it by its stiffness. `None` if no mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     range(grid, |mode| {
         let q = if mode.is_uniform() { 0.0 } else { mode.wavenumber() };
@@ -71,7 +71,7 @@ pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange
     })
 }
 
-/// Range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components of
+/// The range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components of
 /// the surface move: x, y, z, or x, z on a line.
 ///
 /// Zero and infinite eigenvalues of the uniform mode are left out, as in [`normal_stiffness_range`].
@@ -87,13 +87,13 @@ pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     })
 }
 
-/// Eigenvalues of [[a, i c], [−i c, b]], the smaller one by the determinant so that it keeps its digits.
+/// The eigenvalues of [[a, i c], [−i c, b]]. The smaller one comes from the determinant, which keeps its digits.
 fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
     let high = 0.5 * (a + b) + (0.5 * (a - b)).hypot(c);
     [a * (b / high) - c * (c / high), high]
 }
 
-/// Of a uniform or Nyquist mode, whose matrix couples at most one lateral axis with z.
+/// The eigenvalues of a uniform or Nyquist mode, whose matrix couples at most one lateral axis with z.
 fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let coupling = matrix[other][2].im;
@@ -110,7 +110,8 @@ fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
     }
 }
 
-/// Softest and stiffest of the positive finite numbers that `stiffness` finds, the same for ±m; ties go to the first.
+/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m. Of equal values
+/// the first counts.
 fn range(grid: &Grid, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
     let different = if grid.is_line() { positions } else { positions / 2 + 1 };

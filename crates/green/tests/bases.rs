@@ -127,21 +127,21 @@ fn what_cannot_be_is_refused_with_what_was_found() {
     let material = Material::from_young(1.0, 0.3).unwrap();
     for height in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let message = Body::slab(material, height).unwrap_err().to_string();
-        assert_eq!(message, format!("the height of a slab must be positive and finite, found {height}"));
+        assert_eq!(message, format!("the height of the slab is {height}; it must be positive and finite"));
         assert_eq!(Layer::new(material, height).unwrap_err().to_string(), message);
     }
     let message = Body::half_space(material).on(Base::Free).unwrap_err().to_string();
-    assert_eq!(message, "a half-space has no base: only a slab of finite height can stand on one");
+    assert_eq!(message, "the body is a half-space; a base needs a slab of finite height");
 
     let slab = Body::slab(material, 2.0).unwrap();
     for height in [-0.1, 2.1, f64::NAN] {
         let message = slab.at_height(height).unwrap_err().to_string();
-        assert_eq!(message, format!("the height above the base must be between 0 and 2, found {height}"));
+        assert_eq!(message, format!("the height above the base is {height}; it must be between 0 and 2"));
         let message = slab.at_depth(height).unwrap_err().to_string();
-        assert_eq!(message, format!("the depth below the surface must be between 0 and 2, found {height}"));
+        assert_eq!(message, format!("the depth below the surface is {height}; it must be between 0 and 2"));
     }
     let message = Body::half_space(material).at_height(1.0).unwrap_err().to_string();
-    assert!(message.starts_with("a half-space has no base to measure the height 1 from"), "{message}");
+    assert!(message.starts_with("the height above the base is 1, but a half-space has no base"), "{message}");
     assert!(Body::half_space(material).at_depth(f64::INFINITY).is_err());
     let stack = slab.clone().bonded_to(slab).unwrap();
     assert!(stack.at_depth(3.9).is_ok() && stack.at_depth(4.1).is_err());

@@ -189,7 +189,7 @@ fn bad_input_is_refused_with_what_was_found() {
     let flat = Array2::zeros((16, 1));
     assert!(matches!(FrictionalContact::new(&response, flat.view(), Limit::Coulomb(0.4)), Err(InterfaceError::Flat)));
     let refused = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(-0.4));
-    assert_eq!(refused.err().unwrap().to_string(), "mu is -0.4; 0 or a positive, finite number is allowed");
+    assert_eq!(refused.err().unwrap().to_string(), "mu is -0.4; it must be 0 or a positive, finite number");
     let few = Settings { max_iterations: 2, ..settings };
     let stopped = contact.solve(pressed(0.01, 1e-3), &few, None, &mut |_| ControlFlow::Continue(()));
     assert!(matches!(stopped, Err(InterfaceError::FrictionNotConverged { .. })));

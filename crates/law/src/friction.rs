@@ -1,12 +1,12 @@
 use crate::LawError;
 use crate::separation::positive;
 
-/// What the shear traction of a sliding contact cannot exceed.
+/// The largest shear traction of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// μ p, with the coefficient of friction μ ≥ 0.
+    /// Coulomb friction: μ p, with the coefficient of friction μ ≥ 0.
     Coulomb(f64),
-    /// A shear strength τ_c ≥ 0 (stress) wherever there is contact.
+    /// Tresca friction: a shear strength τ_c ≥ 0 (stress) wherever there is contact.
     Tresca(f64),
 }
 
@@ -27,7 +27,7 @@ impl Limit {
         }
     }
 
-    /// Largest shear traction at contact pressure `pressure` ≥ 0, stress.
+    /// The largest shear traction at the contact pressure `pressure` ≥ 0, stress.
     pub fn at(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient * pressure,
@@ -35,7 +35,7 @@ impl Limit {
         }
     }
 
-    /// Derivative of [`at`](Self::at).
+    /// The derivative of [`at`](Self::at) by the pressure.
     fn slope(self) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
@@ -44,33 +44,35 @@ impl Limit {
     }
 }
 
-/// Friction with an elastic stick: the return map of a tangential spring whose foot slides (theory.md, section 8).
+/// Friction with elastic sticking: the return map of a tangential spring whose foot slides (theory.md, section 8).
 ///
-/// Here slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction on
-/// the elastic surface is −τ.
+/// The slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction on
+/// the elastic surface is −τ. This map serves point models and time-stepping codes; the contact with friction in
+/// `gfmd-interface` needs only the [`Limit`] and sticks rigidly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     limit: Limit,
     stiffness: f64,
 }
 
-/// What one increment of slip does.
+/// The result of one increment of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
-    /// τ, stress.
+    /// Shear traction τ, stress.
     pub traction: [f64; 2],
-    /// Where the foot of the spring is afterwards, s_p.
+    /// Position s_p of the foot of the spring after the increment.
     pub foot: [f64; 2],
-    /// Whether the foot stayed.
+    /// True if the foot did not move.
     pub sticks: bool,
-    /// ∂τ/∂s, stress/length.
+    /// Derivative ∂τ/∂s, stress/length.
     pub by_slip: [[f64; 2]; 2],
-    /// ∂τ/∂p.
+    /// Derivative ∂τ/∂p.
     pub by_pressure: [f64; 2],
 }
 
 impl Friction {
-    /// `stiffness` of the spring in stress/length; as stiff as the grid's stiffest mode, it is invisible.
+    /// Friction with a spring of this `stiffness` (stress/length). A spring as stiff as the stiffest mode of the grid hardly
+    /// changes the solution.
     ///
     /// # Errors
     /// A negative limit, or a stiffness that is not positive.
@@ -78,7 +80,7 @@ impl Friction {
         Ok(Self { limit: limit.check()?, stiffness: positive("stiffness", stiffness)? })
     }
 
-    /// From the foot s_p of the last increment to the slip s under `pressure`.
+    /// The increment from the foot s_p of the last one to the slip s under `pressure`.
     pub fn slide(&self, slip: [f64; 2], foot: [f64; 2], pressure: f64) -> Sliding {
         let Self { limit, stiffness } = *self;
         let stretch = [slip[0] - foot[0], slip[1] - foot[1]];
@@ -105,23 +107,24 @@ impl Friction {
     }
 }
 
-/// Friction that depends smoothly on the sliding velocity v, with v_ε the velocity below which it is felt.
+/// Friction regularised over the sliding velocity v, for time-stepping codes: v_ε is the velocity below which it deviates
+/// from the limit (theory.md, section 8). The quasistatic contacts of this workspace do not use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rate {
-    /// τ = limit · v/√(v² + v_ε²).
+    /// The root law τ = limit · v/√(v² + v_ε²).
     Root {
-        /// v_ε.
+        /// Velocity v_ε.
         velocity: f64,
     },
-    /// τ = limit · (2/π) atan(|v|/v_ε), along v.
+    /// The arctangent law τ = limit · (2/π) atan(|v|/v_ε), along v.
     Arctangent {
-        /// v_ε.
+        /// Velocity v_ε.
         velocity: f64,
     },
 }
 
 impl Rate {
-    /// τ at sliding velocity `v`, where sliding costs at most `limit`.
+    /// The shear traction τ at the sliding velocity `v`, with the largest shear traction `limit`.
     pub fn traction(self, limit: f64, v: [f64; 2]) -> [f64; 2] {
         let speed = v[0].hypot(v[1]);
         if speed == 0.0 {

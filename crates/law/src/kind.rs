@@ -5,7 +5,7 @@ use crate::{
     Npc, Separation, XuNeedleman,
 };
 
-/// The laws by name.
+/// The table of all laws: names, parameters, constructors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// [`HardWall`].
@@ -30,25 +30,25 @@ pub enum Kind {
     Dugdale,
 }
 
-/// What a law asks for.
+/// A parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name, as in theory.md.
+    /// The name, as in theory.md, section 8.
     pub name: &'static str,
-    /// Kind of quantity.
+    /// The units, such as `stress*length`.
     pub units: &'static str,
-    /// Its values.
+    /// The allowed values.
     pub allowed: Allowed,
-    /// Its value where none is given.
+    /// The value if none is given; `None` if it must be given.
     pub default: Option<f64>,
 }
 
-/// Values that a parameter may have. All are finite.
+/// The allowed values of a parameter, always finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowed {
     /// Above zero.
     Positive,
-    /// Any but this.
+    /// All except this one.
     Not(f64),
 }
 
@@ -82,7 +82,7 @@ impl Kind {
         Self::Dugdale,
     ];
 
-    /// Its name on a command line.
+    /// The name on a command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::HardWall => "hard-wall",
@@ -98,7 +98,7 @@ impl Kind {
         }
     }
 
-    /// What it asks for.
+    /// The parameters, in the order of [`Kind::with`].
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::HardWall => &[],

@@ -1,44 +1,44 @@
 use std::fmt;
 
-/// A traction that follows from the separation alone, without memory, the same in all directions of sliding.
+/// An isotropic traction–separation law without memory.
 pub trait Law: fmt::Debug + Send + Sync {
-    /// Traction and its derivatives at `normal` separation Δ_n and `sliding` Δ_t along one direction (length, either
-    /// sign).
+    /// The traction and its derivatives at the `normal` separation Δ_n and the `sliding` separation Δ_t along one direction
+    /// (length, either sign).
     fn response(&self, normal: f64, sliding: f64) -> Response;
 
-    /// Φ, energy per area of surface; `None` if the traction is not the gradient of one.
+    /// The potential Φ, energy per area of surface; `None` if the traction is not the gradient of a potential.
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
 
-    /// Φ where nothing slides: an energy of T_n(Δ_n, 0), which every law has.
+    /// The potential of T_n(Δ_n, 0), without sliding, which every law has.
     fn opening_energy(&self, normal: f64) -> f64;
 
-    /// Whether Δ_n < 0 is forbidden; the law then speaks for Δ_n ≥ 0 only.
+    /// Returns true if a hard wall forbids Δ_n < 0, so that the law holds for Δ_n ≥ 0 only.
     fn has_wall(&self) -> bool {
         false
     }
 
-    /// A bound on the magnitude of all eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length). A time step
-    /// follows from it (theory.md, section 8). Jumps of the traction are left out.
+    /// An upper bound of the magnitude of the eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length), from which
+    /// a time step follows (theory.md, section 8). Jumps of the traction do not count.
     fn stiffness_bound(&self, lowest: f64) -> f64;
 
-    /// How steeply the attraction falls off (stress/length): lattice trapping is avoided if this stays below about half
-    /// the stiffness of the body at the shortest wave that the grid carries (theory.md, section 8).
+    /// The steepest decay of the attraction (stress/length). Lattice trapping is avoided if it is below about half the stiffness
+    /// of the body at the shortest wavelength of the grid (theory.md, section 8).
     fn steepness(&self) -> f64 {
         self.stiffness_bound(0.0)
     }
 
-    /// What the law promises under mixed loading; `None` of a law that has no tangential traction.
+    /// The properties of the law under mixed loading; `None` for a law without tangential traction.
     fn mixed_mode(&self) -> Option<MixedMode> {
         None
     }
 
-    /// (T_x, T_y, T_n), stress.
+    /// The traction (T_x, T_y, T_n), stress.
     fn traction(&self, normal: f64, [x, y]: [f64; 2]) -> [f64; 3] {
         let Response { traction: [n, _], secant, .. } = self.response(normal, x.hypot(y));
         [secant * x, secant * y, n]
     }
 
-    /// ∂T/∂Δ, stress/length.
+    /// The Jacobian ∂T/∂Δ, stress/length.
     fn jacobian(&self, normal: f64, [x, y]: [f64; 2]) -> Jacobian {
         let sliding = x.hypot(y);
         let Response { jacobian: [[nn, nt], [tn, tt]], secant, .. } = self.response(normal, sliding);
@@ -53,57 +53,57 @@ pub trait Law: fmt::Debug + Send + Sync {
     }
 }
 
-/// A law at one separation along one direction of sliding.
+/// The traction of a law and its derivatives at one separation, along one direction of sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
-    /// (T_n, T_t), stress.
+    /// Traction (T_n, T_t), stress.
     pub traction: [f64; 2],
-    /// Rows ∂T_n, ∂T_t; columns ∂Δ_n, ∂Δ_t; stress/length.
+    /// Jacobian: rows ∂T_n, ∂T_t; columns ∂Δ_n, ∂Δ_t; stress/length.
     pub jacobian: [[f64; 2]; 2],
-    /// T_t/Δ_t, finite at Δ_t = 0: the stiffness across the direction of sliding.
+    /// Secant stiffness T_t/Δ_t, finite at Δ_t = 0: the stiffness across the direction of sliding.
     pub secant: f64,
 }
 
 impl Response {
-    /// Of a law without tangential traction.
+    /// The response of a law without tangential traction.
     pub(crate) fn normal(traction: f64, slope: f64) -> Self {
         Self { traction: [traction, 0.0], jacobian: [[slope, 0.0], [0.0; 2]], secant: 0.0 }
     }
 }
 
-/// ∂T/∂Δ with both tangential directions.
+/// The Jacobian ∂T/∂Δ with both tangential directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jacobian {
-    /// ∂T_n/∂Δ_n.
+    /// Derivative ∂T_n/∂Δ_n.
     pub nn: f64,
-    /// ∂T_n/∂Δ_x, ∂T_n/∂Δ_y.
+    /// Derivatives ∂T_n/∂Δ_x and ∂T_n/∂Δ_y.
     pub nt: [f64; 2],
-    /// ∂T_x/∂Δ_n, ∂T_y/∂Δ_n.
+    /// Derivatives ∂T_x/∂Δ_n and ∂T_y/∂Δ_n.
     pub tn: [f64; 2],
-    /// Rows T_x, T_y; columns Δ_x, Δ_y.
+    /// Tangential derivatives: rows T_x, T_y; columns Δ_x, Δ_y.
     pub tt: [[f64; 2]; 2],
 }
 
-/// What a cohesive law keeps to under mixed loading and when the surfaces are pressed into each other: the requirements
-/// R1 to R6 of theory.md, section 8.
+/// The properties of a cohesive law under mixed loading and over-closure: the requirements R1 to R6 of theory.md,
+/// section 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixedMode {
-    /// R1: opening alone takes the work φ_n and sliding alone at Δ_n = 0 the work φ_t, whatever the other is.
+    /// R1: opening alone takes the work φ_n and sliding alone at Δ_n = 0 the work φ_t, for independent values of both.
     pub independent_works: bool,
-    /// R2: T_t·Δ_t ≥ 0 at any Δ_n: no shear traction that drives the sliding.
+    /// R2: T_t·Δ_t ≥ 0 at any Δ_n: the shear traction never drives the sliding.
     pub resists_sliding: bool,
-    /// R3: for Δ_n < 0, −T_n grows with over-closure and is not weakened by sliding.
+    /// R3: for Δ_n < 0, −T_n grows with over-closure, and sliding does not weaken it.
     pub keeps_repulsion: bool,
     /// R4: for Δ_n < 0, |T_t| does not fall with over-closure.
     pub holds_under_pressure: bool,
-    /// R5: the traction vanishes far away, in any direction with Δ_n ≥ 0.
+    /// R5: the traction vanishes at large separation, in any direction with Δ_n ≥ 0.
     pub vanishes: bool,
-    /// R6: the traction is continuous and its derivatives are bounded where Δ_n is.
+    /// R6: the traction is continuous, and its derivatives are bounded if Δ_n is.
     pub continuous: bool,
 }
 
 impl MixedMode {
-    /// All six.
+    /// Returns true if the law has all six properties.
     pub fn all(self) -> bool {
         let Self { independent_works, resists_sliding, keeps_repulsion, holds_under_pressure, vanishes, continuous } =
             self;

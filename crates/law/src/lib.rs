@@ -1,4 +1,5 @@
-//! What acts between two surfaces, point by point: traction against separation (theory.md, section 8).
+//! Laws of adhesion, cohesion and friction: traction against separation, point by point
+//! ([theory.md](../gfmd/theory/index.html), section 8).
 //!
 //! | law                                        | modes              | energy          | hard wall |
 //! |--------------------------------------------|--------------------|-----------------|-----------|
@@ -10,9 +11,9 @@
 //! | [`CoupledExponential`] (C3D), [`Npb`]      | normal, tangential | no              | no        |
 //! | [`Friction`]: Coulomb, Tresca              | tangential         | needs a history |           |
 //!
-//! The separation is that of the rigid surface as seen from the elastic one: normal Δ_n = gap, open > 0; tangential Δ_t.
-//! The traction acts *on the elastic surface*: T_n > 0 attracts, T_t drags along Δ_t; T = ∂Φ/∂Δ where there is an
-//! energy Φ per area. All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
+//! The separation is that of the rigid surface from the elastic one: normal Δ_n = gap, open > 0; tangential Δ_t. The
+//! traction acts *on the elastic surface*: T_n > 0 attracts, T_t points along Δ_t; T = ∂Φ/∂Δ if there is a potential Φ
+//! (energy per area). All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
 //!
 //! ```
 //! use gfmd_law::{Kind, Law, Npb, Separation};

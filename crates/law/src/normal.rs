@@ -1,11 +1,11 @@
-//! Laws in which only the gap counts.
+//! Laws that depend on the gap alone.
 
 use std::f64::consts::PI;
 
 use crate::separation::positive;
 use crate::{Law, LawError, Response};
 
-/// The surfaces do not interpenetrate; nothing else acts.
+/// The hard wall: the surfaces do not interpenetrate and do not attract each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HardWall;
 
@@ -31,7 +31,7 @@ impl Law for HardWall {
     }
 }
 
-/// Attraction that decays exponentially, with a hard wall: V = −γ e^{−g/ϱ}.
+/// Attraction that decays exponentially, V = −γ e^{−g/ϱ}, with a hard wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponential {
     energy: f64,
@@ -39,7 +39,7 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// γ, the work per area of separation from touch, and its range ϱ.
+    /// The law with the work of adhesion γ (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
     /// Parameters that are not positive.
@@ -71,7 +71,7 @@ impl Law for Exponential {
     }
 }
 
-/// Constant attraction γ/ϱ up to the gap ϱ, none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with which
+/// Constant attraction γ/ϱ up to the gap ϱ and none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with which
 /// Maugis (1992) solved the adhesive sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dugdale {
@@ -80,7 +80,7 @@ pub struct Dugdale {
 }
 
 impl Dugdale {
-    /// γ, the work per area of separation from touch, and its range ϱ.
+    /// The law with the work of adhesion γ (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
     /// Parameters that are not positive.
@@ -115,7 +115,8 @@ impl Law for Dugdale {
     }
 }
 
-/// V = γ(e^{−2g/ϱ} − 2e^{−g/ϱ}): soft repulsion, minimum −γ at g = 0, largest tension γ/(2ϱ) at g = ϱ ln 2.
+/// The Morse potential V = γ(e^{−2g/ϱ} − 2e^{−g/ϱ}): soft repulsion, minimum −γ at g = 0, largest tension γ/(2ϱ) at
+/// g = ϱ ln 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Morse {
     energy: f64,
@@ -123,7 +124,7 @@ pub struct Morse {
 }
 
 impl Morse {
-    /// γ, the depth of the minimum, and the range ϱ.
+    /// The law with the depth γ of the minimum (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
     /// Parameters that are not positive.
@@ -150,7 +151,7 @@ impl Law for Morse {
 
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let e = (-lowest / self.range).exp();
-        // The steepest fall of the attraction is an eighth, at e = ¼.
+        // The steepest decay of the attraction is 1/8, at e = 1/4.
         2.0 * self.energy / self.range.powi(2) * (e * (2.0 * e - 1.0)).max(0.125)
     }
 
@@ -159,8 +160,8 @@ impl Law for Morse {
     }
 }
 
-/// A spring in repulsion, half a wave of cosine in attraction, nothing beyond (finite range): V = −γ + ½ k g² for g < 0,
-/// −γ (1 + cos wg)/2 up to g = π/w, w = √(2k/γ).
+/// Harmonic repulsion, V = −γ + ½ k g² for g < 0, and half a cosine wave of attraction, V = −γ (1 + cos wg)/2, up to the
+/// finite range g = π/w, with w = √(2k/γ).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicCosine {
     energy: f64,
@@ -169,7 +170,7 @@ pub struct HarmonicCosine {
 }
 
 impl HarmonicCosine {
-    /// γ, the depth of the minimum, and the curvature k of V there, stress/length.
+    /// The law with the depth γ of the minimum (`energy`, per area) and the curvature k of V there, stress/length.
     ///
     /// # Errors
     /// Parameters that are not positive.
@@ -178,7 +179,7 @@ impl HarmonicCosine {
         Ok(Self { energy, curvature, wavenumber: (2.0 * curvature / energy).sqrt() })
     }
 
-    /// π/w, the gap beyond which nothing acts.
+    /// The range π/w, the gap beyond which the traction is zero.
     pub fn cutoff(&self) -> f64 {
         PI / self.wavenumber
     }

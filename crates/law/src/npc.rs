@@ -1,13 +1,15 @@
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
-/// Both tractions decay with the magnitude of the separation, λ² = max(Δ_n, 0)²/δ_n² + Δ_t²/δ_t²; pressed into each
-/// other, the modes do not know of each other (theory.md, section 8). τ_max = φ_t/(e δ_t).
+/// A law whose two tractions decay with the magnitude of the separation, λ² = max(Δ_n, 0)²/δ_n² + Δ_t²/δ_t². Under
+/// over-closure the modes are uncoupled (theory.md, section 8). τ_max = φ_t/(e δ_t).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Npc {
     separation: Separation,
 }
 
 impl Npc {
+    /// The law with these works and lengths.
+    ///
     /// # Errors
     /// Works or lengths that are not positive.
     pub fn new(separation: Separation) -> Result<Self, LawError> {
@@ -25,7 +27,7 @@ impl Law for Npc {
         }
         let lambda = x.hypot(y);
         let decay = (-lambda).exp();
-        // x²/λ and the like vanish with λ.
+        // x²/λ, x y/λ and y²/λ vanish with λ.
         let over = |product: f64| if lambda > 0.0 { product / lambda } else { 0.0 };
         let coupling = -decay * over(x * y);
         self.separation.scale(

@@ -1,15 +1,15 @@
 use crate::{Kind, Parameter};
 
-/// Works and lengths of separation of a cohesive law.
+/// The works and lengths of separation of a cohesive law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
-    /// φ_n, work per area of opening at Δ_t = 0.
+    /// Work φ_n of opening at Δ_t = 0, per area.
     pub normal_work: f64,
-    /// φ_t, work per area of sliding at Δ_n = 0.
+    /// Work φ_t of sliding at Δ_n = 0, per area.
     pub tangential_work: f64,
-    /// δ_n, the length of opening.
+    /// Length δ_n of opening.
     pub normal_length: f64,
-    /// δ_t, the length of sliding.
+    /// Length δ_t of sliding.
     pub tangential_length: f64,
 }
 
@@ -23,18 +23,18 @@ impl Separation {
         Ok(self)
     }
 
-    /// Δ_n/δ_n and Δ_t/δ_t.
+    /// The reduced separations Δ_n/δ_n and Δ_t/δ_t.
     pub(crate) fn reduce(&self, normal: f64, sliding: f64) -> [f64; 2] {
         [normal / self.normal_length, sliding / self.tangential_length]
     }
 
-    /// φ_n (1 − (1 + x) e^{−x}): all laws here open alike.
+    /// The energy of opening φ_n (1 − (1 + x) e^{−x}), which all cohesive laws here share.
     pub(crate) fn opening_energy(&self, normal: f64) -> f64 {
         let [x, _] = self.reduce(normal, 0.0);
         self.normal_work * (1.0 - (1.0 + x) * (-x).exp())
     }
 
-    /// A response in units φ_n/δ_n, φ_t/δ_t and their derivatives, in ours.
+    /// The response from tractions and derivatives in units of φ_n/δ_n, φ_t/δ_t and the lengths.
     pub(crate) fn scale(&self, [n, t]: [f64; 2], [[nn, nt], [tn, tt]]: [[f64; 2]; 2], secant: f64) -> crate::Response {
         let Self { normal_work, tangential_work, normal_length, tangential_length } = *self;
         let (strength, shear_strength) = (normal_work / normal_length, tangential_work / tangential_length);
@@ -48,34 +48,34 @@ impl Separation {
         }
     }
 
-    /// The largest row sum that [`scale`](Self::scale) makes of bounds on the entries: no eigenvalue exceeds it.
+    /// The largest row sum of the [scaled](Self::scale) bounds of the entries, which bounds the eigenvalues.
     pub(crate) fn bound(&self, jacobian: [[f64; 2]; 2]) -> f64 {
         let [[nn, nt], [tn, tt]] = self.scale([0.0; 2], jacobian, 0.0).jacobian;
         (nn + nt).max(tn + tt)
     }
 }
 
-/// Parameters or names that make no law.
+/// Reasons to refuse the name or the parameters of a law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LawError {
     /// A value out of its range.
-    #[error("{name} is {found}; {allowed} is allowed")]
+    #[error("{name} is {found}; it must be {allowed}")]
     Range {
-        /// Name of the parameter.
+        /// The name of the parameter.
         name: &'static str,
         /// Its value.
         found: f64,
-        /// What it may be.
+        /// The allowed values, after "it must be".
         allowed: &'static str,
     },
-    /// No law has this name.
-    #[error("there is no law {found:?}; the laws are {}", Kind::names())]
+    /// A name that no law has.
+    #[error("the law is {found:?}; it must be one of {}", Kind::names())]
     Name {
         /// The name asked for.
         found: String,
     },
-    /// The law has no such parameter.
+    /// A parameter that the law does not have.
     #[error("the law {} has no parameter {found:?}; it takes {}", kind.name(), Parameter::list(kind.parameters()))]
     Unknown {
         /// The law.
@@ -88,13 +88,13 @@ pub enum LawError {
     Missing {
         /// The law.
         kind: Kind,
-        /// What it needs.
+        /// The missing parameter.
         parameter: Parameter,
     },
     /// A parameter with two values.
     #[error("the parameter {name} is given more than once")]
     Twice {
-        /// Name of the parameter.
+        /// The name of the parameter.
         name: &'static str,
     },
 }

@@ -1,21 +1,24 @@
 use crate::bosch_schreurs_geers::LARGEST_Y_GAUSS;
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
-/// The potential of Xu and Needleman (1993). q = φ_t/φ_n couples the modes, r = Δ_n*/δ_n is the opening after complete
-/// sliding at no normal traction.
+/// The potential of Xu and Needleman (1993). q = φ_t/φ_n couples the modes; r = Δ_n*/δ_n is the opening after complete
+/// sliding without normal traction.
 ///
-/// With q = 1 it behaves well in tension. With q ≠ 1 a surface that has slid far away still pulls or pushes, and with
-/// most parameters the shear traction turns round under over-closure ([`Law::mixed_mode`] says what holds).
+/// With q = 1 the law behaves well in tension. With q ≠ 1 a normal traction remains after complete sliding, and for most
+/// parameters the shear traction changes sign under over-closure ([`Law::mixed_mode`] lists the properties).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XuNeedleman {
     separation: Separation,
     r: f64,
-    /// (1 − q)/(r − 1) and (r − q)/(r − 1).
+    /// The coefficient (1 − q)/(r − 1).
     a: f64,
+    /// The coefficient (r − q)/(r − 1).
     b: f64,
 }
 
 impl XuNeedleman {
+    /// The law with these works and lengths and the ratio r.
+    ///
     /// # Errors
     /// Works or lengths that are not positive, or r = 1.
     pub fn new(separation: Separation, r: f64) -> Result<Self, LawError> {
@@ -65,7 +68,7 @@ impl Law for XuNeedleman {
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let Self { separation, r, a, b } = *self;
         let q = self.q();
-        // |c₀ + c₁ x| e^{−x} over x ≥ x₀.
+        // An upper bound of |c₀ + c₁ x| e^{−x} over x ≥ x₀.
         let x0 = (lowest / separation.normal_length).min(0.0);
         let largest = |c0: f64, c1: f64| (c0.abs() + c1.abs() * x0.abs().max(1.0)) * (-x0).exp();
         let coupling = largest(a * r, b) * LARGEST_Y_GAUSS;

@@ -283,16 +283,16 @@ fn unusable_parameters_are_refused_with_what_is_allowed() {
                 let given: Vec<_> =
                     kind.parameters().iter().map(|p| (p.name, if p.name == wrong.name { bad } else { 0.5 })).collect();
                 let text = message(kind, &given);
-                assert_eq!(text, format!("{} is {bad}; a positive, finite number is allowed", wrong.name));
+                assert_eq!(text, format!("{} is {bad}; it must be a positive, finite number", wrong.name));
             }
         }
     }
     let four = [("phi_n", 1.0), ("phi_t", 1.0), ("delta_n", 1.0), ("delta_t", 1.0)];
     let with_r = |r: f64| [&four[..], &[("r", r)]].concat();
-    assert_eq!(message(Kind::XuNeedleman, &with_r(1.0)), "r is 1; a finite number other than 1 is allowed");
+    assert_eq!(message(Kind::XuNeedleman, &with_r(1.0)), "r is 1; it must be a finite number other than 1");
     assert!(Kind::XuNeedleman.with(&four).is_ok());
     let unknown = "glue".parse::<Kind>().unwrap_err();
-    assert!(unknown.to_string().contains("\"glue\"; the laws are hard-wall, xu-needleman, bsg, "), "{unknown}");
+    assert!(unknown.to_string().contains("\"glue\"; it must be one of hard-wall, xu-needleman, bsg, "), "{unknown}");
     for kind in Kind::ALL {
         assert_eq!(kind.name().parse(), Ok(kind));
     }

@@ -1,19 +1,19 @@
 use ndarray::ArrayView2;
 
-/// How much of the surface touches.
+/// The part of the surface in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactArea {
-    /// Points with a pressure above zero.
+    /// The number of points with a pressure above zero.
     pub nodes: usize,
-    /// Pairs of neighbouring points (along x and y, periodic) of which exactly one is in contact.
+    /// The number of pairs of neighbours (along x and y, periodic) of which exactly one is in contact.
     pub boundary_links: usize,
-    /// `nodes` over all points.
+    /// The fraction of points in contact.
     pub fraction: f64,
-    /// The fraction less what counting whole pixels adds along the perimeter.
+    /// The fraction without the excess that counting whole pixels adds along the perimeter.
     ///
     /// Yastrebov et al. (2017): A = A_pixels − (π − 1 + ln 2)/24 · S a, with S the length of the pixel edges between
-    /// contact and non-contact and a the spacing; on a rectangular pixel S a is the sum of the pixel areas over the
-    /// boundary links. Not below zero. For a line contact (one point along y) no correction is known, and this equals
+    /// contact and non-contact and a the spacing; for rectangular pixels S a is the sum of the pixel areas over the
+    /// boundary links. Never below zero. No correction is known for a line contact (one point along y), where it equals
     /// `fraction`.
     pub corrected_fraction: f64,
 }

@@ -1,7 +1,7 @@
-//! Numbers from contact fields, and the closed forms they are compared with.
+//! Numbers from contact fields, and the closed forms that they are compared with.
 //!
-//! Fields are `[x, y]` arrays; the pressure is compression positive and vanishes exactly out of contact. No solver is
-//! needed: a pressure read from a file will do.
+//! Fields are `[x, y]` arrays; the pressure is compression positive and exactly zero out of contact. The fields may come
+//! from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! ```
 //! use gfmd_measure::{contact_area, kappa, theory};
@@ -18,7 +18,7 @@
 //! assert!((kappa(theory::persson_area(p_star), p_star) - (8.0 / std::f64::consts::PI).sqrt()).abs() < 1e-9);
 //! ```
 //!
-//! Not here: how the fields came about (`gfmd-contact`), extrapolation of kappa over many of them (the sweep).
+//! Not here: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
 
 mod area;
 mod pressure;
@@ -31,13 +31,13 @@ pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, 
 pub use quantile::quantile;
 pub use summary::{Column, Scales, Summary};
 
-/// Reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean
+/// The reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean
 /// square of |∇h| over the whole surface (theory.md, section 10).
 pub fn reduced_pressure(mean_pressure: f64, contact_modulus: f64, rms_gradient: f64) -> f64 {
     mean_pressure / (contact_modulus * rms_gradient)
 }
 
-/// κ = a_r/p*, the proportionality between contact area and pressure (theory.md, section 10).
+/// The coefficient κ = a_r/p* between contact area fraction and reduced pressure (theory.md, section 10).
 pub fn kappa(area_fraction: f64, reduced_pressure: f64) -> f64 {
     area_fraction / reduced_pressure
 }

@@ -2,7 +2,7 @@ use ndarray::ArrayView2;
 
 use crate::quantile;
 
-/// Pressure over the contact, in units of stress.
+/// Statistics of the pressure, in units of stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureStatistics {
     /// Mean over the whole surface.
@@ -15,14 +15,14 @@ pub struct PressureStatistics {
     pub deviation_in_contact: f64,
     /// ⟨p^k⟩ over the whole surface for k = 2, 3, 4.
     pub moments: [f64; 3],
-    /// Values below which 5, 25, 50, 75 and 95 % of the points in contact lie; 0 without contact.
+    /// The quantiles at [`QUANTILE_LEVELS`] over the points in contact; 0 without contact.
     pub quantiles_in_contact: [f64; 5],
 }
 
 /// The levels of [`PressureStatistics::quantiles_in_contact`].
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// Statistics of a pressure field.
+/// The statistics of a pressure field.
 pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     let n = pressure.len().max(1) as f64;
     let mut contact: Vec<f64> = pressure.iter().copied().filter(|p| *p > 0.0).collect();
@@ -41,7 +41,7 @@ pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     }
 }
 
-/// Elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
+/// The elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
 /// (theory.md, section 0).
 pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> f64 {
     let work: f64 = pressure.iter().zip(displacement).map(|(p, u)| -p * u).sum();

@@ -3,13 +3,13 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
+/// The κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
 pub const PERSSON_KAPPA: f64 = 1.595_769_121_605_731;
 
-/// κ of Bush, Gibson and Thomas at vanishing load, √(2π) ≈ 2.507 (Bush et al. 1975).
+/// The κ of Bush, Gibson and Thomas at vanishing load, √(2π) ≈ 2.507 (Bush et al. 1975).
 pub const BUSH_GIBSON_THOMAS_KAPPA: f64 = 2.506_628_274_631_000_5;
 
-/// Contact area fraction of Persson's theory, erf(√2 p*), p* the reduced pressure.
+/// The contact area fraction of Persson's theory, erf(√2 p*), with p* the reduced pressure.
 pub fn persson_area(reduced_pressure: f64) -> f64 {
     libm::erf(SQRT_2 * reduced_pressure)
 }
@@ -35,8 +35,8 @@ pub fn hertz_point(modulus: f64, curvature_radius: f64, force: f64) -> HertzPoin
     }
 }
 
-/// Hertz line contact of a parabola h = −x²/2R: half-width a, a² = 4 F′R/(π E*), and peak pressure 2F′/(π a), under the
-/// force per length `force` (stress × length).
+/// Hertz line contact of a parabola h = −x²/2R under the force per length `force` (stress × length): the half-width a,
+/// a² = 4 F′R/(π E*), and the peak pressure 2F′/(π a).
 pub fn hertz_line(modulus: f64, curvature_radius: f64, force: f64) -> (f64, f64) {
     let half_width = (4.0 * force * curvature_radius / (PI * modulus)).sqrt();
     (half_width, 2.0 * force / (PI * half_width))
@@ -168,18 +168,18 @@ impl AdhesiveSphere {
     }
 }
 
-/// Johnson's doubly wavy surface A cos(2π x/λ) cos(2π y/λ): the mean pressure that closes the gap, √2 π E* A/λ
+/// The mean pressure √2 π E* A/λ that closes the gap below Johnson's doubly wavy surface A cos(2π x/λ) cos(2π y/λ)
 /// (Johnson, Greenwood and Higginson 1985).
 pub fn johnson_full_contact_pressure(modulus: f64, amplitude: f64, period: f64) -> f64 {
     SQRT_2 * PI * modulus * amplitude / period
 }
 
-/// Area fraction of the doubly wavy surface at vanishing load, π (3 f/8π)^{2/3}, f = p̄/p_full.
+/// The area fraction of the doubly wavy surface at vanishing load, π (3 f/8π)^{2/3}, f = p̄/p_full.
 pub fn johnson_area_at_low_load(relative_pressure: f64) -> f64 {
     PI * (3.0 * relative_pressure / (8.0 * PI)).powf(2.0 / 3.0)
 }
 
-/// Area fraction of the doubly wavy surface near full contact, 1 − (3/2π)(1 − f).
+/// The area fraction of the doubly wavy surface near full contact, 1 − (3/2π)(1 − f).
 pub fn johnson_area_near_full_contact(relative_pressure: f64) -> f64 {
     1.0 - 1.5 / PI * (1.0 - relative_pressure)
 }

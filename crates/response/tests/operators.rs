@@ -136,7 +136,7 @@ fn means_that_do_not_answer_are_told() {
 fn a_field_of_the_wrong_length_is_refused() {
     let response = FullResponse::new(Grid::square(4, 1.0).unwrap(), &bodies()[0]);
     let error = response.stiffness().apply(&[0.0; 16], &mut [0.0; 48], &mut response.workspace()).unwrap_err();
-    assert_eq!(error.to_string(), "the field has 16 values, this grid needs 48");
+    assert_eq!(error.to_string(), "the field has 16 values; it must have 48 on this grid");
 }
 
 proptest! {

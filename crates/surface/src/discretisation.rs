@@ -1,15 +1,15 @@
 use crate::{SelfAffine, SurfaceError};
 
-/// Points along an axis that a [`Discretisation`] may ask for.
+/// The largest number of points along an axis.
 const MOST_POINTS: usize = 1 << 31;
 
-/// Largest relative distance of 1/(ε_t ε_f ε_c) from a whole number: rounding of three factors, with room.
+/// The largest relative distance of 1/(ε_t ε_f ε_c) from a whole number, well above the rounding of three factors.
 const WHOLE: f64 = 1e-9;
 
-/// The three numbers that say how well a cell of length L with spacing a resolves a self-affine spectrum
+/// The three discretisation numbers of a self-affine spectrum in a cell of length L with spacing a
 /// (theory.md, section 9): n = L/a = 1/(ε_t ε_f ε_c).
 ///
-/// They are given by their inverses, which need not be powers of two nor integers; their product must be.
+/// They are given by their inverses, which need not be integers or powers of two; their product must be an integer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discretisation {
     /// 1/ε_t = L/λ_l ≥ 1: longest wavelengths per cell (thermodynamic limit).
@@ -21,7 +21,7 @@ pub struct Discretisation {
 }
 
 impl Discretisation {
-    /// n = 1/(ε_t ε_f ε_c), the number of points along one axis.
+    /// The number of points along one axis, n = 1/(ε_t ε_f ε_c).
     ///
     /// # Errors
     /// A number below its least value or not finite; a product that is not a whole number or beyond 2³¹.
@@ -41,12 +41,12 @@ impl Discretisation {
         Ok(product.round() as usize)
     }
 
-    /// λ_l = ε_t L, the longest wavelength in a cell of `length` L.
+    /// The longest wavelength λ_l = ε_t L in a cell of `length` L.
     pub fn longest_wavelength(&self, length: f64) -> f64 {
         length / self.eps_t_inv
     }
 
-    /// λ_s = ε_f λ_l, the shortest wavelength in a cell of `length` L.
+    /// The shortest wavelength λ_s = ε_f λ_l in a cell of `length` L.
     pub fn shortest_wavelength(&self, length: f64) -> f64 {
         length / (self.eps_t_inv * self.eps_f_inv)
     }

@@ -1,28 +1,30 @@
-/// Why a surface cannot be made or measured. Every message says what was found and what is allowed.
+/// Reasons why a surface cannot be made or measured. Each message states the value found and the values allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
     /// A Hurst exponent outside \[0, 1\].
-    #[error("the Hurst exponent must be from 0 to 1, found {0}")]
+    #[error("the Hurst exponent is {0}; it must be between 0 and 1")]
     Hurst(f64),
-    /// The cut-offs are not two positive wavelengths in this order.
-    #[error("the wavelengths must satisfy 0 < shortest <= longest, found shortest {shortest} and longest {longest}")]
+    /// Cut-offs that are not two positive wavelengths in this order.
+    #[error(
+        "the shortest wavelength is {shortest} and the longest {longest}; they must satisfy 0 < shortest <= longest"
+    )]
     Wavelengths {
         /// Shortest wavelength λ_s, length.
         shortest: f64,
         /// Longest wavelength λ_l, length.
         longest: f64,
     },
-    /// The longest wavelength does not fit into the cell.
-    #[error("the longest wavelength must not exceed the cell length {length}, found {longest}")]
+    /// A longest wavelength that does not fit into the cell.
+    #[error("the longest wavelength is {longest}; it must be at most the cell length {length}")]
     LongerThanCell {
         /// Longest wavelength λ_l, length.
         longest: f64,
         /// The longer side of the cell.
         length: f64,
     },
-    /// The shortest wavelength has less than two points on this grid.
-    #[error("the shortest wavelength must be at least {allowed}, two grid spacings, found {shortest}")]
+    /// A shortest wavelength with less than two points on the grid.
+    #[error("the shortest wavelength is {shortest}; it must be at least {allowed}, two grid spacings")]
     BeyondNyquist {
         /// Shortest wavelength λ_s, length.
         shortest: f64,
@@ -30,7 +32,7 @@ pub enum SurfaceError {
         allowed: f64,
     },
     /// A roll-off wavelength that is not between the cut-offs.
-    #[error("the roll-off wavelength must be from {shortest} to {longest}, found {found}")]
+    #[error("the roll-off wavelength is {found}; it must be between {shortest} and {longest}")]
     RollOff {
         /// Roll-off wavelength λ_r, length.
         found: f64,
@@ -40,15 +42,17 @@ pub enum SurfaceError {
         longest: f64,
     },
     /// A size that must be positive and finite.
-    #[error("the {what} must be positive and finite, found {found}")]
+    #[error("the {what} is {found}; it must be positive and finite")]
     NotPositive {
-        /// Which quantity.
+        /// The quantity.
         what: &'static str,
         /// Its value.
         found: f64,
     },
-    /// No mode of the cell lies between the cut-offs.
-    #[error("no wave vector of this cell has a wavelength from {shortest} to {longest}")]
+    /// Cut-offs without a mode of the cell between them.
+    #[error(
+        "the wavelengths are limited to {shortest} to {longest}; at least one wave vector of the cell must lie in between"
+    )]
     NoModes {
         /// Shortest wavelength λ_s.
         shortest: f64,
@@ -56,7 +60,7 @@ pub enum SurfaceError {
         longest: f64,
     },
     /// A discretisation number that is too small, or not a number.
-    #[error("{name} must be at least {least} and finite, found {found}")]
+    #[error("{name} is {found}; it must be at least {least} and finite")]
     Discretisation {
         /// `1/eps_t`, `1/eps_f` or `1/eps_c`.
         name: &'static str,
@@ -65,8 +69,8 @@ pub enum SurfaceError {
         /// The smallest value allowed.
         least: f64,
     },
-    /// The product of the discretisation numbers is no number of points.
-    #[error("1/eps_t * 1/eps_f * 1/eps_c must be a whole number of points up to {most}, found {product}")]
+    /// Discretisation numbers whose product is no number of points.
+    #[error("1/eps_t * 1/eps_f * 1/eps_c is {product}; it must be a whole number of points up to {most}")]
     PointCount {
         /// The product.
         product: f64,
@@ -74,10 +78,10 @@ pub enum SurfaceError {
         most: usize,
     },
     /// A profile that does not lie along x.
-    #[error("a profile lies along x: [n, 1] points, found {0:?}")]
+    #[error("the profile has {0:?} points; it must lie along x with [n, 1] points")]
     ProfileAxis([usize; 2]),
     /// Heights of another shape than the grid.
-    #[error("heights of shape {found:?} do not fit a grid of {expected:?} points")]
+    #[error("the heights have shape {found:?}; they must have the shape {expected:?} of the grid")]
     Shape {
         /// Shape of the heights.
         found: [usize; 2],
@@ -85,21 +89,23 @@ pub enum SurfaceError {
         expected: [usize; 2],
     },
     /// Heights that are NaN or infinite.
-    #[error("{count} of {points} heights are missing or not finite, the first is {value} at [x, y] = {first:?}")]
+    #[error(
+        "{count} of {points} heights are missing or not finite, the first is {value} at [x, y] = {first:?}; all must be finite"
+    )]
     NotFinite {
-        /// How many.
+        /// The number of heights that are not finite.
         count: usize,
-        /// Of how many.
+        /// The number of all heights.
         points: usize,
         /// Index `[x, y]` of the first one in storage order.
         first: [usize; 2],
         /// The first one: NaN or an infinity.
         value: f64,
     },
-    /// Too few points for what was asked.
-    #[error("{what} needs at least {least} points along each axis it acts on, found {found:?}")]
+    /// Too few points for an operation.
+    #[error("the heights have {found:?} points; {what} needs at least {least} along each axis that it acts on")]
     TooFewPoints {
-        /// What was asked.
+        /// The operation.
         what: &'static str,
         /// Points needed.
         least: usize,
@@ -107,7 +113,7 @@ pub enum SurfaceError {
         found: [usize; 2],
     },
     /// A fit of the Hurst exponent without enough different wavenumbers.
-    #[error("a Hurst exponent needs modes of at least two wavelengths from {shortest} to {longest}, found {found}")]
+    #[error("the heights have {found} wavelengths from {shortest} to {longest}; a Hurst exponent needs at least two")]
     Fit {
         /// Shortest wavelength of the range.
         shortest: f64,
@@ -117,7 +123,7 @@ pub enum SurfaceError {
         found: usize,
     },
     /// A taper that is not a fraction.
-    #[error("the taper of a window must be from 0 to 1, found {0}")]
+    #[error("the taper of the window is {0}; it must be between 0 and 1")]
     Taper(f64),
     /// A name that no value has.
     #[error("the {subject} is {found:?}; it must be one of {allowed}")]
@@ -130,14 +136,14 @@ pub enum SurfaceError {
         allowed: String,
     },
     /// A number of subdivisions that is zero or would not fit into memory.
-    #[error("the number of subdivisions must be from 1 to {most}, found {found}")]
+    #[error("the number of subdivisions is {found}; it must be between 1 and {most}")]
     Subdivisions {
-        /// What was asked.
+        /// The number given.
         found: u32,
         /// The most allowed.
         most: u32,
     },
-    /// The grid itself.
+    /// A grid that cannot be made.
     #[error(transparent)]
     Grid(#[from] gfmd_field::GridError),
     /// A field of the wrong size handed to a transform.
@@ -145,7 +151,7 @@ pub enum SurfaceError {
     Field(#[from] gfmd_field::ShapeError),
 }
 
-/// `found` if it is positive and finite.
+/// Returns `found` if it is positive and finite.
 pub(crate) fn positive(what: &'static str, found: f64) -> Result<f64, SurfaceError> {
     if found.is_finite() && found > 0.0 { Ok(found) } else { Err(SurfaceError::NotPositive { what, found }) }
 }

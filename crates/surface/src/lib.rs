@@ -1,5 +1,5 @@
 //! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and their measured statistics
-//! (theory.md, section 9).
+//! ([theory.md](../gfmd/theory/index.html), section 9).
 //!
 //! | question                                           | start at                                     |
 //! |----------------------------------------------------|----------------------------------------------|
@@ -12,7 +12,7 @@
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
 //!
 //! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Any consistent unit of length.
-//! "Gradient" is the full one, |∇h|, and spectral unless a name says otherwise.
+//! The gradient is the full one, |∇h|, computed from the spectrum unless a name says otherwise.
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -30,7 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: reading files (`xtask`), contact (`gfmd-contact`), numbers of a contact (`gfmd-measure`).
+//! Not here: reading files (`gfmd-files`), contact (`gfmd-contact`), numbers of a contact (`gfmd-measure`).
 #![warn(missing_docs)]
 
 mod discretisation;

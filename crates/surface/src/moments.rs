@@ -1,6 +1,6 @@
 use gfmd_field::{Grid, Mode};
 
-/// Whether heights are a surface over the plane or a profile along a line.
+/// The dimension of heights: a surface over the plane, or a profile along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// h(x): one point along y.
@@ -10,7 +10,7 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// What heights on `grid` are.
+    /// The dimension of heights on `grid`.
     pub fn of(grid: &Grid) -> Self {
         if grid.is_line() { Self::Profile } else { Self::Surface }
     }
@@ -19,7 +19,7 @@ impl Dimension {
 /// Spectral moments: sums over all q ≠ 0 of the full spectrum (theory.md, section 9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
-    /// Surface or profile: fixes what the profile moments and the curvature are.
+    /// Surface or profile, on which the profile moments and the curvature depend.
     pub dimension: Dimension,
     /// The mean square of the height, h_rms² = Σ |h̃|², length².
     pub mean_square_height: f64,
@@ -30,12 +30,12 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// h_rms, length.
+    /// The root-mean-square height h_rms, length.
     pub fn rms_height(&self) -> f64 {
         self.mean_square_height.sqrt()
     }
 
-    /// ḡ, the root-mean-square of the full gradient |∇h| (of h′ for a profile), dimensionless.
+    /// The root-mean-square ḡ of the full gradient |∇h| (h′ of a profile), dimensionless.
     pub fn rms_gradient(&self) -> f64 {
         self.mean_square_gradient.sqrt()
     }
@@ -45,7 +45,7 @@ impl Moments {
         self.mean_square_laplacian.sqrt()
     }
 
-    /// Root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half that of the Laplacian, or of h″ of a
+    /// The root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half the rms Laplacian, or of h″ of a
     /// profile; 1/length.
     pub fn rms_curvature(&self) -> f64 {
         match self.dimension {
@@ -54,8 +54,8 @@ impl Moments {
         }
     }
 
-    /// The moments m0, m2, m4 of a profile: Σ|h̃|², Σq²|h̃|², Σq⁴|h̃|² of the profile itself; for a surface those of a
-    /// straight cut, m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which hold if it is isotropic.
+    /// The moments m0, m2, m4 = Σ|h̃|², Σq²|h̃|², Σq⁴|h̃|² of a profile. For a surface they are those of a straight cut,
+    /// m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which holds if the surface is isotropic.
     pub fn profile(&self) -> [f64; 3] {
         match self.dimension {
             Dimension::Profile => [self.mean_square_height, self.mean_square_gradient, self.mean_square_laplacian],
@@ -72,7 +72,7 @@ impl Moments {
     }
 }
 
-/// Running sums of the three moments, each task its own; added up in the order of the tasks.
+/// Running sums of the three moments. Each task has its own sums, which are added in the order of the tasks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums([f64; 3]);
 
@@ -87,7 +87,7 @@ impl Sums {
         }
     }
 
-    /// All of them, each multiplied by `factor`.
+    /// The moments from the sums of all tasks, multiplied by `factor`.
     pub(crate) fn moments(parts: &[Self], grid: &Grid, factor: f64) -> Moments {
         let total = |k: usize| factor * parts.iter().map(|part| part.0[k]).sum::<f64>();
         Moments {

@@ -10,17 +10,17 @@ use crate::self_affine::Ring;
 use crate::statistics::checked;
 use crate::{Dimension, SurfaceError};
 
-/// Modes per task: fixed, so that sums have the same bits for any number of threads.
+/// The number of modes per task, fixed so that sums have the same bits for any number of threads.
 const MODES_PER_TASK: usize = 1 << 13;
 
-/// A mode carries power if |h̃|² exceeds this fraction of h_rms²: above the rounding of heights stored in single
-/// precision (3·10⁻¹⁶/N per mode of N), below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
+/// The fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding of heights stored in single
+/// precision (3·10⁻¹⁶/N per mode of N), and below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
 const CARRIES_POWER: f64 = 1e-17;
 
-/// The exponent s of C ∝ q^{−s} is looked for between −64 and 64.
+/// The largest magnitude of the exponent s of C ∝ q^{−s} in the search.
 const STEEPEST: f64 = 64.0;
 
-/// Steps of the search: halving alone needs 45, Newton about 6.
+/// The largest number of steps of the search: bisection needs 45, Newton's method about 6.
 const MOST_STEPS: usize = 100;
 
 /// The power |h̃(q)|² of every mode of given heights.
@@ -34,29 +34,29 @@ pub struct PowerSpectrum {
 /// The power spectral density of the modes in one ring of wavenumbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadialBin {
-    /// Mean |q| of its modes, rad/length.
+    /// The mean |q| of the modes in the ring, rad/length.
     pub wavenumber: f64,
-    /// Mean of C2D = (Lx Ly/4π²)|h̃|² in length⁴, or of C1D = (L/2π)|h̃|² in length³ for a profile.
+    /// The mean of C2D = (Lx Ly/4π²)|h̃|² in length⁴, or of C1D = (L/2π)|h̃|² in length³ for a profile.
     pub density: f64,
-    /// Modes in the ring, in the full spectrum: ±q count as two.
+    /// The number of modes of the full spectrum in the ring: ±q count as two.
     pub modes: f64,
 }
 
 /// A power law fitted to a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HurstFit {
-    /// H of C2D ∝ q^{−2(1+H)} or C1D ∝ q^{−(1+2H)}. Not forced into \[0, 1\].
+    /// The Hurst exponent H in C2D ∝ q^{−2(1+H)} or C1D ∝ q^{−(1+2H)}. It is not forced into \[0, 1\].
     pub hurst: f64,
-    /// Standard error of H if the modes are independent and Gaussian: 1/(2 √Σ(ln q − ⟨ln q⟩)²) over pairs ±q.
+    /// The standard error of H if the modes are independent and Gaussian: 1/(2 √Σ(ln q − ⟨ln q⟩)²) over pairs ±q.
     pub standard_error: f64,
-    /// Pairs ±q that were used.
+    /// The number of pairs ±q in the fit.
     pub pairs: usize,
-    /// The longest and shortest wavelengths of the range that was asked for, length.
+    /// The longest and shortest wavelengths of the range of the fit, length.
     pub range: [f64; 2],
 }
 
 impl PowerSpectrum {
-    /// The spectrum of `heights`, shape `[nx, ny]`, taken as one period. The mean height is left out of all sums.
+    /// The spectrum of `heights`, shape `[nx, ny]`, taken as one period. The mean height does not enter the moments.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -83,7 +83,7 @@ impl PowerSpectrum {
         Ok(Self { grid: *grid, power, moments: Sums::moments(&sums, grid, 1.0) })
     }
 
-    /// |h̃(q)|² in length², laid out as [`Grid::modes`].
+    /// The power |h̃(q)|² in length², laid out as [`Grid::modes`].
     pub fn power(&self) -> &[f64] {
         &self.power
     }
@@ -94,8 +94,8 @@ impl PowerSpectrum {
     }
 
     /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
-    /// q₀, up to the smaller Nyquist wavenumber: beyond it rings are cut by the corners of the spectrum. Of a profile,
-    /// every mode is a ring.
+    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. For a profile every
+    /// mode is a ring.
     pub fn radial(&self) -> Vec<RadialBin> {
         let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
         let along = if self.grid.is_line() { 1 } else { 2 };
@@ -118,8 +118,8 @@ impl PowerSpectrum {
             .collect()
     }
 
-    /// The longest and shortest wavelengths of modes that carry power, length: the cut-offs that the heights have.
-    /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; a non-periodic scan fills the band.
+    /// The longest and shortest wavelengths of modes that carry power, which are the cut-offs of the heights; length.
+    /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; in a non-periodic scan all modes do.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
         let floor = CARRIES_POWER * self.moments.mean_square_height;
         let mut ends: Option<[f64; 2]> = None;
@@ -133,11 +133,11 @@ impl PowerSpectrum {
         ends.map(|ends| ends.map(|q| TAU / q))
     }
 
-    /// The Hurst exponent of the modes with wavelengths from `longest` to `shortest`, both included.
+    /// Fits the Hurst exponent to the modes with wavelengths from `longest` to `shortest`, both included.
     ///
-    /// The likelihood of independent Gaussian modes, |h̃|² distributed exponentially about c q^{−s}, is maximised over
-    /// c and s (Whittle's estimate): unlike a straight line through a logarithmic plot it has no bias from the
-    /// logarithm of noise nor from bins. Windows and mirrors correlate modes: the error stated is then too small.
+    /// The fit maximises the likelihood of independent Gaussian modes, with |h̃|² distributed exponentially about c q^{−s},
+    /// over c and s (Whittle's estimate). Unlike a straight line through a logarithmic plot, it has no bias from the
+    /// logarithm of noise or from bins. Windows and mirrors correlate the modes, so that the stated error is too small.
     ///
     /// # Errors
     /// Wavelengths out of order; less than two different wavenumbers with power in the range.
@@ -179,8 +179,8 @@ struct Sample {
     weight: f64,
 }
 
-/// The root s of ⟨ln q⟩ weighed by |h̃|² q^s minus ⟨ln q⟩. The difference rises with s, since its slope is a variance;
-/// Newton's steps, kept inside the bracket that they narrow.
+/// The exponent s at which ⟨ln q⟩ weighted by |h̃|² q^s equals the plain ⟨ln q⟩. The difference rises with s, since its slope
+/// is a variance. Newton's method, safeguarded by bisection.
 fn likeliest_exponent(samples: &[Sample], mean: f64) -> f64 {
     let (mut low, mut high) = (-STEEPEST, STEEPEST);
     let mut exponent = 3.0;

@@ -7,17 +7,17 @@ use crate::SurfaceError;
 use crate::names::named;
 use crate::statistics::{checked, finite};
 
-/// What a scan of a surface holds besides roughness: the part that [`remove`] takes away.
+/// The part of a scan that is not roughness and that [`remove`] takes away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
     /// The mean height.
     Mean,
-    /// The plane with the least squared distance from the heights: the least rms height that a tilt can give.
+    /// The plane with the least squared distance from the heights. It leaves the smallest rms height.
     Plane,
-    /// The plane with the mean slope, the mean of the forward differences at all points with a neighbour along both
-    /// axes: the least rms gradient that a tilt can give. It joins opposite edges on average.
+    /// The plane with the mean slope, which is the mean of the forward differences at all points with a neighbour along both
+    /// axes. It leaves the smallest rms gradient and joins opposite edges on average.
     Slope,
-    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance: also the bow of a scanner, or a radius.
+    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance, which includes the bow of a scanner or a radius.
     Quadratic,
 }
 
@@ -28,15 +28,15 @@ named! { Trend, "trend":
     Quadratic = "quadratic", "the least-squares paraboloid";
 }
 
-/// How heights that are not periodic are made into one period of a cell.
+/// A way to make heights that are not periodic into one period of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Periodisation {
-    /// Not at all: the step from one edge to the opposite one becomes a cliff of the surface. It adds to all gradients
-    /// and, as C ∝ q⁻² along the axes, to the spectrum. Right for heights that are periodic.
+    /// No change: the step between opposite edges becomes part of the surface. It adds to all gradients and, with C ∝ q⁻²
+    /// along the axes, to the spectrum. Right for heights that are periodic.
     AsIs,
     /// The heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long: no step,
-    /// but a crease where the images meet. Height distribution and peak-to-valley stay exactly, gradients but for
-    /// the seams; the cell has mirror planes, its longest wavelength doubles, any correlation of h_x with h_y is lost.
+    /// but a crease between the images. The height distribution stays exactly; gradients stay except at the seams. The cell
+    /// has mirror planes, its longest wavelength doubles, and a correlation of h_x with h_y is lost.
     Mirror,
 }
 
@@ -45,7 +45,7 @@ named! { Periodisation, "periodisation":
     Mirror = "mirror", "by mirror images: no step, four times the points";
 }
 
-/// The heights without their trend, same shape; fitted on the index lattice, so that no lengths matter.
+/// Returns the heights without their trend. The fit uses indices, so that lengths do not matter.
 ///
 /// # Errors
 /// Heights that are not finite; fewer than 2 points along an axis (not a profile's y) for a tilt, 3 for a paraboloid.
@@ -83,7 +83,7 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
     Ok(rest)
 }
 
-/// Heights made periodic, and the grid they then live on.
+/// Returns periodic heights and their grid.
 ///
 /// # Errors
 /// Heights of another shape than the grid or not finite.
@@ -114,7 +114,7 @@ pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceE
     Ok(Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j]))
 }
 
-/// Polynomials 1, i, i² on n points, each orthogonal to those before and to shifts: centred Legendre polynomials.
+/// The polynomials 1, i, i² on n points, centred and orthogonalised: discrete Legendre polynomials.
 fn centred(points: usize) -> [Vec<f64>; 3] {
     let middle = 0.5 * (points as f64 - 1.0);
     let linear: Vec<f64> = (0..points).map(|i| i as f64 - middle).collect();
@@ -123,8 +123,8 @@ fn centred(points: usize) -> [Vec<f64>; 3] {
     [vec![1.0; points], linear, quadratic]
 }
 
-/// Takes the multiple of a(x) b(y) out of the heights that has the least squared distance. Products of orthogonal
-/// polynomials are orthogonal on the lattice: one at a time gives the joint fit.
+/// Subtracts from the heights their projection on a(x) b(y). Products of orthogonal polynomials are orthogonal on the
+/// lattice, so that one projection after the other gives the joint fit.
 fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
     let norm: f64 = a.iter().map(|x| x * x).sum::<f64>() * b.iter().map(|y| y * y).sum::<f64>();
     if norm == 0.0 {
@@ -138,7 +138,7 @@ fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
     }
 }
 
-/// Mean forward difference per index along x and y over the points with a neighbour along both (one axis: along it).
+/// The mean forward difference per index along x and y, over the points with a neighbour along both axes.
 fn mean_slope(heights: &Array2<f64>) -> [f64; 2] {
     let (nx, ny) = heights.dim();
     let mean = |ahead: ArrayView2<f64>, here: ArrayView2<f64>| {
@@ -162,7 +162,7 @@ fn mirrored(heights: &Array2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), S
     Ok((Array2::from_shape_fn(twice.points(), |(i, j)| heights[[image(i, nx), image(j, ny)]]), twice))
 }
 
-/// A cosine-tapered window over points in the middles of n intervals, divided by its rms value; 1 for a single point.
+/// The Tukey window at the centres of n intervals, divided by its rms value; 1 for a single point.
 fn tukey(points: usize, taper: f64) -> Vec<f64> {
     if points == 1 {
         return vec![1.0];

@@ -5,40 +5,40 @@ use crate::error::positive;
 use crate::names::named;
 use crate::random::Normal;
 
-/// Most subdivisions of a profile: 2²⁸ + 1 points.
+/// The largest number of subdivisions of a profile: 2²⁸ + 1 points.
 const MOST_ALONG_A_LINE: u32 = 28;
 
-/// Most subdivisions of a surface: (2¹⁴ + 1)² points.
+/// The largest number of subdivisions of a surface: (2¹⁴ + 1)² points.
 const MOST_OVER_THE_PLANE: u32 = 14;
 
 /// Fractional Brownian motion by repeated halving of intervals (theory.md, section 9).
 ///
-/// Simple, fast and inexact; for quantitative work take [`crate::SelfAffine`]. The heights are not periodic, they have
-/// no sharp cut-offs (the band ends somewhere near the spacing), and on a surface they are not isotropic: the lattice
-/// of the subdivision shows as creases. With midpoint displacement, increments that do not lie on that lattice have the
-/// wrong variance: up to +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
+/// The method is simple, fast and inexact; use [`crate::SelfAffine`] for quantitative work. The heights are not periodic,
+/// have no sharp cut-offs (the band ends near the spacing), and on a surface they are not isotropic: the lattice of the
+/// subdivision shows as creases. With midpoint displacement, increments off that lattice have the wrong variance: up to
+/// +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealSpace {
     /// Hurst exponent H, from 0 to 1.
     pub hurst: f64,
-    /// k: the side is halved k times, which makes 2^k + 1 points.
+    /// The number k of halvings of a side, which make 2^k + 1 points.
     pub subdivisions: u32,
-    /// σ, root-mean-square increment of the height over one side, length.
+    /// The root-mean-square increment σ of the height over one side, length.
     pub rms_increment: f64,
-    /// Which points are displaced.
+    /// The points that are displaced.
     pub displaced: Displaced,
 }
 
-/// Which points a subdivision displaces, all by normal numbers of variance ∝ 2^{−2Hi} in the i-th halving of lengths.
+/// The points that a subdivision displaces, by normal numbers of variance ∝ 2^{−2Hi} in the i-th halving of lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displaced {
     /// The new points only: random midpoint displacement, on a surface by diamonds and squares. The variance is
-    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which gives increments between neighbours of the lattice theirs exactly
-    /// (profiles). Coarse points stay as they are when the number of subdivisions grows.
+    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which is exact for increments between neighbours of the lattice (profiles). Coarse
+    /// points do not change when the number of subdivisions grows.
     Midpoints,
-    /// All points of the lattice so far: successive random addition, variance Δ_i²/2. Smoother than the former; all
-    /// increments on the lattice are too large by the same factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after many
-    /// subdivisions (profiles).
+    /// All points of the lattice so far: successive random addition, variance Δ_i²/2. Smoother than midpoint displacement;
+    /// all increments on the lattice are too large by one factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after many subdivisions
+    /// (profiles).
     AllPoints,
 }
 
@@ -100,7 +100,7 @@ impl RealSpace {
         Ok(heights)
     }
 
-    /// Root-mean-square displacement after lengths were divided by √2 `half_steps` times.
+    /// The root-mean-square displacement after `half_steps` divisions of lengths by √2.
     fn displacement(&self, half_steps: f64) -> f64 {
         let new = (1.0 - 2.0_f64.powf(2.0 * self.hurst - 2.0)) * 2.0_f64.powf(-self.hurst * half_steps);
         let share = match self.displaced {
@@ -121,17 +121,17 @@ impl RealSpace {
     }
 }
 
-/// Whether a point of the present lattice, by its indices there, is the centre of a square of the one before.
+/// Returns true if a point of the present lattice is the centre of a square of the previous one.
 fn is_centre(at: [usize; 2]) -> bool {
     at[0] % 2 == 1 && at[1] % 2 == 1
 }
 
-/// Whether it is the centre of an edge.
+/// Returns true if a point of the present lattice is the centre of an edge of the previous one.
 fn is_edge(at: [usize; 2]) -> bool {
     (at[0] + at[1]) % 2 == 1
 }
 
-/// Gives every `wanted` point of the lattice of this stride the mean of its neighbours, of those that exist.
+/// Sets every `wanted` point of the lattice of this stride to the mean of its neighbours inside the surface.
 fn interpolate(
     heights: &mut Array2<f64>,
     stride: usize,
@@ -151,7 +151,7 @@ fn interpolate(
     }
 }
 
-/// Adds a normal number of this size to every `wanted` point of the lattice.
+/// Adds a normal number of standard deviation `size` to every `wanted` point of the lattice.
 fn displace(
     heights: &mut Array2<f64>,
     stride: usize,

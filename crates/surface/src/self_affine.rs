@@ -4,14 +4,14 @@ use crate::SurfaceError;
 use crate::error::positive;
 use crate::names::named;
 
-/// Relative slack, in squared wavenumber, within which a mode counts as on the ring rather than outside: far above
-/// the rounding of |q|² and far below the distance of two rings of integer wave numbers.
+/// The relative slack in squared wavenumber within which a mode counts as inside the ring. It lies far above the rounding of
+/// |q|² and far below the distance between rings of integer wave numbers.
 const ON_THE_RING: f64 = 1e-12;
 
 /// The spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
 ///
 /// Modes with shortest ≤ 2π/|q| ≤ longest, both ends included, carry ⟨|h̃|²⟩ ∝ q^{−2(1+H)} on a surface and
-/// ∝ q^{−(1+2H)} on a line profile, but for a roll-off; all others are zero. The grid says which of the two it is.
+/// ∝ q^{−(1+2H)} on a profile, unless there is a roll-off; all other modes are zero. A profile is a line grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfAffine {
     /// Hurst exponent H, from 0 to 1.
@@ -22,11 +22,11 @@ pub struct SelfAffine {
     pub shortest_wavelength: f64,
     /// The roll-off of the power law at long wavelengths; `None` if it goes on to the longest wavelength.
     pub roll_off: Option<RollOff>,
-    /// What the heights are scaled to.
+    /// The size to which the heights are scaled.
     pub normalisation: Normalisation,
-    /// What the one factor of that scaling is computed from.
+    /// The sum from which the factor of the scaling is computed.
     pub scaling: Scaling,
-    /// How the size of each mode is drawn.
+    /// The distribution of the size of each mode.
     pub amplitudes: Amplitudes,
 }
 
@@ -54,7 +54,7 @@ named! { RollOffShape, "roll-off shape":
     Smooth = "smooth", "(1 + (q/q_r)²)^-(1+H)";
 }
 
-/// The size that one common factor gives to all heights.
+/// The size to which a common factor scales all heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normalisation {
     /// The root-mean-square of the full gradient |∇h|, spectral: ḡ² = Σ q²|h̃|². Dimensionless.
@@ -63,22 +63,22 @@ pub enum Normalisation {
     RmsHeight(f64),
 }
 
-/// Which sum the scaling factor is computed from.
+/// The sum from which the scaling factor is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// That of the realisation: every surface has exactly the size asked for.
+    /// The sum of the realisation: every surface has exactly the given size.
     EachRealisation,
-    /// The expected one: the mean square over many seeds has the size asked for, each surface fluctuates about it.
+    /// The expected sum: the mean square over many seeds has the given size, and each surface fluctuates about it.
     Ensemble,
 }
 
-/// How the size of a mode is drawn; its phase is uniform and the same in both cases.
+/// The distribution of the size of a mode; its phase is uniform and does not depend on this choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Amplitudes {
-    /// Normal real and imaginary parts: a Gaussian random surface.
+    /// Normally distributed real and imaginary parts: a Gaussian random surface.
     #[default]
     Gaussian,
-    /// Every |h̃| as large as its expected root-mean-square: random phases only, the spectrum has no noise.
+    /// Every |h̃| equal to its expected root-mean-square: random phases only, a spectrum without noise.
     Fixed,
 }
 
@@ -158,7 +158,7 @@ impl SelfAffine {
         Ok(Band { ring: Ring::new(shortest, longest), lengths, exponent, floor, smooth })
     }
 
-    /// (λ_s/λ_r)² of a roll-off wavelength that lies between the cut-offs.
+    /// The square (λ_s/λ_r)² if the roll-off wavelength lies between the cut-offs.
     fn between(&self, found: f64) -> Result<f64, SurfaceError> {
         let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
         if found >= shortest && found <= longest {
@@ -181,7 +181,8 @@ impl Ring {
         Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING) }
     }
 
-    /// (|q|/q_s)² if the mode is in the ring; from the integers, so that no grid but only the cell has a say.
+    /// The square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it depends on the cell
+    /// and not on the grid.
     pub(crate) fn position(&self, mode: &Mode, lengths: [f64; 2]) -> Option<f64> {
         let [x, y] = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
         let square = x * x + y * y;
@@ -194,19 +195,19 @@ impl Ring {
 pub(crate) struct Band {
     ring: Ring,
     lengths: [f64; 2],
-    /// C(q) ∝ (q²)^{−exponent}.
+    /// The exponent in C(q) ∝ (q²)^{−exponent}.
     exponent: f64,
-    /// (q_r/q_s)² of a plateau, or zero.
+    /// The square (q_r/q_s)² of a plateau, or zero.
     floor: f64,
-    /// (q_r/q_s)² of a smooth roll-off.
+    /// The square (q_r/q_s)² of a smooth roll-off.
     smooth: Option<f64>,
 }
 
 impl Band {
-    /// Expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
+    /// The expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
     ///
-    /// A mode in a Nyquist row that is not its own conjugate has |q| > q_s; only the slack of an extremely elongated
-    /// cell could let one in, and its mirror image would not fit.
+    /// A Nyquist mode that is not its own conjugate has |q| > q_s. Only the slack of an extremely elongated cell could
+    /// include one, and the grid does not hold its mirror image, so that it is excluded.
     pub(crate) fn power(&self, mode: &Mode) -> Option<f64> {
         if mode.nyquist.contains(&true) && !mode.is_self_conjugate() {
             return None;

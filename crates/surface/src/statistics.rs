@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::{Moments, PowerSpectrum, SurfaceError};
 
-/// Numbers that describe given heights, one period of a surface `[nx, ny]` or of a profile `[n, 1]`.
+/// The statistics of heights over one period of a surface `[nx, ny]` or of a profile `[n, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Mean height, length.
@@ -21,14 +21,14 @@ pub struct Statistics {
     pub rms_gradient_central: f64,
     /// Root-mean-square gradient by forward differences (h(x+a) − h(x))/a, the seam included; dimensionless.
     pub rms_gradient_forward: f64,
-    /// The same without the differences across the seam: the one for heights that are not periodic.
+    /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not periodic.
     pub rms_gradient_inside: f64,
     /// The jump across the seam.
     pub seam: Seam,
 }
 
-/// How well opposite edges of the heights fit together: the root-mean-square step between neighbouring points across
-/// the periodic seam over that between neighbours inside. About 1 for a periodic surface.
+/// The root-mean-square steps between neighbouring points across the periodic seam and inside. Their ratio says how well
+/// opposite edges fit together; it is about 1 for a periodic surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
     /// Step from the last to the first point along x and along y, root-mean-square, length. Zero along one point.
@@ -38,15 +38,15 @@ pub struct Seam {
 }
 
 impl Seam {
-    /// across/inside along x and along y; `None` where all steps inside are zero.
+    /// The ratio across/inside along x and along y; `None` if all steps inside are zero.
     pub fn ratio(&self) -> [Option<f64>; 2] {
         [0, 1].map(|axis| (self.inside[axis] > 0.0).then(|| self.across[axis] / self.inside[axis]))
     }
 }
 
 impl Statistics {
-    /// The statistics of `heights`. The spectral ones take the heights as one period: a jump across the seam is part
-    /// of the surface for them.
+    /// The statistics of `heights`. Spectral statistics take the heights as one period, so that a step across the seam is part
+    /// of the surface.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -74,16 +74,16 @@ impl Statistics {
         })
     }
 
-    /// Highest minus lowest height, length.
+    /// The highest minus the lowest height, length.
     pub fn peak_to_valley(&self) -> f64 {
         self.highest - self.lowest
     }
 }
 
-/// Mean squares of steps between points of a periodic axis.
+/// The mean squares of steps between points of a periodic axis.
 #[derive(Default)]
 struct Steps {
-    /// Between neighbours, none across the seam.
+    /// Between neighbours, except across the seam.
     inside: f64,
     /// Between the last and the first point.
     across: f64,
@@ -116,14 +116,14 @@ impl Steps {
     }
 }
 
-/// Σ f(a, b) over the points of two fields, added up row by row: the same bits for any number of threads.
+/// The sum Σ f(a, b) over the points of two fields, added row by row: it has the same bits for any number of threads.
 fn sum_of(a: ArrayView2<f64>, b: ArrayView2<f64>, f: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
     let row = |i| a.row(i).iter().zip(b.row(i)).map(|(&a, &b)| f(a, b)).sum();
     let rows: Vec<f64> = (0..a.nrows()).into_par_iter().map(row).collect();
     rows.iter().sum()
 }
 
-/// The heights in the storage order of the grid, if they fit it and are all finite.
+/// Returns the heights in the storage order of the grid if they fit it and are finite.
 pub(crate) fn checked<'a>(heights: &'a Array2<f64>, grid: &Grid) -> Result<Cow<'a, [f64]>, SurfaceError> {
     let (nx, ny) = heights.dim();
     if [nx, ny] != grid.points() {
@@ -136,7 +136,7 @@ pub(crate) fn checked<'a>(heights: &'a Array2<f64>, grid: &Grid) -> Result<Cow<'
     })
 }
 
-/// An error that counts the heights that are NaN or infinite and names the first, if there are any.
+/// Refuses heights that are NaN or infinite, with their number and the first of them.
 pub(crate) fn finite(heights: &Array2<f64>) -> Result<(), SurfaceError> {
     let mut holes = heights.indexed_iter().filter(|(_, h)| !h.is_finite());
     match holes.next() {

@@ -9,15 +9,15 @@ use crate::moments::{Moments, Sums};
 use crate::random::{keyed, uniform_pair};
 use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
 
-/// Modes that one task draws: fixed, so that the sums have the same bits for any number of threads.
+/// The number of modes that one task draws, fixed so that sums have the same bits for any number of threads.
 const MODES_PER_TASK: usize = 1 << 13;
 
 impl SelfAffine {
-    /// The realisation `seed` of this spectrum on `grid`: heights in length, shape `[nx, ny]`, mean zero.
+    /// The heights (length) of the realisation `seed` of this spectrum on `grid`, shape `[nx, ny]`, mean zero.
     ///
-    /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so a finer grid
-    /// of the same cell samples the same surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and
-    /// are drawn differently from those of a finer grid.)
+    /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so that a finer grid
+    /// of one cell samples one surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and are drawn
+    /// differently from those of a finer grid.)
     ///
     /// # Errors
     /// A parameter out of its range, a cell or grid that cannot hold the wavelengths, or a ring without modes.
@@ -31,10 +31,10 @@ impl SelfAffine {
         Array2::from_shape_vec((nx, ny), heights).map_err(|_| SurfaceError::Shape { found, expected: [nx, ny] })
     }
 
-    /// Its Fourier coefficients h̃(q), laid out as [`Grid::modes`] (theory.md, section 9).
+    /// The Fourier coefficients h̃(q) of the realisation `seed`, laid out as [`Grid::modes`] (theory.md, section 9).
     ///
-    /// Of each pair ±q the one with n > 0, or n = 0 and m > 0, is drawn, from a generator of its own: `pcg64` (XSL-RR
-    /// 128/64), default stream 0x0a02bdbf7bb3c0a7ac28fa16a64abf96, initial state hi·2⁶⁴ + lo with
+    /// One mode of each pair ±q is drawn, the one with n > 0, or n = 0 and m > 0. Each has its own generator: `pcg64`
+    /// (XSL-RR 128/64), default stream 0x0a02bdbf7bb3c0a7ac28fa16a64abf96, initial state hi·2⁶⁴ + lo with
     ///
     /// ```text
     /// lo = mix(mix(mix(seed) xor m) xor n), hi = mix(lo); m, n as 64-bit two's complement
@@ -42,8 +42,8 @@ impl SelfAffine {
     ///         z = (z xor z >> 27) 0x94d049bb133111eb, z xor z >> 31   (SplitMix64, modulo 2⁶⁴)
     /// ```
     ///
-    /// Its first two words, shifted right by 11 bits, are k₁ and k₂; U₁ = (k₁ + 1)/2⁵³ in (0, 1], U₂ = k₂/2⁵³. Then
-    /// h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) where q and −q are the same mode, and h̃(−q) = h̃(q)*.
+    /// The first two words, shifted right by 11 bits, are k₁ and k₂; U₁ = (k₁ + 1)/2⁵³ in (0, 1], U₂ = k₂/2⁵³. Then
+    /// h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) if q and −q are the same mode, and h̃(−q) = h̃(q)*.
     /// NumPy's `PCG64` with this state makes the same heights (`data/reference/surface_heights.json`).
     ///
     /// # Errors
@@ -70,8 +70,8 @@ impl SelfAffine {
         Ok(spectrum)
     }
 
-    /// The moments that the spectrum has on average over all seeds, with `Scaling::Ensemble` or `Amplitudes::Fixed`;
-    /// the discrete sums over the ring, not integrals.
+    /// The moments of the spectrum on average over all seeds, with `Scaling::Ensemble` or `Amplitudes::Fixed`. They are
+    /// discrete sums over the ring, not integrals.
     ///
     /// # Errors
     /// As [`SelfAffine::heights`].
@@ -93,7 +93,7 @@ impl SelfAffine {
         Ok(Sums::moments(&sums, grid, factor * factor))
     }
 
-    /// A draw of the mode, of expected square `power`.
+    /// Draws the amplitude of the mode, with the expected square `power`.
     fn draw(&self, mode: &Mode, power: f64, seed: u64) -> Complex64 {
         let [m, n] = mode.number;
         let mirrored = n < 0 || n == 0 && m < 0;
@@ -112,7 +112,7 @@ impl SelfAffine {
         Complex64::new(size * cos, if mirrored { -size * sin } else { size * sin })
     }
 
-    /// The square that the scaling counts: the drawn one or the expected one.
+    /// The square that enters the scaling: the drawn or the expected one.
     fn weighed(&self, drawn: f64, expected: f64) -> f64 {
         match self.scaling {
             Scaling::EachRealisation => drawn,
@@ -120,7 +120,7 @@ impl SelfAffine {
         }
     }
 
-    /// The factor that gives the amplitudes the size asked for.
+    /// The factor that scales the amplitudes to the given size.
     fn factor(&self, unscaled: &Moments) -> Result<f64, SurfaceError> {
         if unscaled.mean_square_height <= 0.0 {
             let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;

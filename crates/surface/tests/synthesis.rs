@@ -173,19 +173,35 @@ fn unusable_spectra_are_refused_with_what_is_allowed() {
         let message = surface.heights(&grid, 1).unwrap_err().to_string();
         assert!(message.contains(words), "{message:?} lacks {words:?}");
     };
-    says(SelfAffine { hurst: 1.2, ..base }, grid, "from 0 to 1, found 1.2");
-    says(SelfAffine { hurst: f64::NAN, ..base }, grid, "from 0 to 1, found NaN");
-    says(SelfAffine { shortest_wavelength: 0.6, ..base }, grid, "shortest 0.6 and longest 0.5");
+    says(SelfAffine { hurst: 1.2, ..base }, grid, "the Hurst exponent is 1.2; it must be between 0 and 1");
+    says(SelfAffine { hurst: f64::NAN, ..base }, grid, "the Hurst exponent is NaN");
+    says(SelfAffine { shortest_wavelength: 0.6, ..base }, grid, "shortest wavelength is 0.6 and the longest 0.5");
     says(SelfAffine { shortest_wavelength: -0.1, ..base }, grid, "0 < shortest");
     says(SelfAffine { shortest_wavelength: f64::NAN, ..base }, grid, "0 < shortest");
-    says(SelfAffine { longest_wavelength: 1.1, ..base }, grid, "cell length 1, found 1.1");
-    says(SelfAffine { shortest_wavelength: 0.06, ..base }, grid, "at least 0.0625, two grid spacings, found 0.06");
-    says(SelfAffine { roll_off: plateau(0.6), ..base }, grid, "from 0.125 to 0.5, found 0.6");
-    says(SelfAffine { roll_off: smooth(f64::NAN), ..base }, grid, "found NaN");
-    says(SelfAffine { normalisation: Normalisation::RmsGradient(0.0), ..base }, grid, "rms gradient must be positive");
-    says(SelfAffine { normalisation: Normalisation::RmsHeight(-1.0), ..base }, grid, "rms height must be positive");
-    says(SelfAffine { longest_wavelength: 0.71, shortest_wavelength: 0.708, ..base }, grid, "no wave vector");
-    says(base, Grid::new([1, 32], [1.0, 1.0]).unwrap(), "a profile lies along x: [n, 1] points, found [1, 32]");
+    says(
+        SelfAffine { longest_wavelength: 1.1, ..base },
+        grid,
+        "longest wavelength is 1.1; it must be at most the cell length 1",
+    );
+    says(
+        SelfAffine { shortest_wavelength: 0.06, ..base },
+        grid,
+        "is 0.06; it must be at least 0.0625, two grid spacings",
+    );
+    says(SelfAffine { roll_off: plateau(0.6), ..base }, grid, "is 0.6; it must be between 0.125 and 0.5");
+    says(SelfAffine { roll_off: smooth(f64::NAN), ..base }, grid, "roll-off wavelength is NaN");
+    says(
+        SelfAffine { normalisation: Normalisation::RmsGradient(0.0), ..base },
+        grid,
+        "rms gradient is 0; it must be positive",
+    );
+    says(
+        SelfAffine { normalisation: Normalisation::RmsHeight(-1.0), ..base },
+        grid,
+        "rms height is -1; it must be positive",
+    );
+    says(SelfAffine { longest_wavelength: 0.71, shortest_wavelength: 0.708, ..base }, grid, "at least one wave vector");
+    says(base, Grid::new([1, 32], [1.0, 1.0]).unwrap(), "the profile has [1, 32] points; it must lie along x");
 }
 
 proptest! {

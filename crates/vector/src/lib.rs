@@ -30,12 +30,12 @@
 
 use std::ops::Range;
 
-/// Values that one leaf of the tree handles at a time: small enough for the first-level cache with a few vectors at
-/// once, large enough to hide the cost of handing it to a thread.
+/// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it outweighs
+/// the cost of handing it to a thread.
 pub const LEAF: usize = 2048;
 
-/// One sweep over `vectors`, all of the same length: `leaf(start, parts)` gets the same stretch of each, beginning at
-/// index `start`, and `merge` joins the results of neighbouring stretches, in order.
+/// Sweeps once over `vectors` of equal length: `leaf(start, parts)` gets one stretch of each vector, beginning at index
+/// `start`, and `merge` joins the results of neighbouring stretches, in order.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -45,7 +45,7 @@ pub fn pass<const M: usize, R: Send>(
     merge: &(impl Fn(R, R) -> R + Sync),
 ) -> R {
     let length = vectors.first().map_or(0, |vector| vector.len());
-    assert!(vectors.iter().all(|vector| vector.len() == length), "the vectors of one pass have the same length");
+    assert!(vectors.iter().all(|vector| vector.len() == length), "the vectors of one pass must have equal lengths");
     split(0, length, vectors, leaf, merge)
 }
 
@@ -75,7 +75,7 @@ fn split<const M: usize, R: Send>(
     merge(a, b)
 }
 
-/// As [`pass`] without a result: `leaf` only changes its stretches.
+/// Sweeps as [`pass`], without a result: `leaf` only changes its stretches.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -83,7 +83,7 @@ pub fn for_each<const M: usize>(vectors: [&mut [f64]; M], leaf: &(impl Fn(usize,
     pass(vectors, leaf, &|(), ()| ());
 }
 
-/// As [`pass`] without a vector to change: reduces the ranges of `0..length`.
+/// Reduces the ranges of `0..length` as [`pass`], without a vector to change.
 pub fn reduce<R: Send>(
     length: usize,
     leaf: &(impl Fn(Range<usize>) -> R + Sync),
@@ -102,22 +102,22 @@ pub fn reduce<R: Send>(
     split(0..length, leaf, merge)
 }
 
-/// Σ over `0..length` of what `leaf` sums over its range.
+/// The sum over `0..length`; `leaf` returns the sum over its range.
 pub fn sum(length: usize, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
     reduce(length, leaf, &|a, b| a + b)
 }
 
-/// Entry by entry sum: the usual `merge`.
+/// The sum entry by entry, the usual `merge`.
 pub fn add<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// Σ a b.
+/// The scalar product Σ a b over the shorter length.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sum(a.len().min(b.len()), &|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum())
 }
 
-/// Where a stretch longer than a leaf is cut: a whole number of leaves on the left.
+/// The index at which a stretch longer than a leaf is cut, a whole number of leaves; `None` for a shorter stretch.
 fn half(length: usize) -> Option<usize> {
     (length > LEAF).then(|| length.div_ceil(LEAF).div_ceil(2) * LEAF)
 }

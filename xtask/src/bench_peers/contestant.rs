@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use clap::ValueEnum;
 use gfmd_cli::load::LoadRecord;
 use gfmd_cli::session::Session;
-use gfmd_cli::solver::SolverName;
+use gfmd_contact::Solver;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -20,7 +19,7 @@ use super::{Peer, TamaasFftw};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contestant {
     /// This program with one of its solvers.
-    Own(SolverName),
+    Own(Solver),
     /// Another one.
     Peer(Peer),
 }
@@ -28,8 +27,8 @@ pub(super) enum Contestant {
 impl fmt::Display for Contestant {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Own(SolverName::Auto) => f.write_str("gfmd"),
-            Self::Own(solver) => write!(f, "gfmd {}", name(*solver)),
+            Self::Own(Solver::Auto) => f.write_str("gfmd"),
+            Self::Own(solver) => write!(f, "gfmd {solver}"),
             Self::Peer(Peer::Tamaas) => f.write_str("Tamaas"),
             Self::Peer(Peer::ContactMechanics) => f.write_str("ContactMechanics"),
             Self::Peer(Peer::NoRestart) => f.write_str("CM no-restart"),
@@ -140,11 +139,6 @@ impl Contestant {
     }
 }
 
-/// The name of a solver as a flag has it.
-fn name(solver: SolverName) -> String {
-    solver.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
 /// What the command `contact` prints, as far as it is needed here.
 #[derive(Deserialize)]
 struct Contact {
@@ -154,7 +148,7 @@ struct Contact {
 
 /// This program is started anew, so that its memory can be told and nothing is warm that would be cold for others.
 fn own(
-    solver: SolverName,
+    solver: Solver,
     problem: &Problem,
     tolerance: f64,
     threads: usize,
@@ -168,8 +162,8 @@ fn own(
     command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
     command.arg("--tol").arg(format!("{tolerance:e}"));
     command.arg("--threads").arg(threads.to_string());
-    if solver != SolverName::Auto {
-        command.arg("--solver").arg(name(solver));
+    if solver != Solver::Auto {
+        command.arg("--solver").arg(solver.name());
     }
     if let Some(out) = out {
         command.arg("--out").arg(out);

@@ -1,10 +1,10 @@
-/// The functions of h = q·thickness that the kernels of a layer are made of, free of overflow and of cancellation.
+/// The functions of h = q·thickness in the kernels of a layer, free of overflow and of cancellation.
 ///
 /// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers
 /// (h < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite. Functions
 /// that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Thickness {
+pub(crate) struct Hyperbolic {
     /// h itself, never scaled, up to the h beyond which no kernel changes.
     pub(crate) raw: f64,
     /// The common factor f of the linear functions: 1, or 2 e^(−h) of a thick layer.
@@ -23,10 +23,10 @@ pub(crate) struct Thickness {
     pub(crate) sinh_cosh_minus_h: f64,
 }
 
-/// Beyond this h, e^(−h) is zero: the far face is out of reach.
+/// The h beyond which e^(−h) is zero: a face of a layer no longer feels the other one.
 pub(crate) const FARTHEST: f64 = 800.0;
 
-impl Thickness {
+impl Hyperbolic {
     #[inline]
     pub(crate) fn new(h: f64) -> Self {
         if h < 1.0 {
@@ -81,12 +81,12 @@ impl Thickness {
     }
 }
 
-/// sinh x − x, by its series for |x| < 2.5.
+/// The difference sinh x − x, by its series for |x| < 2.5.
 pub(crate) fn sinh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 { x * x * x / 6.0 * tail(x, 3.0) } else { x.sinh() - x }
 }
 
-/// cosh x − 1 − x²/2, by its series for |x| < 2.5.
+/// The difference cosh x − 1 − x²/2, by its series for |x| < 2.5.
 pub(crate) fn cosh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 {
         let square = x * x;
@@ -96,7 +96,7 @@ pub(crate) fn cosh_minus(x: f64) -> f64 {
     }
 }
 
-/// 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)): the rest of the series that begins at xⁿ/n!.
+/// The series that begins at xⁿ/n!, over that term: 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)).
 fn tail(x: f64, n: f64) -> f64 {
     let square = x * x;
     (0..13).rev().fold(1.0, |sum, k| {
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn both_branches_agree_up_to_the_common_factor() {
-        let (thin, thick) = (Thickness::new(1.0f64.next_down()), Thickness::new(1.0));
+        let (thin, thick) = (Hyperbolic::new(1.0f64.next_down()), Hyperbolic::new(1.0));
         let (linear, quadratic) = (thick.factor, thick.factor * thick.factor);
         let same = |a: f64, b: f64| approx::assert_relative_eq!(a, b, max_relative = 4e-15);
         same(thin.h * linear, thick.h);
@@ -137,11 +137,11 @@ mod tests {
     #[test]
     fn no_thickness_overflows() {
         for h in [1.0, 700.0, 745.0, 800.0, 1e6, 1e300, f64::INFINITY] {
-            let t = Thickness::new(h);
+            let t = Hyperbolic::new(h);
             for value in [t.h, t.sinh, t.cosh, t.sinh_minus_h, t.h_twice_scaled, t.sinh_cosh_minus_h, t.coth()] {
                 assert!(value.is_finite(), "{h}: {t:?}");
             }
         }
-        assert_eq!(Thickness::new(1e6).csch(), 0.0);
+        assert_eq!(Hyperbolic::new(1e6).csch(), 0.0);
     }
 }

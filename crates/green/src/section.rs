@@ -6,41 +6,41 @@ use crate::{
     blocks::{VECTOR_ROWS, average_aliases},
     body::{on_axes, uniform_compliance, wavevector},
     half_space,
+    hyperbolic::{FARTHEST, cosh_minus, sinh_minus},
     sagittal::product,
     slab::LayerMode,
     stack::State,
-    thickness::{FARTHEST, cosh_minus, sinh_minus},
 };
 
-/// Stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
+/// The stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
 pub type StressMatrix3 = [[Complex64; 3]; 6];
 
-/// The same in plane strain: rows xx, zz, xz, columns x, z.
+/// The stresses of one wave vector per surface displacement in plane strain: rows xx, zz, xz, columns x, z.
 pub type StressMatrix2 = [[Complex64; 2]; 3];
 
-/// What is continuous across a plane in the body, of one wave vector per surface displacement: rows ε_xx, ε_yy, γ_xy
-/// (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives all other strains and stresses,
-/// [`Material::normal_strain`] first.
+/// The strains and stresses of one wave vector that are continuous across a plane, per surface displacement: rows ε_xx,
+/// ε_yy, γ_xy (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives the remaining strains and
+/// stresses, beginning with [`Material::normal_strain`].
 pub type ContinuousMatrix = [[Complex64; 3]; 6];
 
-/// Axes named by the rows of [`StressMatrix3`].
+/// The axes of each row of [`StressMatrix3`].
 const STRESS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
 
-/// Axes named by the rows of [`ContinuousMatrix`].
+/// The axes of each row of [`ContinuousMatrix`].
 const CONTINUOUS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [0, 1], [2, 2], [1, 2], [0, 2]];
 
-/// A plane inside a body, parallel to its surface: displacements and stresses there, per displacement of the surface
+/// A plane inside a body, parallel to its surface, with displacements and stresses per displacement of the surface
 /// (theory.md, section 5).
 #[derive(Clone, Debug)]
 pub struct Section<'a> {
     surface: &'a Body,
-    /// Layers that lie wholly above the plane, from the top.
+    /// The layers above the plane, from the top.
     above: Vec<Above<'a>>,
     /// The layer or half-space that the plane cuts.
     local: &'a Body,
-    /// Below the top of `local`.
+    /// The depth below the top of `local`.
     depth: f64,
-    /// Above the base of `local`, unless that is a half-space.
+    /// The height above the base of `local`; infinite in a half-space.
     height: f64,
 }
 
@@ -53,7 +53,7 @@ struct Above<'a> {
 }
 
 impl Body {
-    /// The plane at `height` (length) above the base of the body; of its top layer, if it stands on another body.
+    /// The plane at `height` (length) above the base of the body, or of its top layer if that stands on another body.
     ///
     /// # Errors
     /// A height outside the body, or any height in a half-space.
@@ -99,19 +99,19 @@ impl Body {
 }
 
 impl Section<'_> {
-    /// What the body is made of here. On the plane between two layers: that of the upper one.
+    /// The material at this plane. Between two layers it is that of the upper one.
     pub fn material(&self) -> &Material {
         self.local.material()
     }
 
-    /// Displacement here per displacement of the surface, of the wave vector `q` (rad/length); dimensionless.
+    /// The displacement at this plane per displacement of the surface, for the wave vector `q` (rad/length); dimensionless.
     pub fn displacement_transfer(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.state(q).displacement)
     }
 
-    /// Lateral strains and tractions here per displacement of the surface, of the wave vector `q` (rad/length).
+    /// The lateral strains and tractions at this plane per displacement of the surface, for the wave vector `q` (rad/length).
     ///
-    /// At q = 0 infinite where the stiffness is: an incompressible slab on a rigid base.
+    /// At q = 0 they are infinite where the stiffness is: in an incompressible slab on a rigid base.
     pub fn continuous_transfer(&self, q: [f64; 2]) -> ContinuousMatrix {
         let state = self.state(q[0].hypot(q[1]));
         let [x, y, _] = on_axes(q, |_| state.displacement);
@@ -121,9 +121,9 @@ impl Section<'_> {
         [along(q[0], x), along(q[1], y), [0, 1, 2].map(|column| yx[column] + xy[column]), zz, yz, xz]
     }
 
-    /// Stress here per displacement of the surface, of the wave vector `q` (rad/length), in stress/length.
+    /// The stress at this plane per displacement of the surface, for the wave vector `q` (rad/length), in stress/length.
     ///
-    /// At q = 0 infinite where the stiffness is: an incompressible slab on a rigid base.
+    /// At q = 0 it is infinite where the stiffness is: in an incompressible slab on a rigid base.
     pub fn stress_transfer(&self, q: [f64; 2]) -> StressMatrix3 {
         let continuous = self.continuous_transfer(q);
         let mut stress = [[Complex64::ZERO; 3]; 6];
@@ -138,34 +138,36 @@ impl Section<'_> {
         stress
     }
 
-    /// Displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    /// The displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
     pub fn displacement_transfer_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.displacement_transfer(wavevector(mode));
         average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
         matrix
     }
 
-    /// Stress transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    /// The stress transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
     pub fn stress_transfer_of(&self, mode: &Mode) -> StressMatrix3 {
         let mut matrix = self.stress_transfer(wavevector(mode));
         average_aliases(&mut matrix, &STRESS_ROWS, mode.nyquist);
         matrix
     }
 
-    /// [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component are zero
-    /// (theory.md, section 0).
+    /// The [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component are
+    /// zero (theory.md, section 0).
     pub fn continuous_transfer_of(&self, mode: &Mode) -> ContinuousMatrix {
         let mut matrix = self.continuous_transfer(wavevector(mode));
         average_aliases(&mut matrix, &CONTINUOUS_ROWS, mode.nyquist);
         matrix
     }
 
-    /// Plane strain: displacement (x, z) here per displacement of the surface, of the wave vector `q` along x.
+    /// The displacement (x, z) at this plane per displacement of the surface in plane strain, for the wave vector `q` along
+    /// x.
     pub fn plane_displacement_transfer(&self, q: f64) -> Matrix2 {
         self.state(q.abs()).displacement.plane(q.signum())
     }
 
-    /// Plane strain: stress here per displacement of the surface, of the wave vector `q` along x, in stress/length.
+    /// The stress at this plane per displacement of the surface in plane strain, for the wave vector `q` along x, in
+    /// stress/length.
     pub fn plane_stress_transfer(&self, q: f64) -> StressMatrix2 {
         let state = self.state(q.abs());
         let (displacement, traction) = (state.displacement.plane(q.signum()), state.traction.plane(q.signum()));
@@ -180,13 +182,13 @@ impl Section<'_> {
         stress
     }
 
-    /// σ_xx and σ_yy from ε_xx, ε_yy and σ_zz, finite at ν = 1/2.
+    /// The lateral stresses σ_xx and σ_yy from ε_xx, ε_yy and σ_zz; finite at ν = 1/2.
     fn lateral_stress(&self, strain: [Complex64; 2], normal: Complex64) -> [Complex64; 2] {
         let thickening = self.material().normal_strain(strain, normal);
         strain.map(|strain| normal + (strain - thickening) * (2.0 * self.material().shear_modulus()))
     }
 
-    /// Displacement and traction here per displacement of the surface, at |q| = `q`.
+    /// The displacement and the traction at this plane per displacement of the surface, at |q| = `q`.
     fn state(&self, q: f64) -> State {
         if q == 0.0 {
             return self.uniform_state();
@@ -200,12 +202,12 @@ impl Section<'_> {
         })
     }
 
-    /// The same per displacement of the top of the local layer.
+    /// The displacement and the traction at this plane per displacement of the top of the local layer.
     fn local_state(&self, q: f64) -> State {
         let material = self.local.material();
         let thickness = match self.local.height() {
             Height::Finite(thickness) if q * self.height <= OUT_OF_REACH => thickness,
-            // No base, or none that is felt: most modes at most depths.
+            // A half-space, or a base too far below to matter, as for most modes at most depths.
             _ => {
                 let displacement = half_space::transfer(material, q * self.depth);
                 return State { displacement, traction: product(&half_space::stiffness(material, q), &displacement) };
@@ -219,7 +221,7 @@ impl Section<'_> {
             let state = below.propagated(&whole.base_state(base));
             return if *base == Base::Bonded { State { displacement: transfer(), ..state } } else { state };
         }
-        // What lies below the plane is a slab too, on the same base.
+        // The part of the layer below the plane is a slab on the same base.
         let support = below.stiffness_on(base);
         let displacement = match base {
             Base::Bonded => transfer(),
@@ -228,7 +230,7 @@ impl Section<'_> {
         State { displacement, traction: product(&support, &displacement) }
     }
 
-    /// q = 0: each layer is strained uniformly, and bears the same stress.
+    /// The state at q = 0: each layer is strained uniformly, and all bear one stress.
     fn uniform_state(&self) -> State {
         let below = match self.local.height() {
             Height::Finite(_) => uniform_compliance(self.local.material(), self.height, self.local.base()),
@@ -237,7 +239,7 @@ impl Section<'_> {
         let total = self.surface.compliance_blocks(0.0);
         let share = |below: f64, total: f64| match total {
             f64::INFINITY => 1.0,
-            // Incompressible throughout: nothing moves along z. Continue what any other ν has.
+            // Incompressible layers do not move along z. Take the limit ν → 1/2.
             0.0 => self.remaining_height() / self.surface.total_height(),
             _ => below / total,
         };
@@ -256,8 +258,8 @@ impl Section<'_> {
     }
 }
 
-/// Transfer from the top of a slab on a bonded base to the plane at Z = q·height above it, b = q·depth below its top
-/// (theory.md, section 5).
+/// The transfer from the top of a slab on a bonded base to the plane at Z = q·height above the base and b = q·depth below
+/// the top (theory.md, section 5).
 fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     let b = b.min(FARTHEST);
     let (r, h) = (material.r(), z + b);
@@ -298,7 +300,7 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     }
 }
 
-/// Beyond this q·height Z above the base, nothing of the base is felt: e^(−2 Z), even times Z² or 800 Z, is below 1e-30.
+/// The q·height Z above the base beyond which the base has no effect: e^(−2 Z), even times Z² or 800 Z, is below 1e-30.
 const OUT_OF_REACH: f64 = 40.0;
 
 fn i_times(factor: f64, value: Complex64) -> Complex64 {
