@@ -25,7 +25,7 @@ use self::file::PathFile;
 use self::record::{Recorded, Stop};
 use self::waypoints::WaypointArgs;
 use crate::elastic::BodyArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::memory::Held;
@@ -90,19 +90,11 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// What was computed, and why it ended early if it did.
-pub struct Outcome {
-    /// The steps that were computed.
-    pub report: Report,
-    /// A step that did not converge, or an interruption.
-    pub failure: Option<Failure>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// Unusable input; a file that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
@@ -154,7 +146,7 @@ impl Prepared {
         Ok(Self { surface, body, action, drives, output })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |error: InterfaceError| Failure::input(&args.source.name(), error);
         let heights = self.surface.heights.view();
         let law = match &self.action {
@@ -185,7 +177,7 @@ impl Prepared {
     }
 
     /// Takes the problem through all drives, as far as it goes.
-    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome, Failure>
+    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
     where
         P::State: Recorded,
     {
