@@ -29,7 +29,7 @@ use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 
-use file::ContactFile;
+pub use file::ContactFile;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -167,7 +167,12 @@ impl Prepared {
             out: None,
             plots: Vec::new(),
         };
-        let file = self.output.as_ref().map(|output| ContactFile::create(output, self, args, session));
+        let file = self.output.as_ref().map(|output| {
+            let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+            let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+            let (loads, with_law) = (self.controls.len(), args.law.law != Kind::HardWall);
+            ContactFile::create(output, &session.provenance(config), &self.surface, loads, with_law)
+        });
         let mut file = file.transpose()?;
         let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);

@@ -137,6 +137,20 @@ impl Problem {
         })
     }
 
+    /// The state of a `pressure`, as of an earlier run, to start from.
+    ///
+    /// # Errors
+    /// A pressure of another shape; a law, whose states are more than their pressure.
+    pub fn certified(&self, pressure: &ArrayRef2<f64>, load: Load, scales: &Scales) -> Result<Rest, Failure> {
+        let Kindred::Wall(contact) = &self.contact else {
+            return Err(Failure::input("start", "the pressure alone is not the state of a contact with a law"));
+        };
+        let solution = contact.certify(pressure, load).map_err(|error| Failure::input("start", error))?;
+        let Scales { contact_modulus, rms_gradient } = *scales;
+        let record = LoadRecord::measure(&solution, contact_modulus, rms_gradient, f64::INFINITY, 0.0);
+        Ok(Rest::of(record, solution, Reached::Wall))
+    }
+
     fn press<E: Equilibrium>(
         &self,
         contact: &E,

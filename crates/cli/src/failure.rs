@@ -1,7 +1,6 @@
 //! How a command fails, and the exit status that goes with it.
 
 use std::fmt::Display;
-use std::process::ExitCode;
 
 use gfmd_files::FileError;
 use gfmd_plot::PlotError;
@@ -47,12 +46,12 @@ impl Failure {
     }
 
     /// The exit status (docs/interface.md).
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub fn status(&self) -> u8 {
+        match self {
             Self::Computation(_) => 1,
             Self::Input(_) => 2,
             Self::Interrupted(_) => 130,
-        })
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The program: parses the command line, runs the command, prints, and maps failures to exit codes.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is where results and errors are printed")]
 
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::process::ExitCode;
 
@@ -48,16 +49,25 @@ pub enum Command {
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
 pub fn start<C: Subcommand>(name: &'static str, run: impl FnOnce(&C, &Session) -> Result<(), Failure>) -> ExitCode {
     keep_freed_memory();
-    let parsed = named(Line::<C>::command(), name).try_get_matches();
+    ExitCode::from(status(name, std::env::args_os(), run))
+}
+
+/// The exit status of the program `name` with these `words`, of which the first is the program.
+pub fn status<C: Subcommand>(
+    name: &'static str,
+    words: impl IntoIterator<Item = OsString>,
+    run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
+) -> u8 {
+    let parsed = named(Line::<C>::command(), name).try_get_matches_from(words);
     let line = match parsed.and_then(|mut matches| Line::<C>::from_arg_matches_mut(&mut matches)) {
         Ok(line) => line,
         Err(error) => return refuse(&error),
     };
     match Session::start(line.common).and_then(|session| run(&line.command, &session)) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             eprintln!("error: {failure}");
-            failure.exit_code()
+            failure.status()
         }
     }
 }
@@ -140,21 +150,21 @@ fn write(text: &str) -> Result<(), Failure> {
 }
 
 /// Help and version are results; everything else that clap says is one line of unusable input.
-fn refuse(error: &clap::Error) -> ExitCode {
+fn refuse(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             print!("{}", error.render());
-            ExitCode::SUCCESS
+            0
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             eprint!("{}", error.render());
-            ExitCode::from(2)
+            2
         }
         _ => {
             let text = error.render().to_string();
             let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
             eprintln!("{}", lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "));
-            ExitCode::from(2)
+            2
         }
     }
 }

@@ -78,6 +78,11 @@ impl Session {
         Self { common, interrupted: Arc::new(AtomicBool::new(false)) }
     }
 
+    /// Asks the run to stop, as Ctrl-C does.
+    pub fn interrupt(&self) {
+        self.interrupted.store(true, Ordering::Relaxed);
+    }
+
     /// Whether the user asked to stop.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)

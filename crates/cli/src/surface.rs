@@ -161,7 +161,7 @@ impl Args {
 }
 
 /// From half of the (shorter) side to four (larger) grid spacings: away from both ends of what a grid can hold.
-fn whole_band(grid: &Grid) -> [f64; 2] {
+pub fn whole_band(grid: &Grid) -> [f64; 2] {
     let sides = if grid.is_line() { 1 } else { 2 };
     let (lengths, spacing) = (grid.lengths(), grid.spacing());
     let side = lengths[..sides].iter().copied().fold(f64::INFINITY, f64::min);
@@ -170,7 +170,8 @@ fn whole_band(grid: &Grid) -> [f64; 2] {
 }
 
 impl Report {
-    fn new(found: &Statistics, fit: Option<HurstFit>, spectrum: &PowerSpectrum, grid: &Grid) -> Self {
+    /// The numbers of heights from their statistics and spectrum.
+    pub fn new(found: &Statistics, fit: Option<HurstFit>, spectrum: &PowerSpectrum, grid: &Grid) -> Self {
         let [m0, m2, m4] = found.moments.profile();
         let cut_offs = spectrum.cut_offs();
         Self {

@@ -2,17 +2,15 @@
 
 use std::path::PathBuf;
 
-use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
-use gfmd_law::Kind;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use ndarray::Array2;
 
-use super::{Args, Prepared};
 use crate::failure::Failure;
 use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
-use crate::session::Session;
+use crate::source::Surface;
 
 /// The surface at once, fields load by load, scalars at the end.
-pub(super) struct ContactFile<'a> {
+pub struct ContactFile<'a> {
     archive: Archive<'a>,
     with_law: bool,
 }
@@ -24,34 +22,45 @@ const FIELDS: [(&str, &str, &str); 3] = [
 ];
 
 impl<'a> ContactFile<'a> {
-    pub(super) fn create(
+    /// A file for `loads` loads of a surface.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn create(
         output: &'a Output,
-        prepared: &Prepared,
-        args: &Args,
-        session: &Session,
+        provenance: &Provenance,
+        surface: &Surface,
+        loads: usize,
+        with_law: bool,
     ) -> Result<Self, Failure> {
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        let mut archive = Archive::create(output, &session.provenance(config))?;
-        let load = Dimension::index("load", prepared.controls.len(), "load step");
-        let unit = prepared.surface.unit();
-        let [x, y] = axes(&prepared.surface.grid, unit);
-        prepared.surface.write(&mut archive, [&x, &y])?;
+        let mut archive = Archive::create(output, provenance)?;
+        let load = Dimension::index("load", loads, "load step");
+        let unit = surface.unit();
+        let [x, y] = axes(&surface.grid, unit);
+        surface.write(&mut archive, [&x, &y])?;
         for (path, units, long_name) in FIELDS {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
+        Ok(Self { archive, with_law })
     }
 
-    pub(super) fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
+    /// Writes pressure, displacement and gap of one load.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
         for ((path, ..), field) in FIELDS.iter().zip(fields) {
             self.archive.write_slab(path, index, &contiguous(field))?;
         }
         Ok(())
     }
 
-    pub(super) fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
+    /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
         let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
         for scalar in scalars {

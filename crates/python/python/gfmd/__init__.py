@@ -1,0 +1,57 @@
+"""Contact mechanics of rough surfaces by Green's function molecular dynamics.
+
+Arrays are [x, y], first index x. Surface heights have their peaks towards the body. Pressure is normal traction on the body,
+compression positive, never a force. Any consistent set of units. Attributes have the names of the keys of docs/interface.md.
+
+Example:
+    >>> import gfmd
+    >>> s = gfmd.self_affine(n=256, hurst=0.8, rms_gradient=0.1, seed=1)
+    >>> c = gfmd.contact(s, gfmd.Body(young=1.0, poisson=0.3), p_star=0.05)
+    >>> c.area_fraction
+"""
+
+from ._body import Body, Law, law
+from ._commands import FieldsBelow, Green, KappaSweep, Path, Punch, friction, green, interior, kappa_sweep, path, punch
+from ._cite import cite
+from ._contact import Contact, Contacts, contact, contacts
+from ._errors import Error, InputError, Interrupted, NotConverged
+from ._files import load
+from ._gfmd import VERSION as __version__
+from ._progress import progress
+from ._record import Record, Residual
+from ._surface import Statistics, Surface, read, self_affine
+
+__all__ = [
+    "Body",
+    "Contact",
+    "Contacts",
+    "Error",
+    "FieldsBelow",
+    "Green",
+    "InputError",
+    "Interrupted",
+    "KappaSweep",
+    "Law",
+    "NotConverged",
+    "Path",
+    "Punch",
+    "Record",
+    "Residual",
+    "Statistics",
+    "Surface",
+    "__version__",
+    "cite",
+    "contact",
+    "contacts",
+    "friction",
+    "green",
+    "interior",
+    "kappa_sweep",
+    "law",
+    "load",
+    "path",
+    "progress",
+    "punch",
+    "read",
+    "self_affine",
+]

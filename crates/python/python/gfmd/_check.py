@@ -1,0 +1,123 @@
+"""Arguments: what was found, what is allowed."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Iterable
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+
+def _shown(value: object) -> str:
+    text = repr(value).replace("\n", " ")
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def number(name: str, value: object) -> float:
+    """A number that is not NaN: of Python or NumPy, not a text."""
+    if not isinstance(value, (str, bytes, bool, np.bool_)):
+        try:
+            array = np.asarray(value)
+            if array.shape == () and array.dtype.kind in "fiu":
+                found = float(array)
+                if not math.isnan(found):
+                    return found
+            elif isinstance(value, int):
+                return float(value)
+        except (TypeError, ValueError, OverflowError):
+            pass
+    raise InputError(f"{name} is {_shown(value)}; it must be a number")
+
+
+def optional(name: str, value: object) -> Optional[float]:
+    return None if value is None else number(name, value)
+
+
+def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int:
+    if not isinstance(value, (bool, np.bool_)):
+        try:
+            found = operator.index(value)
+            if least <= found <= most:
+                return found
+        except (TypeError, ValueError, OverflowError):
+            pass
+    limits = f"between {least} and {most}" if most < 2**63 - 1 else f"at least {least}"
+    raise InputError(f"{name} is {_shown(value)}; it must be a whole number, {limits}")
+
+
+def word(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{name} is {_shown(value)}; it must be a text")
+    return value
+
+
+def numbers(name: str, value: Any) -> list[float]:
+    """One number, or several."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
+        return [number(name, value)]
+    try:
+        entries = list(value)
+    except Exception as error:
+        raise InputError(f"{name} is {_shown(value)}; it must be numbers") from error
+    found = [number(name, entry) for entry in entries]
+    if not found:
+        raise InputError(f"{name} is empty; it must have at least one number")
+    return found
+
+
+def heights(value: Any) -> Array:
+    """A copy of heights as [x, y], row-major, that nobody writes to."""
+    wanted = "an array of 1 or 2 dimensions of finite numbers"
+    if isinstance(value, (str, bytes)):
+        raise InputError(f"heights is the text {_shown(value)}; it must be {wanted} (gfmd.read reads files)")
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        missing = int(np.ma.getmaskarray(value).sum())
+        raise InputError(f"heights has {missing} masked points of {value.size}; every point needs a height")
+    try:
+        given = np.asarray(value)
+    except Exception as error:
+        raise InputError(f"heights is {_shown(value)}; it must be {wanted}") from error
+    if given.dtype.kind not in "fiu":
+        raise InputError(f"heights has the type {given.dtype}; it must be {wanted}")
+    if given.ndim == 1:
+        given = given[:, np.newaxis]
+    elif given.ndim != 2:
+        raise InputError(f"heights has the shape {list(given.shape)}; it must be {wanted}")
+    nx, ny = given.shape
+    if nx == 1 and ny > 1:
+        raise InputError(f"heights has the shape [1, {ny}]; a profile has the shape [{ny}] or [{ny}, 1]")
+    if nx < 2 or ny < 1:
+        raise InputError(f"heights has the shape [{nx}, {ny}]; it must have at least 2 points along each axis")
+    with np.errstate(all="ignore"):
+        copy = np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
+    wrong = ~np.isfinite(copy)
+    if wrong.any():
+        i, j = (int(k) for k in np.argwhere(wrong)[0])
+        raise InputError(f"heights has {int(wrong.sum())} points that are not finite, the first ({copy[i, j]}) at [{i}, {j}]; every point needs a height")
+    return frozen(copy)
+
+
+def frozen(array: Array) -> Array:
+    array.flags.writeable = False
+    return array
+
+
+def size(value: Any, shape: tuple[int, ...]) -> tuple[float, float]:
+    """Lengths of the cell: nothing for 1, L along x, or Lx and Ly. One length gives equal spacing along both axes."""
+    nx, ny = shape
+    given = [] if value is None else numbers("size", value)
+    if len(given) > 2:
+        raise InputError(f"size is {_shown(value)}; it must be L or (Lx, Ly)")
+    along_x = given[0] if given else 1.0
+    along_y = given[1] if len(given) == 2 else (1.0 if ny == 1 else along_x * ny / nx)
+    for length in (along_x, along_y):
+        if not (0.0 < length < math.inf):
+            raise InputError(f"size is {_shown(value)}; lengths must be positive and finite")
+    return along_x, along_y

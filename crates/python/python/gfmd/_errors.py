@@ -1,0 +1,68 @@
+"""The exceptions of the package."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+__all__ = ["Error", "InputError", "Interrupted", "NotConverged"]
+
+
+class Error(Exception):
+    """The base of all errors of this package but `Interrupted`."""
+
+
+class InputError(Error, ValueError):
+    """Unusable input: the argument, the value found, the values allowed. Nothing was computed."""
+
+
+class NotConverged(Error):
+    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None."""
+
+    def __init__(self, text: str, state: Any = None) -> None:
+        super().__init__(text)
+        self.state = state
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.state)
+
+
+class Interrupted(KeyboardInterrupt):
+    """A computation that Ctrl-C stopped. `state` is the result as far as it came, or None.
+
+    It is a `KeyboardInterrupt`, so that `except Exception` does not swallow it.
+    """
+
+    def __init__(self, text: str, state: Any = None) -> None:
+        super().__init__(text)
+        self.state = state
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.state)
+
+
+# Flags of the program whose arguments here have other names.
+_NAMES = {"tol": "tolerance", "displacement": "approach", "pressure": "mean_pressure", "max_iter": "max_iterations", "param": "law", "length": "size"}
+
+
+def _spoken(text: str) -> str:
+    """The message with names of arguments in place of flags."""
+
+    def name(flag: re.Match[str]) -> str:
+        words = flag[1].replace("-", "_")
+        return _NAMES.get(words, words)
+
+    return re.sub(r"--([a-z][a-z0-9-]*[a-z0-9])", name, text).replace("\n", " ")
+
+
+# The native half calls these.
+def refused(text: str) -> InputError:
+    return InputError(_spoken(text))
+
+
+def failed(text: str) -> NotConverged | Error:
+    return NotConverged(text) if "converge" in text else Error(_spoken(text))
+
+
+def interrupted(text: str) -> Interrupted:
+    return Interrupted(text)

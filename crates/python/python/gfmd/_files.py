@@ -1,0 +1,111 @@
+"""Result files: those of the program."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from typing import Any, Union
+
+import numpy as np
+
+from . import _gfmd
+from ._body import Body, Law
+from ._contact import Contact, Contacts
+from ._errors import InputError
+from ._record import Residual
+from ._surface import _surface
+
+_COUNTS = ("contact_nodes", "boundary_links", "iterations")
+_FLAGS = ("converged", "passed_instability")
+_RESIDUALS = ("complementarity", "penetration", "negative_pressure", "load")
+
+
+def path_of(path: Any) -> str:
+    try:
+        name = os.fspath(path)
+    except TypeError as error:
+        raise InputError(f"path is {path!r}; it must be the name of a file") from error
+    return os.fsdecode(name)
+
+
+def _toml(values: dict[str, Any]) -> str:
+    """Scalars as TOML, which has NaN."""
+
+    def text(value: Any) -> str:
+        return str(value).lower() if isinstance(value, bool) else repr(value)
+
+    rows = [f"{name} = {text(value)}" for name, value in values.items() if name != "residual"]
+    rows += ["[residual]", *(f"{name} = {text(value)}" for name, value in values["residual"].items())]
+    return "\n".join(rows)
+
+
+def save(path: Any, contacts: Sequence[Contact]) -> None:
+    if not contacts:
+        raise InputError("there are no contacts to write")
+    first = contacts[0]
+    surface, body, law = first.surface, first.body, first.law
+    config: dict[str, Any] = {
+        "length": list(surface.size),
+        "poisson": body.poisson,
+        ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body.e_star,
+        "height": "inf" if body.height is None else body.height,
+        "pressure": [contact["mean_pressure"] for contact in contacts],
+        "solver": first._settings[0],
+        "tol": first._settings[1],
+        "law": law.name,
+        "param": [[name, value] for name, value in law.parameters.items()],
+    }
+    loads = [(_toml(contact._values), contact.pressure, contact.displacement_z, contact.gap) for contact in contacts]
+    given = (surface.heights, surface.size, surface.unit, surface.description)
+    _gfmd.save(path_of(path), given, loads, _gfmd.json_to_toml(json.dumps(config)))
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
+    """The contact, or the contacts of several loads, of a file of `gfmd contact --out`, `Contact.save` or `Contacts.save`.
+
+    Raises:
+        InputError: not such a file.
+
+    Example:
+        >>> c.save("c.h5")
+        >>> gfmd.load("c.h5").area_fraction == c.area_fraction
+        True
+    """
+    name = path_of(path)
+    config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
+    heights, size, unit, _ = _gfmd.read(f"{name}:/surface/height")
+    length = config.get("length", [])
+    if len(length) == 2:
+        size = (length[0], length[1])
+    elif size is not None and len(length) == 1:
+        size = (length[0], size[1])
+    surface = _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, "/surface", "description"))
+    height = config.get("height", "inf")
+    e_star = config.get("e_star")
+    body = Body(None if e_star is not None else config.get("young"), config.get("poisson", 0.0), e_star=e_star, height=None if height == "inf" else height)
+    law = Law(config.get("law", "hard-wall"), {name: float(value) for name, value in config.get("param", [])})
+    names = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "kappa", "kappa_corrected"]
+    names += ["contact_nodes", "boundary_links", "mean_gap", "max_pressure", "mean_pressure_in_contact", "pressure_deviation_in_contact"]
+    names += ["pressure_moment_2", "elastic_energy", "iterations", "transform_pairs", "converged", "residual", "seconds"]
+    if law.name != "hard-wall":
+        names += ["interface_energy", "passed_instability", "lowest_curvature", "residual_equilibrium"]
+    residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in _RESIDUALS}
+    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual"}
+    fields = [_gfmd.read_array(name, f"/fields/{field}") for field in ("pressure", "displacement_z", "gap")]
+
+    def scalar(key: str, index: int) -> Any:
+        if key == "residual":
+            return Residual({part: float(values[index]) for part, values in residuals.items()})
+        value = float(columns[key][index])
+        if key in _COUNTS and np.isfinite(value):
+            return int(value)
+        return bool(value) if key in _FLAGS else value
+
+    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)))
+    contacts = [
+        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings)  # type: ignore[arg-type]
+        for index in range(len(fields[0]))
+        if np.isfinite(columns["mean_pressure"][index])
+    ]
+    return contacts[0] if len(contacts) == 1 else Contacts(contacts)

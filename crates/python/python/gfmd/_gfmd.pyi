@@ -1,0 +1,67 @@
+from collections.abc import Callable
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+VERSION: str
+GIT_COMMIT: str
+
+_Array = npt.NDArray[np.float64]
+_Tick = Optional[Callable[[int, float], None]]
+
+class State: ...
+
+class Problem:
+    e_star: float
+    rms_gradient: float
+    rms_height: float
+    def __init__(
+        self,
+        heights: _Array,
+        lengths: tuple[float, float],
+        body: tuple[float, float, Optional[float], Optional[float]],
+        law: tuple[str, list[tuple[str, float]]],
+        solver: str,
+        threads: int,
+    ) -> None: ...
+    def solve(
+        self, control: str, value: float, tolerance: float, max_iterations: int, start: Optional[State], threads: int, tick: _Tick
+    ) -> tuple[State, str, _Array, _Array, _Array, Optional[tuple[str, str]], Optional[BaseException]]: ...
+    def resume(self, pressure: _Array, approach: float) -> State: ...
+
+def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
+def solvers() -> list[str]: ...
+def self_affine(
+    *,
+    n: list[int],
+    length: list[float],
+    hurst: float,
+    eps_t_inv: Optional[float],
+    eps_f_inv: Optional[float],
+    eps_c_inv: Optional[float],
+    rms_gradient: float,
+    rms_height: Optional[float],
+    seed: int,
+    dim: int,
+    method: str,
+    roll_off: Optional[float],
+    roll_off_shape: str,
+    amplitudes: str,
+) -> tuple[_Array, tuple[float, float], str]: ...
+def read(name: str) -> tuple[_Array, Optional[tuple[float, float]], Optional[str], str]: ...
+def detrend(heights: _Array, trend: str) -> _Array: ...
+def periodise(heights: _Array, lengths: tuple[float, float], way: str) -> tuple[_Array, tuple[float, float]]: ...
+def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
+def run(words: list[str], threads: int = 0, tick: _Tick = None) -> tuple[str, Optional[tuple[str, str]]]: ...
+def program(words: list[str]) -> int: ...
+def save(
+    path: str,
+    surface: tuple[_Array, tuple[float, float], Optional[str], str],
+    loads: list[tuple[str, _Array, _Array, _Array]],
+    config: str,
+) -> None: ...
+def read_array(path: str, name: str) -> _Array: ...
+def read_text(path: str, group: str, name: str) -> str: ...
+def toml_to_json(text: str) -> str: ...
+def json_to_toml(text: str) -> str: ...

@@ -1,0 +1,69 @@
+"""Progress of what takes longer than a second: a bar of tqdm if it is installed, else a line."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from types import TracebackType
+from typing import Any, Optional
+
+_PATIENCE = 1.0
+_shown: Optional[bool] = None
+
+
+def progress(shown: Optional[bool]) -> None:
+    """Turns progress bars on or off for this process; None shows them on terminals and in notebooks only.
+
+    Example: `gfmd.progress(False)`
+    """
+    global _shown
+    _shown = shown
+
+
+def _wanted() -> bool:
+    if _shown is not None:
+        return _shown
+    return "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty() and "PYTEST_CURRENT_TEST" not in os.environ)
+
+
+class Progress:
+    """A bar over `total` pieces, each of which tells its iterations."""
+
+    def __init__(self, what: str, total: int = 1) -> None:
+        self._what, self._total, self._done = what, total, 0
+        self._started = time.monotonic()
+        self._bar: Any = None
+        self._wanted = _wanted()
+
+    def tick(self, iteration: int, residual: float) -> None:
+        if not self._wanted or time.monotonic() - self._started < _PATIENCE:
+            return
+        note = f"iteration {iteration}, residual {residual:.1e}" if iteration else ""
+        if self._bar is None:
+            try:
+                import importlib
+
+                tqdm = importlib.import_module("tqdm.auto").tqdm
+
+                self._bar = tqdm(total=self._total, desc=self._what, initial=self._done, leave=False)
+            except ImportError:
+                self._bar = False
+        if self._bar:
+            self._bar.set_postfix_str(note)
+        else:
+            print(f"\r{self._what}: {self._done} of {self._total}, {note}", end="", file=sys.stderr, flush=True)
+
+    def piece(self) -> None:
+        self._done += 1
+        if self._bar:
+            self._bar.update(1)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+        if self._bar:
+            self._bar.close()
+        elif self._bar is False:
+            print(file=sys.stderr)

@@ -1,0 +1,100 @@
+"""Results that cannot be changed: values by name, as the JSON keys of docs/interface.md."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, Residual):
+        return f"{float(value):.1e}, the largest of {', '.join(value)}"
+    if isinstance(value, Record):
+        return f"{type(value).__name__} of {', '.join(value)}"
+    if isinstance(value, list) and value and isinstance(value[0], Record):
+        return f"{len(value)} records"
+    if hasattr(value, "shape"):
+        return f"array {list(value.shape)}"
+    text = str(value)
+    return text if len(text) <= 100 else text[:97] + "..."
+
+
+class Record(Mapping[str, Any]):
+    """Named values, as attributes and as a mapping."""
+
+    _values: dict[str, Any]
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        object.__setattr__(self, "_values", dict(values))
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_"):
+            values = self.__dict__.get("_values", {})
+            if name in values:
+                return values[name]
+        raise AttributeError(f"{type(self).__name__} has no {name}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a {type(self).__name__} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a {type(self).__name__} cannot be changed")
+
+    def __getitem__(self, name: str) -> Any:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._values]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._values,)
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        rows = "".join(f"\n  {name:<30} {_short(value)}" for name, value in self._values.items())
+        return f"{type(self).__name__}{rows}"
+
+    def _repr_html_(self) -> str:
+        cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(_short(value))}</td></tr>" for name, value in self._values.items())
+        return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
+
+
+class Residual(Record):
+    """The parts of the residual by name. `float(residual)` is the largest."""
+
+    def __float__(self) -> float:
+        parts = [float(part) for part in self._values.values()]
+        return math.nan if any(math.isnan(part) for part in parts) else max(parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Mapping) and self._values == dict(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._values.items()))
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """A JSON object with numbers that do not exist as NaN."""
+    found = json.loads(text)
+    assert isinstance(found, dict)
+    return found
+
+
+def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with NaN in place of null."""
+    return {name: math.nan if value is None else value for name, value in values.items()}

@@ -1,0 +1,107 @@
+"""Figures, notebooks, xarray: used if they are installed."""
+
+from __future__ import annotations
+
+import base64
+import html
+import struct
+import zlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._check import Array
+from ._errors import Error
+
+if TYPE_CHECKING:
+    from ._contact import Contact
+    from ._surface import Surface
+
+
+def _needed(module: str, use: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise Error(f"{use} needs {module.split('.')[0]}: pip install {module.split('.')[0]}") from error
+
+
+def axes(ax: Any) -> Any:
+    if ax is not None:
+        return ax
+    return _needed("matplotlib.pyplot", "plot").subplots()[1]
+
+
+_QUANTITIES = {"height": "length", "gap": "length", "displacement_z": "length", "pressure": "stress"}
+
+
+def field(values: Array, surface: Surface, name: str, ax: Any) -> Any:
+    ax = axes(ax)
+    unit = surface.unit or "length"
+    (lx, ly), (nx, ny) = surface.size, surface.n
+    label = f"{name.replace('_z', ' $u_z$')} ({unit if _QUANTITIES[name] == 'length' else 'stress'})"
+    if ny == 1:
+        ax.plot(np.arange(nx) * lx / nx, values[:, 0])
+        ax.set_ylabel(label)
+    else:
+        colours = "magma" if name == "pressure" else "viridis"
+        image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), cmap=colours, interpolation="nearest")
+        ax.figure.colorbar(image, ax=ax, label=label)
+        ax.set_ylabel(f"y ({unit})")
+    ax.set_xlabel(f"x ({unit})")
+    return ax
+
+
+def area(contacts: Sequence[Contact], ax: Any) -> Any:
+    ax = axes(ax)
+    p_star = [contact["p_star"] for contact in contacts]
+    ax.plot(p_star, [contact["area_fraction"] for contact in contacts], "o-", label="counted points")
+    ax.plot(p_star, [contact["area_fraction_corrected"] for contact in contacts], "o", mfc="none", label="perimeter corrected")
+    ax.set_xlabel("reduced pressure $p/(E^* g)$")
+    ax.set_ylabel("contact area fraction")
+    ax.legend()
+    return ax
+
+
+def dataset(contacts: Sequence[Contact]) -> Any:
+    xarray = _needed("xarray", "to_xarray")
+    surface = contacts[0].surface
+    (lx, ly), (nx, ny) = surface.size, surface.n
+    length = surface.unit or "length"
+    coordinates = {"x": ("x", np.arange(nx) * lx / nx, {"units": length}), "y": ("y", np.arange(ny) * ly / ny, {"units": length})}
+    variables: dict[str, Any] = {"height": (("x", "y"), surface.heights, {"units": length})}
+    for name in ("pressure", "displacement_z", "gap"):
+        units = "stress" if name == "pressure" else length
+        variables[name] = (("load", "x", "y"), np.stack([getattr(contact, name) for contact in contacts]), {"units": units})
+    for name, value in contacts[0].items():
+        if name == "residual":
+            for part in value:
+                variables[f"residual_{part}"] = ("load", [contact["residual"][part] for contact in contacts])
+        else:
+            variables[name] = ("load", [contact[name] for contact in contacts])
+    return xarray.Dataset(variables, coordinates)
+
+
+def _png(values: Array) -> bytes:
+    """A grey map, x to the right and y upwards, of at most 128 points along a side."""
+    step = max(1, max(values.shape) // 128)
+    part = values[::step, ::step]
+    low, high = float(part.min()), float(part.max())
+    grey = np.zeros(part.shape, np.uint8) if high == low else (255.0 * ((part - low) / (high - low))).astype(np.uint8)
+    rows = np.ascontiguousarray(grey.T[::-1])
+    raw = b"".join(b"\x00" + row.tobytes() for row in rows)
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", rows.shape[1], rows.shape[0], 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
+
+
+def map_html(values: Array, caption: str) -> str:
+    if values.shape[1] == 1:
+        return f"<p>{html.escape(caption)}</p>"
+    image = base64.b64encode(_png(values)).decode()
+    return f'<figure><img width="128" src="data:image/png;base64,{image}"><figcaption>{html.escape(caption)}</figcaption></figure>'

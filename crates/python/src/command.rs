@@ -1,0 +1,101 @@
+//! The commands of the program, in this process.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::Parser;
+use gfmd_cli::failure::{Failure, Outcome};
+use gfmd_cli::program::{Command, status};
+use gfmd_cli::session::{Common, Session};
+use gfmd_cli::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use crate::failure::{failed, refused};
+use crate::worker;
+
+/// Time between two looks at an interruption.
+const PAUSE: Duration = Duration::from_millis(20);
+
+#[derive(Parser)]
+#[command(name = "gfmd")]
+struct Line {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Runs a command, and returns its report as JSON with the kind and the text of a failure.
+#[pyfunction]
+#[pyo3(signature = (words, threads=0, tick=None))]
+pub(crate) fn run(
+    py: Python<'_>,
+    words: Vec<String>,
+    threads: usize,
+    tick: Option<Py<PyAny>>,
+) -> PyResult<(String, Option<(&'static str, String)>)> {
+    let line = Line::try_parse_from(std::iter::once("gfmd".to_owned()).chain(words)).map_err(|error| {
+        let text = error.render().to_string();
+        let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage"));
+        let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+        refused(py, &line.trim_start_matches("error: "))
+    })?;
+    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 });
+    let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
+        let finished = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !finished.load(Ordering::Relaxed) {
+                    if shared.see(0, f64::NAN).is_break() {
+                        session.interrupt();
+                    }
+                    std::thread::sleep(PAUSE);
+                }
+            });
+            let result = report(&line.command, &session);
+            finished.store(true, Ordering::Relaxed);
+            result
+        })
+    })?;
+    match result {
+        Ok((text, failure)) => Ok((text, failure)),
+        Err(failure) => Err(raised.unwrap_or_else(|| failed(py, &failure))),
+    }
+}
+
+type Report = Result<(String, Option<(&'static str, String)>), Failure>;
+
+fn report(command: &Command, session: &Session) -> Report {
+    match command {
+        Command::Contact(args) => ended(contact::run(args, session)?),
+        Command::Punch(args) => ended(punch::run(args, session)?),
+        Command::Path(args) => ended(path::run(args, session)?),
+        Command::Body(args) => whole(&body::run(args, session)?),
+        Command::Surface(args) => whole(&surface::run(args, session)?),
+        Command::Damping(args) => whole(&damping::run(args, session)?),
+        Command::Green(args) => whole(&green::run(args)?),
+        Command::Law(args) => whole(&law::run(args)?),
+        Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
+            kappa_sweep::Outcome::Done(report) => whole(&*report),
+            kappa_sweep::Outcome::Planned(plan) => whole(&plan),
+            kappa_sweep::Outcome::Config(text) => whole(&text),
+        },
+    }
+}
+
+fn whole(report: &impl Serialize) -> Report {
+    Ok((json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?, None))
+}
+
+fn ended(Outcome { report, failure }: Outcome<impl Serialize>) -> Report {
+    let failure = failure.map(|failure| match failure {
+        Failure::Interrupted(text) => ("interrupted", text),
+        Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
+    });
+    Ok((whole(&report)?.0, failure))
+}
+
+/// The exit status of the program `gfmd` with these words, of which the first is its name.
+#[pyfunction]
+pub(crate) fn program(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
+    py.detach(|| status("gfmd", words, Command::run))
+}

@@ -1,0 +1,199 @@
+//! Contacts under a load.
+
+use std::sync::Arc;
+
+use gfmd_cli::equilibrium::{Problem as Loads, Rest};
+use gfmd_cli::failure::Failure;
+use gfmd_cli::json;
+use gfmd_cli::memory::Held;
+use gfmd_contact::{Budget, Load, Solver};
+use gfmd_field::Grid;
+use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_law::{Kind, Law};
+use gfmd_measure::Scales;
+use gfmd_response::NormalResponse;
+use gfmd_surface::Statistics;
+use ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::failure::{failed, refused};
+use crate::surface::grid;
+use crate::worker::{quick, run};
+
+type Array<'py> = Bound<'py, PyArray2<f64>>;
+
+/// Names of the solvers.
+#[pyfunction]
+pub(crate) fn solvers() -> Vec<&'static str> {
+    Solver::ALL.map(Solver::name).to_vec()
+}
+
+/// Checks the name and the parameters of a law.
+#[pyfunction]
+pub(crate) fn check_law(py: Python<'_>, name: &str, parameters: Vec<(String, f64)>) -> PyResult<()> {
+    law(py, name, &parameters).map(|_| ())
+}
+
+fn law(py: Python<'_>, name: &str, parameters: &[(String, f64)]) -> PyResult<(Kind, Arc<dyn Law>)> {
+    let kind: Kind = name.parse().map_err(|error| refused(py, &error))?;
+    let law = kind.with(parameters).map_err(|error| refused(py, &error))?;
+    Ok((kind, law.into_shared()))
+}
+
+/// A surface against a body.
+#[pyclass(frozen, module = "gfmd._gfmd")]
+pub(crate) struct Problem {
+    loads: Loads,
+    grid: Grid,
+    scales: Scales,
+    /// E* times the rms gradient, as the program multiplies them.
+    unit_pressure: f64,
+}
+
+/// A load at rest, to start the next one from.
+#[pyclass(frozen, module = "gfmd._gfmd")]
+pub(crate) struct State {
+    rest: Rest,
+}
+
+/// State, scalars as JSON, pressure, displacement, gap; and the kind and the text of a failure.
+type Solved<'py> =
+    (State, String, Array<'py>, Array<'py>, Array<'py>, Option<(&'static str, String)>, Option<Py<PyAny>>);
+
+#[pymethods]
+impl Problem {
+    /// `body` is Young's modulus, Poisson's ratio, E* (in place of Young's modulus) and height (None: half-space).
+    #[new]
+    fn new(
+        py: Python<'_>,
+        heights: PyReadonlyArray2<'_, f64>,
+        lengths: [f64; 2],
+        body: (f64, f64, Option<f64>, Option<f64>),
+        law: (String, Vec<(String, f64)>),
+        solver: &str,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let body = elastic(body).map_err(|(name, error)| refused(py, &format!("{name}: {error}")))?;
+        let (kind, law) = self::law(py, &law.0, &law.1)?;
+        let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
+        let heights = heights.as_array().to_owned();
+        let grid = grid(py, heights.dim().into(), lengths)?;
+        let (made, raised) = run(py, threads, None, |_| Self::pose(&heights, grid, &body, (kind, &law), solver))?;
+        raised.map_or(Ok(()), Err)?;
+        // Nothing was computed yet: every refusal is one of the input.
+        made.map_err(|failure| refused(py, &failure))
+    }
+
+    /// The contact modulus E*.
+    #[getter]
+    fn e_star(&self) -> f64 {
+        self.scales.contact_modulus
+    }
+
+    /// The spectral rms gradient of the surface.
+    #[getter]
+    fn rms_gradient(&self) -> f64 {
+        self.scales.rms_gradient
+    }
+
+    /// The rms height of the surface.
+    #[getter]
+    fn rms_height(&self) -> f64 {
+        self.loads.rms_height()
+    }
+
+    /// Brings the contact to rest under one load.
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        control: &str,
+        value: f64,
+        tolerance: f64,
+        max_iterations: u64,
+        start: Option<&State>,
+        threads: usize,
+        tick: Option<Py<PyAny>>,
+    ) -> PyResult<Solved<'py>> {
+        let load = match control {
+            "mean_pressure" => Load::MeanPressure(value),
+            "p_star" => Load::MeanPressure(value * self.unit_pressure),
+            _ => Load::Approach(value),
+        };
+        let budget = Budget { tolerance, max_iterations };
+        let start = start.map(|state| &state.rest);
+        let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
+            self.loads
+                .solve(load, &budget, &self.scales, start, &mut |iteration, residual| shared.see(iteration, residual))
+        })?;
+        // Without a state, the load was refused.
+        let (mut rest, failure) = solved.map_err(|failure| refused(py, &failure))?;
+        let record = json::to_string(&rest.record).map_err(|error| refused(py, &error))?;
+        let failure = failure.map(|failure| match failure {
+            Failure::Interrupted(text) => ("interrupted", text),
+            Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
+        });
+        let [pressure, displacement, gap] =
+            [&mut rest.pressure, &mut rest.displacement, &mut rest.gap].map(|field| handed(py, field));
+        let raised = raised.map(|error| error.into_value(py).into_any());
+        Ok((State { rest }, record, pressure, displacement, gap, failure, raised))
+    }
+
+    /// The state of a pressure of this contact, to start from: a hard wall's.
+    fn resume(&self, py: Python<'_>, pressure: PyReadonlyArray2<'_, f64>, approach: f64) -> PyResult<State> {
+        let pressure = pressure.as_array().to_owned();
+        let made = quick(py, || self.loads.certified(&pressure, Load::Approach(approach), &self.scales))?;
+        made.map(|rest| State { rest }).map_err(|failure| failed(py, &failure))
+    }
+
+    fn __repr__(&self) -> String {
+        let [nx, ny] = self.grid.points();
+        format!("<a contact of {nx} x {ny} points>")
+    }
+}
+
+impl Problem {
+    fn pose(
+        heights: &Array2<f64>,
+        grid: Grid,
+        body: &Body,
+        (kind, law): (Kind, &Arc<dyn Law>),
+        solver: Solver,
+    ) -> Result<Self, Failure> {
+        let held = if kind == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
+        held.check("the grid", grid.points())?;
+        let statistics = Statistics::of(heights, &grid).map_err(|error| Failure::input("surface", error))?;
+        let rms_gradient = statistics.moments.rms_gradient();
+        let response = Arc::new(NormalResponse::new(grid, body));
+        let loads = Loads::new(&response, heights, kind, law, solver, "surface")?;
+        let scales = Scales { contact_modulus: response.contact_modulus(), rms_gradient };
+        Ok(Self { loads, grid, scales, unit_pressure: body.material().contact_modulus() * rms_gradient })
+    }
+}
+
+fn elastic(
+    (young, poisson, e_star, height): (f64, f64, Option<f64>, Option<f64>),
+) -> Result<Body, (&'static str, GreenError)> {
+    let material = match e_star {
+        Some(modulus) => Material::from_contact_modulus(modulus, poisson),
+        None => Material::from_young(young, poisson),
+    };
+    let body = material.and_then(|material| Body::new(material, height.map_or(Height::Infinite, Height::Finite)));
+    body.map_err(|error| {
+        let name = match &error {
+            GreenError::Young(_) => "young",
+            GreenError::ContactModulus(_) => "e_star",
+            GreenError::Poisson(_) => "poisson",
+            _ => "height",
+        };
+        (name, error)
+    })
+}
+
+/// A field as an array of Python, without a copy; nothing is left in its place.
+fn handed<'py>(py: Python<'py>, field: &mut Array2<f64>) -> Array<'py> {
+    let field = std::mem::take(field);
+    let field = if field.is_standard_layout() { field } else { field.as_standard_layout().into_owned() };
+    field.into_pyarray(py)
+}

@@ -1,0 +1,87 @@
+//! Result files: written as the program writes them, read array by array.
+
+use std::path::Path;
+
+use gfmd_cli::contact::ContactFile;
+use gfmd_cli::failure::Failure;
+use gfmd_cli::load::LoadRecord;
+use gfmd_cli::session::{Common, Session};
+use gfmd_cli::source::Surface;
+use gfmd_files::{Output, Reader};
+use gfmd_surface::Statistics;
+use ndarray::{Array2, ArrayD, IxDyn};
+use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::failure::{failed, refused};
+use crate::surface::grid;
+use crate::worker::quick;
+
+/// The scalars as TOML (which has a NaN), pressure, displacement, gap.
+type Load<'py> = (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>);
+
+/// Writes contacts of one surface. `surface` is heights, lengths, unit, description.
+#[pyfunction]
+pub(crate) fn save(
+    py: Python<'_>,
+    path: &str,
+    surface: (PyReadonlyArray2<'_, f64>, [f64; 2], Option<String>, String),
+    loads: Vec<Load<'_>>,
+    config: String,
+) -> PyResult<()> {
+    let (heights, lengths, unit, description) = surface;
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let mut records = Vec::new();
+    let mut fields: Vec<[Array2<f64>; 3]> = Vec::new();
+    for (record, pressure, displacement, gap) in loads {
+        let record: LoadRecord = toml::from_str(&record).map_err(|error| refused(py, &error))?;
+        records.push(record);
+        fields.push([pressure, displacement, gap].map(|field| field.as_array().to_owned()));
+    }
+    let written = quick(py, || {
+        let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input("surface", error))?;
+        let surface = Surface { heights, grid, unit, statistics, description };
+        let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
+        let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
+        let with_law = records.iter().any(|record| record.law.is_some());
+        let mut file = ContactFile::create(&output, &session.provenance(config), &surface, records.len(), with_law)?;
+        for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
+            file.write(index, [pressure, displacement, gap])?;
+        }
+        file.finish(&records, records.len()).map(|_| ())
+    })?;
+    written.map_err(|failure| failed(py, &failure))
+}
+
+/// An array of a file.
+#[pyfunction]
+pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let read = quick(py, || {
+        let reader = Reader::open(path)?;
+        Ok::<_, gfmd_files::FileError>((reader.shape(name)?, reader.values::<f64>(name)?))
+    })?;
+    let (shape, values) = read.map_err(|error| refused(py, &error))?;
+    let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| refused(py, &error))?;
+    Ok(array.into_pyarray(py))
+}
+
+/// A text attribute of a file.
+#[pyfunction]
+pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> PyResult<String> {
+    quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
+}
+
+/// A table of TOML as JSON.
+#[pyfunction]
+pub(crate) fn toml_to_json(py: Python<'_>, text: &str) -> PyResult<String> {
+    let table: toml::Table = text.parse().map_err(|error| refused(py, &error))?;
+    serde_json::to_string(&table).map_err(|error| refused(py, &error))
+}
+
+/// A JSON object as TOML.
+#[pyfunction]
+pub(crate) fn json_to_toml(py: Python<'_>, text: &str) -> PyResult<String> {
+    let table: toml::Table = serde_json::from_str(text).map_err(|error| refused(py, &error))?;
+    toml::to_string(&table).map_err(|error| refused(py, &error))
+}

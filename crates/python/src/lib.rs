@@ -1,0 +1,29 @@
+//! The native half of the Python package `gfmd`: arrays in, arrays out, checked by the libraries. Names, defaults, results
+//! and documentation of what a user sees are in `python/gfmd`.
+
+use pyo3::prelude::*;
+
+mod command;
+mod contact;
+mod failure;
+mod files;
+mod surface;
+mod worker;
+
+/// The native module.
+#[pymodule]
+mod _gfmd {
+    #[pymodule_export]
+    use crate::command::{program, run};
+    #[pymodule_export]
+    use crate::contact::{Problem, State, check_law, solvers};
+    #[pymodule_export]
+    use crate::files::{json_to_toml, read_array, read_text, save, toml_to_json};
+    #[pymodule_export]
+    use crate::surface::{detrend, periodise, read, self_affine, statistics};
+
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    const GIT_COMMIT: &str = gfmd_cli::session::GIT_COMMIT;
+}

@@ -1,0 +1,133 @@
+//! Surfaces: made, read, prepared, measured.
+
+use gfmd_cli::generator::{GeneratorArgs, Method};
+use gfmd_cli::json;
+use gfmd_cli::surface::{Report, whole_band};
+use gfmd_field::Grid;
+use gfmd_files::Topography;
+use gfmd_surface::{PowerSpectrum, Statistics};
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::failure::{failed, refused};
+use crate::worker::quick;
+
+type Array<'py> = Bound<'py, PyArray2<f64>>;
+
+/// Heights, lengths of the cell, description. Arguments as the flags of `gfmd surface`.
+#[pyfunction]
+#[pyo3(signature = (*, n, length, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
+    roll_off, roll_off_shape, amplitudes))]
+#[expect(clippy::too_many_arguments, reason = "keywords")]
+pub(crate) fn self_affine<'py>(
+    py: Python<'py>,
+    n: Vec<usize>,
+    length: Vec<f64>,
+    hurst: f64,
+    eps_t_inv: Option<f64>,
+    eps_f_inv: Option<f64>,
+    eps_c_inv: Option<f64>,
+    rms_gradient: f64,
+    rms_height: Option<f64>,
+    seed: u64,
+    dim: u8,
+    method: &str,
+    roll_off: Option<f64>,
+    roll_off_shape: &str,
+    amplitudes: &str,
+) -> PyResult<(Array<'py>, [f64; 2], String)> {
+    let method = match method {
+        "psd" => Method::Psd,
+        "sra" => Method::Sra,
+        "rmd" => Method::Rmd,
+        _ => return Err(refused(py, &format!("method is {method:?}; it must be one of psd, sra, rmd"))),
+    };
+    if !(2..=3).contains(&dim) {
+        return Err(refused(py, &format!("dim is {dim}; it must be 2 (a profile) or 3")));
+    }
+    let args = GeneratorArgs {
+        n,
+        hurst,
+        eps_t_inv,
+        eps_f_inv,
+        eps_c_inv,
+        rms_gradient,
+        rms_height,
+        seed,
+        dim,
+        method,
+        roll_off,
+        roll_off_shape: roll_off_shape.parse().map_err(|error| refused(py, &error))?,
+        amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
+    };
+    let made = quick(py, || {
+        let grid = args.grid(&length)?;
+        Ok((args.heights(&grid)?, grid.lengths()))
+    })?;
+    let (heights, lengths) = made.map_err(|failure| failed(py, &failure))?;
+    Ok((heights.into_pyarray(py), lengths, args.to_string()))
+}
+
+/// Heights, lengths of the cell, unit, description of a file.
+#[pyfunction]
+pub(crate) fn read<'py>(
+    py: Python<'py>,
+    name: &str,
+) -> PyResult<(Array<'py>, Option<[f64; 2]>, Option<String>, String)> {
+    let Topography { heights, lengths, unit, source } =
+        quick(py, || Topography::read(name))?.map_err(|error| refused(py, &error))?;
+    Ok((heights.into_pyarray(py), lengths, unit, source))
+}
+
+/// The heights without a trend.
+#[pyfunction]
+pub(crate) fn detrend<'py>(py: Python<'py>, heights: PyReadonlyArray2<'py, f64>, trend: &str) -> PyResult<Array<'py>> {
+    let trend = trend.parse().map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array().to_owned();
+    let rest = quick(py, || gfmd_surface::remove(&heights, trend))?.map_err(|error| refused(py, &error))?;
+    Ok(rest.into_pyarray(py))
+}
+
+/// The heights as one period of a cell, and its lengths.
+#[pyfunction]
+pub(crate) fn periodise<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    way: &str,
+) -> PyResult<(Array<'py>, [f64; 2])> {
+    let way = way.parse().map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let made = quick(py, || gfmd_surface::periodise(&heights, &grid, way))?;
+    let (heights, grid) = made.map_err(|error| refused(py, &error))?;
+    Ok((heights.into_pyarray(py), grid.lengths()))
+}
+
+/// The numbers of the heights as JSON, as `gfmd surface` prints them.
+#[pyfunction]
+#[pyo3(signature = (heights, lengths, fit_range=None))]
+pub(crate) fn statistics(
+    py: Python<'_>,
+    heights: PyReadonlyArray2<'_, f64>,
+    lengths: [f64; 2],
+    fit_range: Option<[f64; 2]>,
+) -> PyResult<String> {
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let found = quick(py, || {
+        let found = Statistics::of(&heights, &grid)?;
+        let spectrum = PowerSpectrum::of(&heights, &grid)?;
+        let [longest, shortest] = fit_range.unwrap_or_else(|| whole_band(&grid));
+        let fit = spectrum.fit_hurst(longest, shortest);
+        let fit = if fit_range.is_some() { Some(fit?) } else { fit.ok() };
+        Ok::<_, gfmd_surface::SurfaceError>(Report::new(&found, fit, &spectrum, &grid))
+    })?;
+    let report = found.map_err(|error| refused(py, &error))?;
+    json::to_string(&report).map_err(|error| refused(py, &error))
+}
+
+/// The grid of an array in a cell.
+pub(crate) fn grid(py: Python<'_>, points: [usize; 2], lengths: [f64; 2]) -> PyResult<Grid> {
+    Grid::new(points, lengths).map_err(|error| refused(py, &format!("size: {error}")))
+}

@@ -1,0 +1,113 @@
+//! Work without the interpreter's lock: it runs in a pool of threads, while the thread that called waits for signals.
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::failure::{panicked, refused};
+
+/// Time between two looks at the signals.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Most threads of a pool.
+const MOST_THREADS: usize = 4096;
+
+/// The shared knowledge of the work and of the thread that waits for it.
+#[derive(Default)]
+pub(crate) struct Shared {
+    stop: AtomicBool,
+    iteration: AtomicU64,
+    residual: AtomicU64,
+}
+
+impl Shared {
+    /// Tells the progress, and whether to go on.
+    pub(crate) fn see(&self, iteration: u64, residual: f64) -> ControlFlow<()> {
+        self.iteration.store(iteration, Ordering::Relaxed);
+        self.residual.store(residual.to_bits(), Ordering::Relaxed);
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Pools by number of threads. A forked process has none of the threads of its parent, so that it makes its own pools.
+static POOLS: Mutex<Option<(u32, HashMap<usize, Arc<ThreadPool>>)>> = Mutex::new(None);
+
+fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
+    if threads > MOST_THREADS {
+        return Err(format!("threads is {threads}; it must be between 0 (all cores) and {MOST_THREADS}"));
+    }
+    let mut guard = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    if guard.as_ref().is_some_and(|(owner, _)| *owner != process) {
+        // To drop the pools of the parent would wake threads that are not there.
+        std::mem::forget(guard.take());
+    }
+    let (_, pools) = guard.get_or_insert_with(|| (process, HashMap::new()));
+    if let Some(pool) = pools.get(&threads) {
+        return Ok(Arc::clone(pool));
+    }
+    let made = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| format!("threads: {error}"))?;
+    Ok(Arc::clone(pools.entry(threads).or_insert(Arc::new(made))))
+}
+
+/// Runs `work` in `threads` threads (0: all cores) without the interpreter's lock. Several times a second, signals are
+/// handled and `tick(iteration, residual)` is called. An exception of either asks the work to stop, and is returned beside the
+/// result.
+///
+/// # Errors
+/// Threads that cannot be had; a panic of the work.
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    threads: usize,
+    tick: Option<&Py<PyAny>>,
+    work: impl FnOnce(&Shared) -> T + Send,
+) -> PyResult<(T, Option<PyErr>)> {
+    let pool = pool(threads).map_err(|error| refused(py, &error))?;
+    let (result, raised) = py.detach(|| {
+        std::thread::scope(|scope| {
+            let shared = Arc::new(Shared::default());
+            let (done, wait) = channel::<()>();
+            let worker = {
+                let shared = Arc::clone(&shared);
+                scope.spawn(move || {
+                    let result = pool.install(|| work(&shared));
+                    drop(done);
+                    result
+                })
+            };
+            let mut raised = None;
+            while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
+                if raised.is_none() {
+                    raised = Python::attach(|py| look(py, tick, &shared)).err();
+                    shared.stop.store(raised.is_some(), Ordering::Relaxed);
+                }
+            }
+            (worker.join(), raised)
+        })
+    });
+    match result {
+        Ok(value) => Ok((value, raised)),
+        Err(payload) => Err(panicked(py, &*payload)),
+    }
+}
+
+fn look(py: Python<'_>, tick: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<()> {
+    py.check_signals()?;
+    let Some(tick) = tick else { return Ok(()) };
+    let residual = f64::from_bits(shared.residual.load(Ordering::Relaxed));
+    tick.call1(py, (shared.iteration.load(Ordering::Relaxed), residual)).map(|_| ())
+}
+
+/// As [`run`], of work that is short: an exception comes in place of the result.
+pub(crate) fn quick<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    match run(py, 0, None, |_| work())? {
+        (value, None) => Ok(value),
+        (_, Some(raised)) => Err(raised),
+    }
+}
