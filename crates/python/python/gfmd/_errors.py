@@ -52,7 +52,7 @@ def _spoken(text: str) -> str:
         words = flag[1].replace("-", "_")
         return _NAMES.get(words, words)
 
-    return re.sub(r"--([a-z][a-z0-9-]*[a-z0-9])", name, text).replace("\n", " ")
+    return re.sub(r"--([a-z](?:[a-z0-9-]*[a-z0-9])?)", name, text).replace("\n", " ")
 
 
 # The native half calls these.

@@ -1,0 +1,19 @@
+"""A measured surface: read, levelled, made periodic, pressed."""
+
+import sys
+from pathlib import Path
+
+import gfmd
+import matplotlib.pyplot as plt
+
+scan = gfmd.read(Path(__file__).with_name("scan.txt"))
+surface = scan.detrend("plane").periodise("mirror")
+c = gfmd.contact(surface, gfmd.Body(young=70e9, poisson=0.33), mean_pressure=2e9)
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
+scan.detrend("plane").plot(left)
+c.plot("pressure", right)
+right.set_title(f"{100 * c.area_fraction:.1f} % in contact")
+figure.tight_layout()
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "scan.png")
+assert scan.unit is not None and c.converged

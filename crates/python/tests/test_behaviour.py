@@ -1,0 +1,317 @@
+"""Input, errors, interruption, threads, pickles, files."""
+
+import multiprocessing
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import gfmd
+import numpy as np
+import pytest
+
+BODY = gfmd.Body(young=1.0, poisson=0.3)
+SMALL = gfmd.self_affine(n=32)
+
+
+def solved(**options):
+    return gfmd.contact(SMALL, BODY, p_star=0.05, **options)
+
+
+def heights():
+    return np.array(SMALL.heights)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        heights(),
+        np.asfortranarray(heights()),
+        heights().T.copy().T,
+        np.concatenate([heights(), heights()], axis=1)[:, ::2][:, :16],
+        heights().tolist(),
+        heights()[::-1],
+        heights().astype(">f8"),
+        np.ma.array(heights()),
+    ],
+)
+def test_layouts_of_one_array_are_one_surface(given):
+    assert np.array_equal(gfmd.Surface(given).heights, np.asarray(given, dtype=float))
+    assert gfmd.contact(given, BODY, p_star=0.05).area_fraction > 0.0
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float16, np.int8, np.int64, np.uint16])
+def test_other_real_types_work(kind):
+    given = (np.arange(64).reshape(8, 8) % 7).astype(kind)
+    assert gfmd.Surface(given).heights.dtype == np.float64
+    assert gfmd.contact(given, BODY, p_star=0.1).converged
+
+
+def test_a_read_only_array_works_and_the_copy_is_our_own():
+    given = heights()
+    surface = gfmd.Surface(given)
+    given[:] = 0.0
+    assert np.array_equal(surface.heights, SMALL.heights)
+    given.flags.writeable = False
+    gfmd.Surface(SMALL.heights)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "text",
+        b"text",
+        None,
+        1.0,
+        [],
+        [[]],
+        [[1.0, 2.0], [3.0]],
+        np.zeros((2, 2, 2)),
+        np.zeros((0, 4)),
+        np.zeros((1, 4)),
+        np.zeros((4, 4), dtype=complex),
+        np.zeros((4, 4), dtype=bool),
+        np.array([["a", "b"], ["c", "d"]]),
+        np.array([[None, 1], [2, 3]]),
+        np.full((4, 4), np.nan),
+        np.array([[0.0, np.inf], [1.0, 2.0]]),
+        np.ma.array(np.zeros((4, 4)), mask=np.eye(4)),
+        {"a": 1},
+        object(),
+    ],
+)
+def test_unusable_heights_are_refused_in_one_line(given):
+    with pytest.raises(gfmd.InputError) as told:
+        gfmd.Surface(given)
+    assert "\n" not in str(told.value) and str(told.value).startswith("heights ")
+    assert isinstance(told.value, ValueError) and isinstance(told.value, gfmd.Error)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: gfmd.contact(SMALL, BODY), "the load is given by none"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, approach=1), "the load is given by p_star, approach"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=-1), "p_star is -1.0; it must be positive and finite"),
+        (lambda: gfmd.contact(SMALL, BODY, mean_pressure="1"), "mean_pressure is '1'"),
+        (lambda: gfmd.contact(SMALL, BODY, mean_pressure=np.nan), "mean_pressure is nan"),
+        (lambda: gfmd.contact(SMALL, BODY, approach=1e9), "approach: the approach is 1000000000"),
+        (lambda: gfmd.contact(SMALL, 1.0, p_star=1), "body is float"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), "solver is 'best'; it must be one of auto, cg"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="newton"), "solver: the solver is newton"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0), "tolerance is 1.0; it must be between"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=-1), "threads is -1"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=10**9), "threads is 1000000000"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, max_iterations=1.5), "max_iterations is 1.5"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, law=3), "law is 3"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, law="glue"), "the law is \"glue\""),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, start=3), "start is int"),
+        (lambda: gfmd.contact(np.zeros((8, 8)), BODY, p_star=1), "surface: "),
+        (lambda: gfmd.contacts(SMALL, BODY, p_star=[]), "p_star is empty"),
+        (lambda: gfmd.contacts(SMALL, BODY, p_star=[0.1, None]), "p_star is None"),
+        (lambda: gfmd.Body(young=-1), "young is -1.0"),
+        (lambda: gfmd.Body(poisson=0.6), "poisson is 0.6"),
+        (lambda: gfmd.Body(height=0), "height is 0.0"),
+        (lambda: gfmd.Body(1, e_star=1), "young and e_star"),
+        (lambda: gfmd.law("morse", gamma=1), "the law morse needs"),
+        (lambda: gfmd.law("morse", gamma=1, range=-1), ""),
+        (lambda: gfmd.self_affine(n=1), "n: "),
+        (lambda: gfmd.self_affine(n="64"), "n is '64'"),
+        (lambda: gfmd.self_affine(n=-64), "n is -64"),
+        (lambda: gfmd.self_affine(n=2**40), "n: "),
+        (lambda: gfmd.self_affine(n=64, hurst=2), "hurst: "),
+        (lambda: gfmd.self_affine(n=64, method="x"), "method is"),
+        (lambda: gfmd.self_affine(n=64, eps_t_inv=0.1), "eps_t_inv: "),
+        (lambda: gfmd.Surface(np.eye(4), size=(1, 2, 3)), "size is (1, 2, 3)"),
+        (lambda: gfmd.Surface(np.eye(4), size=-1), "size is -1"),
+        (lambda: gfmd.read("nowhere.npy"), "nowhere.npy"),
+        (lambda: gfmd.read(3), "name is 3"),
+        (lambda: SMALL.detrend("cubic"), "the trend is"),
+        (lambda: gfmd.kappa_sweep("nothing"), "invalid value"),
+        (lambda: gfmd.load("nowhere.h5"), "cannot open nowhere.h5"),
+        (lambda: gfmd.green(BODY, qx=np.nan), "qx is nan"),
+        (lambda: gfmd.punch(n=2**40), ""),
+    ],
+)
+def test_unusable_arguments_are_named(call, words):
+    with pytest.raises(gfmd.InputError) as told:
+        call()
+    text = str(told.value)
+    assert text.startswith(words) and "\n" not in text and "--" not in text, text
+
+
+def test_a_search_that_gives_up_keeps_its_state():
+    with pytest.raises(gfmd.NotConverged, match="did not converge") as told:
+        solved(max_iterations=1)
+    state = told.value.state
+    assert not state.converged and 0.0 < state.area_fraction < 1.0
+    again = pickle.loads(pickle.dumps(told.value))
+    assert again.state.area_fraction == state.area_fraction
+    with pytest.raises(gfmd.NotConverged, match="load 0") as told:
+        gfmd.contacts(SMALL, BODY, p_star=[0.1, 0.2], max_iterations=1)
+    assert len(told.value.state) == 1
+
+
+def test_results_are_frozen_and_pickle():
+    contact = solved()
+    for name in ("pressure", "gap", "area_fraction", "news"):
+        with pytest.raises(AttributeError):
+            setattr(contact, name, 1)
+    with pytest.raises(ValueError):
+        contact.pressure[0, 0] = 1.0
+    with pytest.raises(ValueError):
+        contact.surface.heights[0, 0] = 1.0
+    for result in (contact, gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.02]), SMALL, BODY, gfmd.law("morse", gamma=1, range=1), SMALL.statistics()):
+        again = pickle.loads(pickle.dumps(result))
+        assert repr(again) == repr(result) and type(again) is type(result)
+    assert gfmd.Body(e_star=2.0, poisson=0.2) == pickle.loads(pickle.dumps(gfmd.Body(e_star=2.0, poisson=0.2)))
+    assert float(contact.residual) <= 1e-8
+
+
+def test_a_start_spares_iterations():
+    first = gfmd.contact(SMALL, BODY, p_star=0.05)
+    near = gfmd.contact(SMALL, BODY, p_star=0.0501, start=first)
+    cold = gfmd.contact(SMALL, BODY, p_star=0.0501)
+    assert near.iterations < cold.iterations
+    resumed = gfmd.contact(SMALL, BODY, p_star=0.0501, start=pickle.loads(pickle.dumps(first)))
+    assert resumed.iterations < cold.iterations
+    law = gfmd.law("morse", gamma=1e-4, range=5e-3)
+    with pytest.raises(gfmd.InputError, match="hard wall"):
+        gfmd.contact(SMALL, BODY, p_star=0.05, law=law, start=first)
+    with pytest.raises(gfmd.InputError, match="start has"):
+        gfmd.contact(gfmd.self_affine(n=64), BODY, p_star=0.05, start=first)
+
+
+def test_threads_change_no_bit():
+    one, two = solved(threads=1), solved(threads=2)
+    assert one.pressure.tobytes() == two.pressure.tobytes()
+
+
+def test_other_python_threads_run_while_it_computes():
+    large = gfmd.self_affine(n=512)
+    counts, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counts[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    started = time.perf_counter()
+    gfmd.contact(large, BODY, p_star=0.05, threads=1, tolerance=1e-12)
+    seconds, counted = time.perf_counter() - started, counts[0]
+    stop.set()
+    thread.join()
+    assert counted > 50.0 * seconds
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+def test_ctrl_c_stops_it_and_keeps_the_state():
+    code = (
+        "import gfmd, sys\n"
+        "s = gfmd.self_affine(n=256)\n"
+        "print('ready', flush=True)\n"
+        "try:\n"
+        "    gfmd.contact(s, gfmd.Body(), p_star=0.01, solver='verlet-critical', tolerance=1e-15, max_iterations=10**9)\n"
+        "except gfmd.Interrupted as error:\n"
+        "    print('kept', error.state.iterations > 0, error.state.pressure.shape)\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=20)
+    assert "kept True (256, 256)" in out, error
+
+
+def _area(n):
+    return gfmd.contact(gfmd.self_affine(n=n), BODY, p_star=0.05).area_fraction
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_forked_processes_compute_too():
+    here = _area(32)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(_area, [32, 32]).get(60) == [here, here]
+
+
+def test_files_come_back_and_live_beside_h5py(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
+    file = tmp_path / "c.h5"
+    contacts.save(file)
+    with h5py.File(file) as read:
+        assert np.array_equal(read["fields/pressure"][1], contacts[1].pressure)
+        assert np.array_equal(gfmd.load(file)[1].gap, contacts[1].gap)
+    with h5py.File(tmp_path / "own.h5", "w") as written:
+        written["h"] = SMALL.heights
+        contacts[0].save(tmp_path / "d.h5")
+    assert np.array_equal(gfmd.read(f"{tmp_path / 'own.h5'}:/h").heights, SMALL.heights)
+    assert gfmd.load(tmp_path / "d.h5").body == BODY
+    law = gfmd.law("morse", gamma=2e-4, range=2e-3)
+    apart = gfmd.contact(SMALL, BODY, approach=-0.001, law=law)
+    apart.save(tmp_path / "e.h5")
+    again = gfmd.load(tmp_path / "e.h5")
+    assert again.law == law and again.interface_energy == apart.interface_energy and repr(again.kappa) == repr(apart.kappa)
+
+
+def test_what_comes_out_is_c_ordered_float64():
+    contact = solved()
+    for field in (contact.pressure, contact.gap, contact.displacement_z):
+        assert field.dtype == np.float64 and field.flags.c_contiguous and field.shape == (32, 32)
+
+
+def test_topographies_of_another_package_are_taken_as_they_are():
+    class Topography:
+        physical_sizes = (2.0, 3.0)
+        nb_grid_pts = (8, 12)
+        unit = "µm"
+
+        def heights(self):
+            return np.arange(96.0).reshape(8, 12)
+
+    surface = gfmd.Surface(Topography())
+    assert surface.size == (2.0, 3.0) and surface.unit == "µm" and surface.n == (8, 12)
+
+
+def test_figures_and_notebooks():
+    matplotlib = pytest.importorskip("matplotlib")
+    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
+    for drawn in (SMALL.plot(), contacts.plot(), contacts[0].plot(), contacts[0].plot("gap"), gfmd.self_affine(n=32, dim=2).plot()):
+        assert isinstance(drawn, matplotlib.axes.Axes)
+        matplotlib.pyplot.close(drawn.figure)
+    assert "data:image/png" in contacts[0]._repr_html_() and "data:image/png" in SMALL._repr_html_()
+
+
+def test_xarray():
+    pytest.importorskip("xarray")
+    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
+    data = contacts.to_xarray()
+    assert data.pressure.dims == ("load", "x", "y") and float(data.area_fraction[1]) == contacts[1].area_fraction
+    assert contacts[0].to_xarray().gap.shape == (32, 32)
+
+
+def test_the_overhead_of_a_call_is_small():
+    surface = gfmd.self_affine(n=256)
+    start = gfmd.contact(surface, BODY, p_star=0.05)
+    best = np.inf
+    for _ in range(40):
+        before = time.perf_counter()
+        contact = gfmd.contact(surface, BODY, p_star=0.05, start=start, threads=1)
+        best = min(best, time.perf_counter() - before - contact.seconds)
+    # About 1 ms on a quiet machine, with the scalars measured on the fields.
+    assert best < 3e-3, best
+
+
+def test_methods_are_documented():
+    for name in gfmd.__all__:
+        thing = getattr(gfmd, name)
+        assert name == "__version__" or thing.__doc__, name
+        if isinstance(thing, type):
+            for method, value in vars(thing).items():
+                if not method.startswith("_") and callable(value):
+                    assert value.__doc__ and "Example" in value.__doc__, (name, method)
