@@ -19,5 +19,5 @@ ax.plot(p, np.minimum(p * math.sqrt(2 * math.pi), 1), "k--", label=r"$\kappa = \
 ax.set_xscale("log")
 ax.set_yscale("log")
 ax.legend()
-plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "area_load.png")
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "area_load.png", bbox_inches="tight")
 assert np.all(np.diff(cs.area_fraction) > 0)

@@ -16,5 +16,5 @@ plt.axhline(free, color="k", ls="--", label="half-space")
 plt.xlabel("height of the coating (cell length)")
 plt.ylabel("contact area fraction")
 plt.legend()
-plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "coating.png")
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "coating.png", bbox_inches="tight")
 assert abs(areas[-1] - free) < 1e-3 < free - areas[0]

@@ -22,5 +22,5 @@ plt.xlim(-0.15, 0.15)
 plt.xlabel("x (radius)")
 plt.ylabel("pressure (E*)")
 plt.legend()
-plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "hertz.png")
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "hertz.png", bbox_inches="tight")
 assert abs(c.max_pressure / hertz.max() - 1) < 0.03

@@ -13,5 +13,5 @@ plt.imshow(middle, extent=(0, punch.length[0], punch.height, 0), cmap="magma", a
 plt.colorbar(label="von Mises stress (GPa)")
 plt.xlabel("x (µm)")
 plt.ylabel("depth (µm)")
-plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "punch.png")
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "punch.png", bbox_inches="tight")
 assert punch.converged and middle.max() > punch.mean_pressure

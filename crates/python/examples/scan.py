@@ -15,5 +15,5 @@ scan.detrend("plane").plot(left)
 c.plot("pressure", right)
 right.set_title(f"{100 * c.area_fraction:.1f} % in contact")
 figure.tight_layout()
-plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "scan.png")
+plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "scan.png", bbox_inches="tight")
 assert scan.unit is not None and c.converged

@@ -1,6 +1,7 @@
 //! Work without the interpreter's lock: it runs in a pool of threads, while the thread that called waits for signals.
 
 use std::collections::HashMap;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -69,6 +70,8 @@ pub(crate) fn run<T: Send>(
     work: impl FnOnce(&Shared) -> T + Send,
 ) -> PyResult<(T, Option<PyErr>)> {
     let pool = pool(threads).map_err(|error| refused(py, &error))?;
+    let notes = Notes::default();
+    let listener = notes.listener();
     let (result, raised) = py.detach(|| {
         std::thread::scope(|scope| {
             let shared = Arc::new(Shared::default());
@@ -76,7 +79,7 @@ pub(crate) fn run<T: Send>(
             let worker = {
                 let shared = Arc::clone(&shared);
                 scope.spawn(move || {
-                    let result = pool.install(|| work(&shared));
+                    let result = pool.install(|| tracing::subscriber::with_default(listener, || work(&shared)));
                     drop(done);
                     result
                 })
@@ -91,9 +94,43 @@ pub(crate) fn run<T: Send>(
             (worker.join(), raised)
         })
     });
+    notes.warn(py)?;
     match result {
         Ok(value) => Ok((value, raised)),
         Err(payload) => Err(panicked(py, &*payload)),
+    }
+}
+
+/// Warnings of the libraries during a computation.
+#[derive(Clone, Default)]
+struct Notes(Arc<Mutex<Vec<u8>>>);
+
+impl Notes {
+    fn listener(&self) -> impl tracing::Subscriber + Send + Sync + 'static {
+        let notes = self.clone();
+        let listener =
+            tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_writer(move || notes.clone());
+        listener.without_time().with_target(false).with_level(false).with_ansi(false).finish()
+    }
+
+    /// Tells them as warnings of Python, which a user may have turned into exceptions.
+    fn warn(&self, py: Python<'_>) -> PyResult<()> {
+        let text = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        if text.is_empty() {
+            return Ok(());
+        }
+        py.import("gfmd._errors")?.call_method1("warned", (String::from_utf8_lossy(&text),)).map(|_| ())
+    }
+}
+
+impl Write for Notes {
+    fn write(&mut self, text: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(text);
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

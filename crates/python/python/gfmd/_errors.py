@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from typing import Any
 
 __all__ = ["Error", "InputError", "Interrupted", "NotConverged"]
@@ -66,3 +67,8 @@ def failed(text: str) -> NotConverged | Error:
 
 def interrupted(text: str) -> Interrupted:
     return Interrupted(text)
+
+
+def warned(lines: str) -> None:
+    for line in lines.splitlines():
+        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=3)
