@@ -223,12 +223,13 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
         return args.place.depths.iter().map(|&depth| inside("--depths", depth)).collect();
     };
     if levels < 2 {
-        return Err(Failure::input("--levels", format!("2 or more are allowed, found {levels}")));
+        return Err(Failure::value("--levels", levels, "at least 2"));
     }
     let deepest = args.deepest.or_else(|| height(body));
-    let deepest = deepest.ok_or_else(|| Failure::input("--deepest", "needed, since a half-space has no base"))?;
+    let missing = || Failure::Input("--deepest is missing; it is needed because a half-space has no base".into());
+    let deepest = deepest.ok_or_else(missing)?;
     if inside("--deepest", deepest)? == 0.0 {
-        return Err(Failure::input("--deepest", "a depth above 0 is allowed, found 0"));
+        return Err(Failure::value("--deepest", 0, "above 0"));
     }
     Ok(evenly_spaced(levels, deepest).collect())
 }

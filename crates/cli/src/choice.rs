@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_surface::{Amplitudes, Periodisation, RollOffShape};
 use serde::Serializer;
 
-/// A choice that a library names.
+/// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
     /// The values to choose from.
     fn all() -> &'static [Self];

@@ -140,16 +140,14 @@ fn experiment(args: &Args) -> Result<Experiment, Failure> {
 
 fn unusable(args: &Args, error: Unusable) -> Failure {
     match error {
-        Unusable::Points => Failure::input("--n", format!("found {}, allowed: 2 or more", args.n)),
-        Unusable::TimeStep(found) => Failure::input("--dt", format!("found {found}, allowed: between 0 and 1")),
-        Unusable::Factor { found, largest } => Failure::input(
-            "--factors",
-            format!("found {found}, allowed at this time step: above 0 and below {largest}"),
-        ),
-        Unusable::Steps(enough) => Failure::input(
-            "--steps",
-            format!("found none; {enough:.0} would show the rates, {MOST_STEPS:.0} are done unasked"),
-        ),
+        Unusable::Points => Failure::value("--n", args.n, "at least 2"),
+        Unusable::TimeStep(found) => Failure::value("--dt", found, "above 0 and below 1"),
+        Unusable::Factor { found, largest } => {
+            Failure::value("--factors", found, format!("above 0 and below {largest} at this time step"))
+        }
+        Unusable::Steps(enough) => Failure::Input(format!(
+            "--steps is missing; it is needed because the rates take {enough:.0} steps, more than {MOST_STEPS:.0}"
+        )),
         Unusable::Method(error) => Failure::Computation(error.to_string()),
     }
 }
@@ -318,15 +316,15 @@ mod tests {
     #[test]
     fn unusable_flags_are_named_with_what_was_found_and_what_is_allowed() {
         for (flags, message) in [
-            ("--factors 1,-1", "--factors: found -1, allowed at this time step: above 0 and below "),
-            ("--factors 100", "--factors: found 100, allowed at this time step: above 0 and below "),
-            ("--factors 1e-6", "--steps: found none; 2321332963 would show"),
-            ("--dt 1", "--dt: found 1, allowed: between 0 and 1"),
+            ("--factors 1,-1", "--factors is -1; it must be above 0 and below "),
+            ("--factors 100", "--factors is 100; it must be above 0 and below "),
+            ("--factors 1e-6", "--steps is missing; it is needed because the rates take 2321332963 steps"),
+            ("--dt 1", "--dt is 1; it must be above 0 and below 1"),
             ("--height 0", "--height: "),
             ("--poisson 0.6", "--poisson: "),
             ("--young -1", "--young: "),
             ("--n 0", "--n: "),
-            ("--n 1", "--n: found 1, allowed: 2 or more"),
+            ("--n 1", "--n is 1; it must be at least 2"),
             ("--n 1000000", "--n: 1000000 x 1000000 points need "),
         ] {
             let error = evaluate(flags).unwrap_err().to_string();

@@ -41,7 +41,7 @@ fn parse_kind(name: &str) -> Result<Kind, LawError> {
 }
 
 fn parse_parameter(text: &str) -> Result<(String, f64), String> {
-    let wrong = || format!("NAME=VALUE is allowed, found {text:?}");
+    let wrong = || "it must be NAME=VALUE".to_owned();
     let (name, value) = text.split_once('=').ok_or_else(wrong)?;
     Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
 }
@@ -140,19 +140,17 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let tangential = if args.tangential.is_empty() { &zeros } else { &args.tangential };
     if tangential.len() != args.normal.len() {
         let (found, wanted) = (tangential.len(), args.normal.len());
-        return Err(Failure::input(
-            "--tangential",
-            format!("found {found} values, allowed: as many as --normal, {wanted}"),
-        ));
+        let reason = format!("--tangential has {found} values; it must have as many as --normal, {wanted}");
+        return Err(Failure::Input(reason));
     }
     for (flag, values) in [("--normal", &args.normal), ("--tangential", tangential)] {
         if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
-            return Err(Failure::input(flag, format!("found {bad}, allowed: finite numbers")));
+            return Err(Failure::value(flag, bad, "finite"));
         }
     }
     if let Some(bad) = args.normal.iter().find(|normal| law.has_wall() && **normal < 0.0) {
         let name = args.law.law.name();
-        return Err(Failure::input("--normal", format!("found {bad}, allowed: 0 or more ({name} has a hard wall)")));
+        return Err(Failure::value("--normal", bad, format!("at least 0, since {name} has a hard wall")));
     }
     let points = args.normal.iter().zip(tangential).map(|(&normal, &tangential)| {
         let response = law.response(normal, tangential);

@@ -191,11 +191,12 @@ impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(args.depth.is_finite() && args.depth > 0.0) {
-            let reason = format!("a positive, finite length is allowed, found {}", args.depth);
-            return Err(Failure::input("--depth", reason));
+            return Err(Failure::value("--depth", args.depth, "positive and finite"));
         }
         let finest = args.n.saturating_mul(1 << (args.refine - 1));
-        Held::PUNCH.check("--n", [finest, if args.dim == 2 { 1 } else { finest }])?;
+        for (flag, n) in [("--n", args.n), ("--refine", finest)] {
+            Held::PUNCH.check(flag, [n, if args.dim == 2 { 1 } else { n }])?;
+        }
         let grids = (0..args.refine)
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
@@ -386,7 +387,7 @@ impl Prepared {
 
 fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
-        return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
+        return Err(Failure::value("--n", n, "at least 2"));
     }
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
     grid.map_err(|error| Failure::input("--length", error))

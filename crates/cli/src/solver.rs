@@ -1,11 +1,11 @@
-//! The method that solves a contact, its tolerance and its patience, as flags.
+//! The flags of a contact solver: method, tolerance and iteration limit.
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Budget, Solver};
 use serde::{Serialize, Serializer};
 
-/// How to solve.
+/// Flags of a contact solver.
 #[derive(Args, Clone, Copy, Debug, Serialize)]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
@@ -15,19 +15,19 @@ pub struct SolverArgs {
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     pub tol: f64,
-    /// Iterations, or time steps, after which a load is given up
+    /// Largest number of iterations, or time steps, for one load
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     pub max_iter: u64,
 }
 
 impl SolverArgs {
-    /// Tolerance and iterations.
+    /// The tolerance and the iteration limit.
     pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 }
 
-/// The value of a flag that names a solver.
+/// Parses the name of a solver; the help lists all names with their meanings.
 pub fn solvers() -> impl TypedValueParser<Value = Solver> {
     let names = Solver::ALL.map(|solver| PossibleValue::new(solver.name()).help(solver.meaning()));
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Solver>())

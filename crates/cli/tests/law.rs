@@ -213,7 +213,7 @@ fn unusable_flags_are_refused_in_one_line() {
         ("law --law morse --param gamma=1,rho=2 --normal 0", &["--param", "rho", "gamma", "range"]),
         ("law --law morse --param gamma=0,range=1 --normal 0", &["--param", "gamma is 0", "positive"]),
         ("law --law morse --param gamma --normal 0", &["--param", "NAME=VALUE", "gamma"]),
-        ("law --law exponential --param gamma=1,range=1 --normal=-1", &["--normal", "-1", "0 or more"]),
+        ("law --law exponential --param gamma=1,range=1 --normal=-1", &["--normal", "-1", "at least 0"]),
         ("law --law hard-wall --normal 1,2 --tangential 1", &["--tangential", "1", "2"]),
         ("law --normal nan", &["--normal", "NaN", "finite"]),
         ("law", &["--normal"]),

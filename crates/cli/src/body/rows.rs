@@ -25,7 +25,7 @@ impl FromStr for Slice {
             let axis = AXES.iter().position(|axis| *axis == name)?;
             Some(Self { axis, position: position.parse().ok()? })
         });
-        parts.ok_or_else(|| format!("x=POSITION or y=POSITION is allowed, found {text:?}"))
+        parts.ok_or_else(|| "it must be x=POSITION or y=POSITION".into())
     }
 }
 
@@ -61,11 +61,10 @@ impl Rows {
         };
         let (name, length) = (AXES[slice.axis], grid.lengths()[slice.axis]);
         if grid.is_line() {
-            return Err(Failure::input("--slice", "a line is a slice already, and has no y"));
+            return Err(Failure::Input(format!("--slice is {slice}; it must be left out for a line")));
         }
         if !(0.0..length).contains(&slice.position) {
-            let reason = format!("{name} from 0 to below {length} is allowed, found {}", slice.position);
-            return Err(Failure::input("--slice", reason));
+            return Err(Failure::Input(format!("--slice is {slice}; {name} must be at least 0 and below {length}")));
         }
         let count = grid.points()[slice.axis];
         let index = (slice.position / grid.spacing()[slice.axis]).round() as usize % count;

@@ -46,7 +46,7 @@ impl<'a> Volume<'a> {
         let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("vti") => image(output, planes, quantities)?,
             Some("h5" | "hdf5") => archive(output, planes, quantities, provenance)?,
-            _ => return Err(Failure::input("--out", "a name that ends with .h5 or .vti is allowed")),
+            _ => return Err(Failure::value("--out", output.path().display(), "NAME.h5 or NAME.vti")),
         };
         let components = |quantity| match sink {
             Sink::Archive(_) => archive_components(quantity, planes.grid.is_line()),
