@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Subcommand;
-use gfmd_cli::program::{print, start};
+use gfmd_cli::program::{conclude, print, start};
 use gfmd_xtask::{bench_peers, verify};
 
 #[derive(Subcommand)]
@@ -20,10 +20,6 @@ fn main() -> ExitCode {
     start("cargo xtask", |command: &Command, session| match command {
         Command::Gfmd(command) => command.run(session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
-        Command::Verify(args) => {
-            let verify::Outcome { report, failure } = verify::run(args, session)?;
-            print(&report, session)?;
-            failure.map_or(Ok(()), Err)
-        }
+        Command::Verify(args) => conclude(verify::run(args, session)?, session),
     })
 }

@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_cli::failure::Failure;
+use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::progress::Progress;
 use gfmd_cli::session::Session;
 use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
@@ -60,19 +60,11 @@ pub struct CheckReport {
     pub passed: bool,
 }
 
-/// All checks, and whether one failed.
-pub struct Outcome {
-    /// What was found.
-    pub report: Report,
-    /// The checks that failed.
-    pub failure: Option<Failure>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// A reference file that cannot be read; an interruption; files that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let reference = args.reference.as_ref().map_or_else(Reference::default, Reference::new);
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
         return Err(Failure::input("--write-docs", format!("there is no folder {}", folder.display())));

@@ -1,6 +1,7 @@
 //! `contact`: one contact problem, one or more loads.
 
 mod figures;
+mod file;
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -9,25 +10,26 @@ use std::sync::Arc;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Load;
-use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
+use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
-use ndarray::Array2;
 use serde::Serialize;
 
 use crate::elastic::BodyArgs;
 use crate::equilibrium::{Problem, Rest};
-use crate::failure::Failure;
+use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
-use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
+use crate::load::LoadRecord;
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
+
+use file::ContactFile;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -99,19 +101,11 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// What was computed, and why it ended early if it did.
-pub struct Outcome {
-    /// The loads that were computed; the last one has not converged if there is a failure.
-    pub report: Report,
-    /// A load that did not converge, or an interruption.
-    pub failure: Option<Failure>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// Unusable input; a file that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
@@ -155,7 +149,7 @@ impl Prepared {
         Ok(Self { surface, body, law, controls, output })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let name = args.source.name();
         let response = Arc::new(NormalResponse::new(self.surface.grid, &self.body));
         let heights = &self.surface.heights;
@@ -173,7 +167,7 @@ impl Prepared {
             out: None,
             plots: Vec::new(),
         };
-        let file = self.output.as_ref().map(|output| FieldFile::create(output, self, args, session));
+        let file = self.output.as_ref().map(|output| ContactFile::create(output, self, args, session));
         let mut file = file.transpose()?;
         let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
@@ -210,54 +204,6 @@ impl Prepared {
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&kept));
         Ok(Outcome { report, failure })
-    }
-}
-
-/// The HDF5 file of a contact: surface at once, fields load by load, scalars at the end.
-struct FieldFile<'a> {
-    archive: Archive<'a>,
-    with_law: bool,
-}
-
-const FIELDS: [(&str, &str, &str); 3] = [
-    ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
-    ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
-    ("/fields/gap", "length", "distance between the surfaces"),
-];
-
-impl<'a> FieldFile<'a> {
-    fn create(output: &'a Output, prepared: &Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        let mut archive = Archive::create(output, &session.provenance(config))?;
-        let load = Dimension::index("load", prepared.controls.len(), "load step");
-        let unit = prepared.surface.unit();
-        let [x, y] = axes(&prepared.surface.grid, unit);
-        prepared.surface.write(&mut archive, [&x, &y])?;
-        for (path, units, long_name) in FIELDS {
-            let units = if units == "length" { unit } else { units };
-            archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
-        }
-        Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
-    }
-
-    fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
-        for ((path, ..), field) in FIELDS.iter().zip(fields) {
-            self.archive.write_slab(path, index, &contiguous(field))?;
-        }
-        Ok(())
-    }
-
-    fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
-        let load = Dimension::index("load", count, "load step");
-        let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
-        for scalar in scalars {
-            let values: Vec<f64> =
-                (0..count).map(|i| loads.get(i).map_or(f64::NAN, |record| (scalar.value)(record))).collect();
-            let variable = Variable { dimensions: &[&load], units: scalar.units, long_name: scalar.long_name };
-            self.archive.write(&format!("/loads/{}", scalar.name), &variable, &values)?;
-        }
-        Ok(self.archive.finish()?)
     }
 }
 

@@ -56,6 +56,14 @@ impl Failure {
     }
 }
 
+/// The report of a command that may end early, and the reason if it did.
+pub struct Outcome<R> {
+    /// All that was computed; the last part of it has not converged if there is a failure.
+    pub report: R,
+    /// A part that did not converge, or an interruption.
+    pub failure: Option<Failure>,
+}
+
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
         Self::Computation(error.to_string())

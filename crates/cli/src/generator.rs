@@ -5,12 +5,13 @@ use std::fmt;
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
 use gfmd_surface::{
-    Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, SelfAffine,
-    SurfaceError,
+    Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, RollOffShape,
+    SelfAffine, SurfaceError,
 };
 use ndarray::{Array2, s};
 use serde::Serialize;
 
+use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::memory::Held;
 
@@ -69,11 +70,13 @@ pub struct GeneratorArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roll_off: Option<f64>,
     /// How the spectrum goes from power law to flat
-    #[arg(long, value_enum, default_value_t = RollOffShape::Plateau, requires = "roll_off")]
+    #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value = "plateau", requires = "roll_off")]
+    #[serde(serialize_with = "by_name")]
     pub roll_off_shape: RollOffShape,
     /// How large each mode is: drawn, or as expected with a random phase only
-    #[arg(long, value_enum, default_value_t = AmplitudeKind::Gaussian)]
-    pub amplitudes: AmplitudeKind,
+    #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value = "gaussian")]
+    #[serde(serialize_with = "by_name")]
+    pub amplitudes: Amplitudes,
 }
 
 /// The ways to make a surface.
@@ -87,28 +90,6 @@ pub enum Method {
     Sra,
     /// Random midpoint displacement
     Rmd,
-}
-
-/// The ways to roll off.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RollOffShape {
-    /// Constant beyond the roll-off wavelength
-    #[default]
-    Plateau,
-    /// (1 + (q/q_r)²)^-(1+H)
-    Smooth,
-}
-
-/// The ways to draw amplitudes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AmplitudeKind {
-    /// Normal real and imaginary parts
-    #[default]
-    Gaussian,
-    /// All as large as expected
-    Fixed,
 }
 
 impl GeneratorArgs {
@@ -213,23 +194,14 @@ impl GeneratorArgs {
                 ),
             ));
         }
-        let shape = match self.roll_off_shape {
-            RollOffShape::Plateau => gfmd_surface::RollOffShape::Plateau,
-            RollOffShape::Smooth => gfmd_surface::RollOffShape::Smooth,
-        };
-        let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape });
-        let amplitudes = match self.amplitudes {
-            AmplitudeKind::Gaussian => Amplitudes::Gaussian,
-            AmplitudeKind::Fixed => Amplitudes::Fixed,
-        };
-        let normalisation = self.normalisation();
+        let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape: self.roll_off_shape });
         Ok(SelfAffine {
             hurst: self.hurst,
             longest_wavelength: longest,
             shortest_wavelength: shortest,
             roll_off,
-            amplitudes,
-            normalisation,
+            amplitudes: self.amplitudes,
+            normalisation: self.normalisation(),
             ..SelfAffine::with_rms_gradient(self.rms_gradient)
         })
     }
@@ -251,7 +223,7 @@ impl GeneratorArgs {
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
             return Err(self.no_cut_offs(flag));
         }
-        if self.amplitudes == AmplitudeKind::Fixed {
+        if self.amplitudes == Amplitudes::Fixed {
             return Err(Failure::input("--amplitudes", "fixed ones belong to --method psd"));
         }
         let [nx, ny] = grid.points();

@@ -24,7 +24,7 @@ use self::file::PathFile;
 use self::record::Recorded;
 use self::waypoints::WaypointArgs;
 use crate::elastic::BodyArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::memory::Held;
@@ -95,19 +95,11 @@ impl Args {
     }
 }
 
-/// What was computed, and why it ended early if it did.
-pub struct Outcome {
-    /// The steps that were computed.
-    pub report: Report,
-    /// A step that did not converge, or an interruption.
-    pub failure: Option<Failure>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// Unusable input; a file that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
@@ -156,7 +148,7 @@ impl Prepared {
         Ok(Self { surface, body, action, drives, output })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |error: Refusal| Failure::input(&args.source.name(), error);
         let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         let law = match &self.action {
@@ -183,7 +175,7 @@ impl Prepared {
     }
 
     /// Takes the problem through all drives, as far as it goes.
-    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome, Failure>
+    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
     where
         P::State: Recorded,
     {

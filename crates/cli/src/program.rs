@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
 use crate::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
 
@@ -94,33 +94,30 @@ impl Command {
     /// The reason why the command could not do what it was asked.
     pub fn run(&self, session: &Session) -> Result<(), Failure> {
         match self {
-            Self::Contact(args) => {
-                let contact::Outcome { report, failure } = contact::run(args, session)?;
-                print(&report, session)?;
-                failure.map_or(Ok(()), Err)
-            }
+            Self::Contact(args) => conclude(contact::run(args, session)?, session),
             Self::KappaSweep(args) => match kappa_sweep::run(args, session)? {
                 kappa_sweep::Outcome::Done(report) => print(&*report, session),
                 kappa_sweep::Outcome::Planned(plan) => print(&plan, session),
                 kappa_sweep::Outcome::Config(text) => write(&text),
             },
-            Self::Punch(args) => {
-                let punch::Outcome { report, failure } = punch::run(args, session)?;
-                print(&report, session)?;
-                failure.map_or(Ok(()), Err)
-            }
+            Self::Punch(args) => conclude(punch::run(args, session)?, session),
             Self::Body(args) => print(&body::run(args, session)?, session),
             Self::Surface(args) => print(&surface::run(args, session)?, session),
             Self::Damping(args) => print(&damping::run(args, session)?, session),
             Self::Green(args) => print(&green::run(args)?, session),
-            Self::Path(args) => {
-                let path::Outcome { report, failure } = path::run(args, session)?;
-                print(&report, session)?;
-                failure.map_or(Ok(()), Err)
-            }
+            Self::Path(args) => conclude(path::run(args, session)?, session),
             Self::Law(args) => print(&law::run(args)?, session),
         }
     }
+}
+
+/// Prints the report of a command that may have ended early, and passes on the reason.
+///
+/// # Errors
+/// The reason; a standard output that cannot be written.
+pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -> Result<(), Failure> {
+    print(&outcome.report, session)?;
+    outcome.failure.map_or(Ok(()), Err)
 }
 
 /// Prints a report as a table, or as JSON with `--json`.

@@ -15,7 +15,7 @@ use ndarray::{Array2, Array3};
 use serde::Serialize;
 
 use crate::elastic::{BodyArgs, parse_height, serialize_height};
-use crate::failure::Failure;
+use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
@@ -166,14 +166,6 @@ impl Args {
     }
 }
 
-/// What was computed, and why it ended early if it did.
-pub struct Outcome {
-    /// The state that was reached.
-    pub report: Report,
-    /// It has not converged, or the user stopped.
-    pub failure: Option<Failure>,
-}
-
 /// Deeper than this part of the punch's width, or of the height of the slab, strain is not small.
 const SMALL: f64 = 0.1;
 
@@ -181,7 +173,7 @@ const SMALL: f64 = 0.1;
 ///
 /// # Errors
 /// Unusable input; a file that could not be written.
-pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
@@ -202,6 +194,8 @@ impl Prepared {
             let reason = format!("a positive, finite length is allowed, found {}", args.depth);
             return Err(Failure::input("--depth", reason));
         }
+        let finest = args.n.saturating_mul(1 << (args.refine - 1));
+        Held::PUNCH.check("--n", [finest, if args.dim == 2 { 1 } else { finest }])?;
         let grids = (0..args.refine)
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
@@ -226,7 +220,7 @@ impl Prepared {
         Ok(Self { body, height, punch, grids, reference, output })
     }
 
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome, Failure> {
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         self.warn_of_large_strain(args);
         let progress = Progress::new(&session.common, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
@@ -394,8 +388,6 @@ fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
         return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
     }
-    let points = [n, if args.dim == 2 { 1 } else { n }];
-    Held::PUNCH.check("--n", points)?;
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
     grid.map_err(|error| Failure::input("--length", error))
 }

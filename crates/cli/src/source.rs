@@ -7,6 +7,7 @@ use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
 
+use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
 
@@ -26,8 +27,9 @@ pub struct SourceArgs {
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
     /// How to make a file's heights periodic
-    #[arg(long, value_enum, default_value_t = Periodise::AsIs)]
-    pub periodise: Periodise,
+    #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value = "as-is")]
+    #[serde(serialize_with = "by_name")]
+    pub periodise: Periodisation,
     /// The file's heights point away from the body: turn them over
     #[arg(long)]
     pub flip: bool,
@@ -49,16 +51,6 @@ pub enum Detrend {
     Slope,
     /// The least-squares paraboloid
     Quadratic,
-}
-
-/// How to make measured heights periodic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Periodise {
-    /// Not at all: opposite edges meet in a step
-    AsIs,
-    /// By mirror images: no step, four times the points
-    Mirror,
 }
 
 /// Heights ready for a contact.
@@ -175,14 +167,11 @@ impl SourceArgs {
             heights = remove(&heights, trend).map_err(|error| Failure::input(file, error))?;
             description += &format!(", {words}");
         }
-        let how = match self.periodise {
-            Periodise::AsIs => Periodisation::AsIs,
-            Periodise::Mirror => {
-                description += ", mirrored to a periodic cell of twice the size";
-                Periodisation::Mirror
-            }
-        };
-        let (heights, grid) = periodise(&heights, &grid, how).map_err(|error| Failure::input(file, error))?;
+        if self.periodise == Periodisation::Mirror {
+            description += ", mirrored to a periodic cell of twice the size";
+        }
+        let (heights, grid) =
+            periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
         Ok((heights, grid, topography.unit, description))
     }
 }

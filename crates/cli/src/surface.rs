@@ -1,22 +1,21 @@
 //! `surface`: make a surface or measure one.
 
+mod file;
+
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
-use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics};
-use ndarray::{Array2, Axis};
-use ndarray_npy::WriteNpyExt;
+use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::generator::Method;
 use crate::session::Session;
 use crate::source::SourceArgs;
+
+use file::Target;
 
 /// Flags of `surface`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -121,7 +120,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved)
             .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
-        target.write(&surface.heights, &grid, &spectrum.radial(), &report, session.provenance(config))?;
+        target.write(&surface.heights, &grid, &spectrum.radial(), &report, &session.provenance(config))?;
         report.out.clone_from(&args.out);
     }
     Ok(report)
@@ -285,102 +284,6 @@ impl fmt::Display for Report {
     }
 }
 
-/// Where the heights go, claimed before they are made.
-struct Target {
-    output: Output,
-    format: Format,
-}
-
-enum Format {
-    Npy,
-    Hdf5,
-}
-
-impl Target {
-    fn claim(path: &Path) -> Result<Self, Failure> {
-        let format = match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("npy") => Format::Npy,
-            Some("h5" | "hdf5") => Format::Hdf5,
-            _ => {
-                return Err(Failure::input(
-                    "--out",
-                    format!("NAME.npy or NAME.h5 is allowed, found {}", path.display()),
-                ));
-            }
-        };
-        let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { output, format })
-    }
-
-    fn write(
-        &self,
-        heights: &Array2<f64>,
-        grid: &Grid,
-        spectrum: &[RadialBin],
-        report: &Report,
-        provenance: Provenance,
-    ) -> Result<(), Failure> {
-        match self.format {
-            Format::Npy => self.write_npy(heights).map_err(|error| {
-                let _ = fs::remove_file(self.output.part());
-                Failure::Computation(format!("cannot write {}: {error}", self.output.path().display()))
-            }),
-            Format::Hdf5 => self.write_hdf5(heights, grid, spectrum, report, &provenance),
-        }
-    }
-
-    /// Beside the target, synced, renamed. A profile is a one-dimensional array.
-    fn write_npy(&self, heights: &Array2<f64>) -> Result<(), Box<dyn std::error::Error>> {
-        let mut file = BufWriter::new(File::create(self.output.part())?);
-        match heights.ncols() {
-            1 => heights.index_axis(Axis(1), 0).write_npy(&mut file)?,
-            _ => heights.write_npy(&mut file)?,
-        }
-        file.flush()?;
-        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        Ok(fs::rename(self.output.part(), self.output.path())?)
-    }
-
-    fn write_hdf5(
-        &self,
-        heights: &Array2<f64>,
-        grid: &Grid,
-        spectrum: &[RadialBin],
-        report: &Report,
-        provenance: &Provenance,
-    ) -> Result<(), Failure> {
-        let (unit, spacing) = (report.unit_of(1), grid.spacing());
-        let axis = |name: &str, index: usize| {
-            let positions = (0..grid.points()[index]).map(|i| i as f64 * spacing[index]).collect();
-            Dimension::values(name, positions, &unit, &format!("position along {name}"))
-        };
-        let mut archive = Archive::create(&self.output, provenance)?;
-        let (x, y) = (axis("x", 0), axis("y", 1));
-        let dimensions: &[&Dimension] = if grid.is_line() { &[&x] } else { &[&x, &y] };
-        let height =
-            Variable { dimensions, units: &unit, long_name: "height of the rigid surface, peaks towards the body" };
-        let values: Vec<f64> = heights.iter().copied().collect();
-        archive.write("/surface/height", &height, &values)?;
-        archive.attribute("/surface", "source", report.source.as_str())?;
-        for (name, value, power, meaning) in report.scalars() {
-            let units = report.unit_of(power);
-            let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };
-            archive.write(&format!("/statistics/{name}"), &scalar, &[value.unwrap_or(f64::NAN)])?;
-        }
-        let wavenumbers = spectrum.iter().map(|bin| bin.wavenumber).collect();
-        let per_length = report.unit_of(-1);
-        let q = Dimension::values("wavenumber", wavenumbers, &per_length, "mean wavenumber of the ring, rad/length");
-        let units = report.unit_of(if grid.is_line() { 3 } else { 4 });
-        let density =
-            Variable { dimensions: &[&q], units: &units, long_name: "radially averaged power spectral density" };
-        archive.write("/spectrum/density", &density, &spectrum.iter().map(|bin| bin.density).collect::<Vec<_>>())?;
-        let modes = Variable { dimensions: &[&q], units: "1", long_name: "modes in the ring, of the full spectrum" };
-        archive.write("/spectrum/modes", &modes, &spectrum.iter().map(|bin| bin.modes).collect::<Vec<_>>())?;
-        archive.finish()?;
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
@@ -430,7 +333,7 @@ mod tests {
             assert_eq!((read.n, read.rms_height, read.highest), (made.n, made.rms_height, made.highest));
             assert!(close(read.rms_gradient, made.rms_gradient) && close(read.length[0], made.length[0]));
         }
-        let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");
         let archive = gfmd_files::Reader::open(folder.path().join("h.h5")).unwrap();
         assert!(archive.text("/", "config").unwrap().contains("eps_t_inv = 2.0"));
@@ -450,6 +353,6 @@ mod tests {
         says("--n 128 --fit-range 0.1,0.2", "--fit-range: the wavelengths must satisfy 0 < shortest <= longest");
         let out = folder.path().join("h.npy");
         says(&format!("--hurst 3 --out {}", out.display()), "--hurst: ");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -1,18 +1,19 @@
 //! A field on a plane, coloured, in its physical axes, with a colour bar.
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use super::axis::{Ticks, padded};
-use super::chart::{Frame, GAP, LABEL, TICK, draw_axes, left_margin};
+use super::chart::COLUMN;
 use super::colour::{INK, PALE, Rgb, hex, mix, sequential};
 use super::drawing::{Drawing, Picture};
+use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
 use super::text::{Anchor, Text, number};
-use super::{Axis, COLUMN, PlotError, Scale};
+use super::{Axis, PlotError, Scale};
 
 /// More pixels than this along one side are not seen in print at one column width.
 const PIXELS: usize = 1024;
 
-const EDGE: f64 = 4.0;
 const BAR: f64 = 9.0;
 
 /// A map of values on a regular grid.
@@ -57,6 +58,23 @@ impl<'a> Map<'a> {
 
     fn is_coloured(&self, value: f64) -> bool {
         self.below.as_ref().is_none_or(|below| value > below.threshold)
+    }
+}
+
+impl Map<'_> {
+    /// The figure as SVG text, the field in it as an embedded PNG image.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        Ok(draw(self)?.svg())
+    }
+
+    /// The figure as PNG bytes.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        draw(self)?.png()
+    }
+
+    /// Writes `stem.svg` and `stem.png`.
+    pub fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
+        draw(self)?.save(stem)
     }
 }
 

@@ -204,7 +204,7 @@ fn a_flat_map_is_high_enough_for_its_labels() {
     let flat = Map { size: [100.0, 1.0], y: "height above the lowest level".into(), ..pressure_map(&field, [64, 4]) };
     let drawing = map::draw(&flat).unwrap();
     let [_, _, width, height] = drawing.pictures[0].frame;
-    let label = text::Text::new(&flat.y, chart::LABEL).width();
+    let label = text::Text::new(&flat.y, frame::LABEL).width();
     assert!(height >= label && height < width, "{height} {label} {width}");
 }
 

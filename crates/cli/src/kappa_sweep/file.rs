@@ -114,6 +114,9 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
     write_columns(archive, "/points", &point, &rows, &columns)
 }
 
+/// A part of `T` with the word for it in the names of variables.
+type Named<T, V> = (&'static str, fn(&T) -> V);
+
 /// The ends of a 95 % interval, NaN where there is none.
 fn ends(estimate: &Estimate) -> [f64; 2] {
     estimate.ci95.unwrap_or([f64::NAN; 2])
@@ -135,29 +138,28 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
     ];
     write_columns(archive, "/fit", &fit, all, &columns)?;
     let long_name = "kappa = kappa_tfc + sum over axes of coefficient * eps^exponent; NaN: no such term or interval";
-    let parts: [(&str, fn(&Term) -> &Estimate); 2] =
-        [("coefficient", |term| &term.coefficient), ("exponent", |term| &term.exponent)];
-    let numbers: [(&str, fn(&Estimate) -> f64); 3] =
+    let parts: [Named<Term, Estimate>; 2] =
+        [("coefficient", |term| term.coefficient), ("exponent", |term| term.exponent)];
+    let numbers: [Named<Estimate, f64>; 3] =
         [("", |e| e.value), ("_ci95_low", |e| ends(e)[0]), ("_ci95_high", |e| ends(e)[1])];
     for axis in Axis::ALL {
         for (part, estimate) in parts {
             for (suffix, number) in numbers {
                 let name = format!("{part}_{axis}{suffix}");
-                let value = |e: &Extrapolation| e.fit.term(axis).map_or(f64::NAN, |term| number(estimate(term)));
+                let value = |e: &Extrapolation| e.fit.term(axis).map_or(f64::NAN, |term| number(&estimate(term)));
                 write_columns(archive, "/fit", &fit, all, &[(&name, long_name, &value)])?;
             }
         }
     }
-    let texts: [(&str, &str, fn(&Extrapolation) -> String); 3] = [
-        ("area", "way of counting contact area", |e| e.area.name().into()),
-        ("uncertainty", "source of the intervals", |e| e.fit.uncertainty.to_string()),
-        ("warnings", "remarks on the numbers", |e| {
-            e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-        }),
-    ];
-    for (name, long_name, text) in texts {
+    let texts = |of: fn(&Extrapolation) -> String| all.iter().map(of).collect::<Vec<_>>();
+    let warnings = |e: &Extrapolation| e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    for (name, long_name, texts) in [
+        ("area", "way of counting contact area", texts(|e| e.area.name().into())),
+        ("uncertainty", "source of the intervals", texts(|e| e.fit.uncertainty.to_string())),
+        ("warnings", "remarks on the numbers", texts(warnings)),
+    ] {
         let variable = Variable { dimensions: &[&fit], units: "1", long_name };
-        archive.write_text(&format!("/fit/{name}"), &variable, &all.iter().map(text).collect::<Vec<_>>())?;
+        archive.write_text(&format!("/fit/{name}"), &variable, &texts)?;
     }
     write_resamples(archive, &fit, all)
 }

@@ -1,0 +1,50 @@
+//! Flags whose values are the rows of a library's table: a name and a meaning each.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gfmd_surface::{Amplitudes, Periodisation, RollOffShape};
+use serde::Serializer;
+
+/// A choice that a library names.
+pub trait Choice: Copy + Send + Sync + 'static {
+    /// The values to choose from.
+    fn all() -> &'static [Self];
+
+    /// The name on a command line and in the record of a run.
+    fn name(self) -> &'static str;
+
+    /// The meaning in one line, for the help.
+    fn meaning(self) -> &'static str;
+}
+
+macro_rules! choices {
+    ($($type:ty),+) => {$(
+        impl Choice for $type {
+            fn all() -> &'static [Self] {
+                Self::ALL
+            }
+
+            fn name(self) -> &'static str {
+                self.name()
+            }
+
+            fn meaning(self) -> &'static str {
+                self.meaning()
+            }
+        }
+    )+};
+}
+
+choices!(Amplitudes, Periodisation, RollOffShape);
+
+/// Parses the name of a choice; the help lists all names with their meanings.
+pub fn parse_choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let rows = T::all().iter().map(|value| PossibleValue::new(value.name()).help(value.meaning()));
+    PossibleValuesParser::new(rows).try_map(|name| {
+        T::all().iter().copied().find(|value| value.name() == name).ok_or("it is not in the table of this flag")
+    })
+}
+
+/// Writes a choice by its name.
+pub fn by_name<T: Choice, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(choice.name())
+}

@@ -1,0 +1,65 @@
+//! The HDF5 file of a contact.
+
+use std::path::PathBuf;
+
+use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
+use gfmd_law::Kind;
+use ndarray::Array2;
+
+use super::{Args, Prepared};
+use crate::failure::Failure;
+use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
+use crate::session::Session;
+
+/// The surface at once, fields load by load, scalars at the end.
+pub(super) struct ContactFile<'a> {
+    archive: Archive<'a>,
+    with_law: bool,
+}
+
+const FIELDS: [(&str, &str, &str); 3] = [
+    ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
+    ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
+    ("/fields/gap", "length", "distance between the surfaces"),
+];
+
+impl<'a> ContactFile<'a> {
+    pub(super) fn create(
+        output: &'a Output,
+        prepared: &Prepared,
+        args: &Args,
+        session: &Session,
+    ) -> Result<Self, Failure> {
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let mut archive = Archive::create(output, &session.provenance(config))?;
+        let load = Dimension::index("load", prepared.controls.len(), "load step");
+        let unit = prepared.surface.unit();
+        let [x, y] = axes(&prepared.surface.grid, unit);
+        prepared.surface.write(&mut archive, [&x, &y])?;
+        for (path, units, long_name) in FIELDS {
+            let units = if units == "length" { unit } else { units };
+            archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
+        }
+        Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
+    }
+
+    pub(super) fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
+        for ((path, ..), field) in FIELDS.iter().zip(fields) {
+            self.archive.write_slab(path, index, &contiguous(field))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
+        let load = Dimension::index("load", count, "load step");
+        let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
+        for scalar in scalars {
+            let values: Vec<f64> =
+                (0..count).map(|i| loads.get(i).map_or(f64::NAN, |record| (scalar.value)(record))).collect();
+            let variable = Variable { dimensions: &[&load], units: scalar.units, long_name: scalar.long_name };
+            self.archive.write(&format!("/loads/{}", scalar.name), &variable, &values)?;
+        }
+        Ok(self.archive.finish()?)
+    }
+}

@@ -1,0 +1,91 @@
+//! The file that takes a surface: an array of NumPy, or HDF5.
+
+use std::path::Path;
+
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous, npy};
+use gfmd_surface::RadialBin;
+use ndarray::{Array2, Axis};
+
+use super::Report;
+use crate::failure::Failure;
+
+/// Where the heights go, claimed before they are made.
+pub(super) struct Target {
+    output: Output,
+    format: Format,
+}
+
+enum Format {
+    Npy,
+    Hdf5,
+}
+
+impl Target {
+    pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
+        let format = match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("npy") => Format::Npy,
+            Some("h5" | "hdf5") => Format::Hdf5,
+            _ => {
+                return Err(Failure::input(
+                    "--out",
+                    format!("NAME.npy or NAME.h5 is allowed, found {}", path.display()),
+                ));
+            }
+        };
+        let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
+        Ok(Self { output, format })
+    }
+
+    /// Writes the heights; an HDF5 file has the numbers of the report and the spectrum, too.
+    pub(super) fn write(
+        &self,
+        heights: &Array2<f64>,
+        grid: &Grid,
+        spectrum: &[RadialBin],
+        report: &Report,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        match self.format {
+            // A profile is a one-dimensional array.
+            Format::Npy if grid.is_line() => npy::write(&self.output, heights.index_axis(Axis(1), 0).into_dyn())?,
+            Format::Npy => npy::write(&self.output, heights.view().into_dyn())?,
+            Format::Hdf5 => self.write_hdf5(heights, grid, spectrum, report, provenance)?,
+        }
+        Ok(())
+    }
+
+    fn write_hdf5(
+        &self,
+        heights: &Array2<f64>,
+        grid: &Grid,
+        spectrum: &[RadialBin],
+        report: &Report,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let unit = report.unit_of(1);
+        let mut archive = Archive::create(&self.output, provenance)?;
+        let [x, y] = axes(grid, &unit);
+        let dimensions: &[&Dimension] = if grid.is_line() { &[&x] } else { &[&x, &y] };
+        let height =
+            Variable { dimensions, units: &unit, long_name: "height of the rigid surface, peaks towards the body" };
+        archive.write("/surface/height", &height, &contiguous(heights))?;
+        archive.attribute("/surface", "source", report.source.as_str())?;
+        for (name, value, power, meaning) in report.scalars() {
+            let units = report.unit_of(power);
+            let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };
+            archive.write(&format!("/statistics/{name}"), &scalar, &[value.unwrap_or(f64::NAN)])?;
+        }
+        let wavenumbers = spectrum.iter().map(|bin| bin.wavenumber).collect();
+        let per_length = report.unit_of(-1);
+        let q = Dimension::values("wavenumber", wavenumbers, &per_length, "mean wavenumber of the ring, rad/length");
+        let units = report.unit_of(if grid.is_line() { 3 } else { 4 });
+        let density =
+            Variable { dimensions: &[&q], units: &units, long_name: "radially averaged power spectral density" };
+        archive.write("/spectrum/density", &density, &spectrum.iter().map(|bin| bin.density).collect::<Vec<_>>())?;
+        let modes = Variable { dimensions: &[&q], units: "1", long_name: "modes in the ring, of the full spectrum" };
+        archive.write("/spectrum/modes", &modes, &spectrum.iter().map(|bin| bin.modes).collect::<Vec<_>>())?;
+        archive.finish()?;
+        Ok(())
+    }
+}

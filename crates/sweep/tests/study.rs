@@ -1,0 +1,116 @@
+//! A study in pieces: kept, continued, interrupted, one run at a time; configurations that are refused.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use gfmd_sweep::{
+    Config, Example, Keep, Plan, PointsConfig, Pressed, StatisticsConfig, Study, SweepError, run, run_one,
+};
+
+fn plan() -> Plan {
+    let config = Config {
+        points: PointsConfig {
+            eps_t_inv: vec![1.0, 2.0],
+            eps_f_inv: vec![4.0, 8.0],
+            eps_c_inv: vec![4.0, 8.0],
+            centre: [2.0, 4.0, 4.0],
+            ..PointsConfig::default()
+        },
+        statistics: StatisticsConfig { realisations: 2, ..StatisticsConfig::default() },
+        ..Config::default()
+    };
+    Plan::new(config).unwrap()
+}
+
+/// Keeps `room` runs, then refuses to.
+#[derive(Default)]
+struct Shelf {
+    kept: Mutex<BTreeMap<usize, Vec<Pressed>>>,
+    room: usize,
+    recalled: AtomicUsize,
+}
+
+impl Keep for Shelf {
+    fn recall(&self, run: usize) -> Option<Vec<Pressed>> {
+        let loads = self.kept.lock().unwrap().get(&run).cloned();
+        self.recalled.fetch_add(usize::from(loads.is_some()), Ordering::Relaxed);
+        loads
+    }
+
+    fn keep(&self, run: usize, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+        let mut kept = self.kept.lock().unwrap();
+        if kept.len() >= self.room {
+            return Err("the shelf is full".into());
+        }
+        assert!(kept.insert(run, loads.to_vec()).is_none(), "run {run} was computed twice");
+        Ok(())
+    }
+}
+
+/// Stops at once.
+struct Stopped;
+
+impl Keep for Stopped {
+    fn is_interrupted(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_study_continued_from_kept_runs_is_the_study_in_one_piece() {
+    let plan = plan();
+    let whole = Study::new(plan.clone(), &()).unwrap();
+    let mut shelf = Shelf { room: 3, ..Shelf::default() };
+    assert!(matches!(run(&plan, &shelf), Err(SweepError::Keep(error)) if error.to_string().contains("full")));
+    assert_eq!(shelf.kept.lock().unwrap().len(), 3);
+    shelf.room = usize::MAX;
+    let continued = Study::new(plan.clone(), &shelf).unwrap();
+    assert_eq!(shelf.recalled.load(Ordering::Relaxed), 3);
+    assert_eq!(continued.runs, whole.runs);
+    assert_eq!(continued.analysis.result().fit, whole.analysis.result().fit);
+    for number in [0, plan.runs.len() - 1] {
+        assert_eq!(run_one(&plan, number, &()).unwrap(), whole.runs[number]);
+    }
+    let message = run_one(&plan, plan.runs.len(), &()).unwrap_err().to_string();
+    assert!(message.starts_with(&format!("run is {}; it must be", plan.runs.len())), "{message}");
+}
+
+#[test]
+fn an_interruption_ends_runs_and_the_example() {
+    let plan = plan();
+    for ended in [run(&plan, &Stopped).err(), run_one(&plan, 0, &Stopped).err(), Example::new(&plan, &Stopped).err()] {
+        assert!(matches!(ended, Some(SweepError::Interrupted(_))), "{ended:?}");
+    }
+}
+
+#[test]
+fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
+    let refused = |text: &str, words: &[&str]| {
+        let message = match toml::from_str::<Config>(text) {
+            Ok(config) => Plan::new(config).expect_err(text).to_string(),
+            Err(error) => error.to_string(),
+        };
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    };
+    refused("surface.hurst = [0.5, 0.8, 0.5]", &["surface.hurst is [0.5, 0.8, 0.5]", "different"]);
+    refused("surface.hurst = [nan]", &["surface.hurst", "NaN"]);
+    refused("surface.rms_gradient = nan", &["surface.rms_gradient is NaN", "positive"]);
+    refused("loads.p_star = [0.02, nan]", &["loads.p_star", "NaN"]);
+    refused("loads.p_star = [0.02, 0.02]", &["loads.p_star", "ascending"]);
+    refused("points.eps_c_inv = [nan]", &["points", "eps_c", "NaN"]);
+    refused("points.largest_n = 2", &["points is empty", "largest_n"]);
+    refused("body.young = nan", &["body.young", "NaN"]);
+    refused("body.height = \"high\"", &["\"high\"", "a number or \"inf\""]);
+    refused("fit.alpha_t = 0.0", &["fit.alpha_t is 0.0", "\"free\"", "\"none\""]);
+    refused("fit.alpha_f = nan", &["fit.alpha_f is NaN"]);
+    refused("fit.alpha_c = \"loose\"", &["\"loose\"", "a number or \"free\" or \"none\""]);
+    refused("fit.p_star = 0.3", &["fit.p_star is 0.3", "loads.p_star"]);
+    refused("solver.tol = 1e-20", &["solver.tol is 1e-20", "between 1e-15 and 0.1"]);
+    refused("solver.method = \"newton\"", &["solver.method is \"newton\"", "auto, cg"]);
+    refused("solver.method = \"magic\"", &["magic", "auto, cg"]);
+    // Larger cells are sampled by fewer realisations, smaller ones by more: these would overlap with the next group.
+    refused("statistics.realisations = 600000", &["statistics.realisations is 600000", "1000000"]);
+    refused("statistics.seed = 9223372036854775807", &["statistics.seed is 9223372036854775807", "at most"]);
+}
