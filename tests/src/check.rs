@@ -2,7 +2,7 @@ use gfmd_body::InteriorError;
 use gfmd_contact::{Refusal, Solution, SolveError};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
-use gfmd_interface::InterfaceError;
+use gfmd_interface::{FrictionState, State};
 use gfmd_law::LawError;
 use gfmd_mixed::MixedError;
 use gfmd_surface::SurfaceError;
@@ -66,9 +66,12 @@ pub enum ValidationError {
     /// An impossible grid.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// An adhesive or frictional contact that did not come to rest.
+    /// A contact with a law that did not come to rest.
     #[error(transparent)]
-    Interface(#[from] InterfaceError),
+    Interface(#[from] SolveError<State>),
+    /// A contact with friction that did not come to rest.
+    #[error(transparent)]
+    Friction(#[from] SolveError<FrictionState>),
     /// Parameters that make no law.
     #[error(transparent)]
     Law(#[from] LawError),

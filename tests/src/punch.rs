@@ -1,12 +1,10 @@
 //! Flat punches that stick: node by node against an independent solution of the same discrete problem, and against
 //! finite elements of the continuum.
 
-use std::ops::ControlFlow;
-
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed, Settings};
-use gfmd_response::FullResponse;
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed};
+use gfmd_relax::Budget;
 use ndarray::{Array3, ArrayView3, Axis, Ix2, Ix3};
 
 use crate::check::{Worst, order};
@@ -54,11 +52,11 @@ impl Case<'_> {
 
     fn press(&self, n: usize, edge: Edge, method: Method) -> Result<MixedSolution, ValidationError> {
         let grid = self.grid(n)?;
-        let response = FullResponse::new(grid, &Body::slab(Material::from_young(70.0, 0.33)?, LENGTH)?);
+        let body = Body::slab(Material::from_young(70.0, 0.33)?, LENGTH)?;
         let points = FlatPunch::new(0.25, edge)?.points(&grid);
         let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -DEPTH])?;
-        let settings = Settings { method, tolerance: 1e-10, ..Settings::default() };
-        Ok(MixedProblem::new(&response, held)?.solve(&settings, &mut |_| ControlFlow::Continue(()))?)
+        let budget = Budget { tolerance: 1e-10, ..Budget::default() };
+        Ok(MixedProblem::new(&body, &grid, held)?.solve(method, &budget, &mut ())?)
     }
 
     fn solve(&self, n: usize, edge: Edge) -> Result<MixedSolution, ValidationError> {

@@ -1,4 +1,4 @@
-//! What must hold inside every body, as fields on a grid: equilibrium, Hooke's law, the base, energy, limits.
+//! Relations of the fields inside every body: equilibrium, Hooke's law, the base, energy, limits.
 
 use approx::assert_relative_eq;
 use gfmd_body::{Interior, InteriorError, State};
@@ -21,7 +21,7 @@ fn slab(poisson: f64, height: f64) -> Body {
     Body::slab(Material::from_young(3.0, poisson).unwrap(), height).unwrap()
 }
 
-/// ∂f/∂x or ∂f/∂y of a field on a grid without Nyquist modes.
+/// The derivative ∂f/∂x or ∂f/∂y of a field on a grid without Nyquist modes.
 fn derivative(transform: &Transform, field: &[f64], axis: usize) -> Vec<f64> {
     let grid = transform.grid();
     let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
@@ -34,7 +34,7 @@ fn derivative(transform: &Transform, field: &[f64], axis: usize) -> Vec<f64> {
     out
 }
 
-/// Displacements along x, y, z (zero along y on a line) and the states at one depth.
+/// The displacements along x, y, z (zero along y on a line) and the states at one depth.
 type Plane = ([Vec<f64>; 3], Vec<State>);
 
 fn inside(interior: &Interior, depth: f64) -> Plane {
@@ -64,7 +64,7 @@ fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![4 => -0.9..0.5, 1 => Just(0.5), 1 => 0.499..0.5]
 }
 
-/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement without mean u_z.
+/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z.
 fn case() -> impl Strategy<Value = Case> {
     let points = prop_oneof![Just([5, 7]), Just([7, 3]), Just([9, 1])];
     (poisson(), poisson(), 0.3..1.5, 0..5, points, 0..1000usize).prop_map(
@@ -88,7 +88,7 @@ fn case() -> impl Strategy<Value = Case> {
     )
 }
 
-/// Points and weights of Gauss on (−1, 1).
+/// The points and weights of Gauss quadrature on (−1, 1).
 const GAUSS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -98,7 +98,7 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 proptest! {
-    /// ∂σ_ij/∂x_j = 0; strains are derivatives of the displacement; stresses follow from them by Hooke's law.
+    /// Equilibrium ∂σ_ij/∂x_j = 0; strains are derivatives of the displacement; stresses follow from strains by Hooke's law.
     #[test]
     fn forces_balance_and_strains_are_compatible(case in case(), place in 0.05..0.25) {
         let Case { body, grid, surface } = case;
@@ -138,7 +138,7 @@ proptest! {
             }
         }
         for state in states {
-            // Deviators, so that ν = 1/2 is no exception, and the volume.
+            // Hooke's law for the deviators, which holds at ν = 1/2, too, and for the volume.
             let [xx, yy, zz, ..] = state.stress;
             let (pressure, dilation) = ((xx + yy + zz) / 3.0, state.strain[..3].iter().sum::<f64>());
             for k in 0..3 {
@@ -156,7 +156,7 @@ proptest! {
         }
     }
 
-    /// At depth zero: the given displacement, and the traction K u.
+    /// At depth zero the fields are the given displacement and the traction K u.
     #[test]
     fn the_surface_is_met_at_depth_zero(case in case()) {
         let Case { body, grid, surface } = case;
@@ -178,7 +178,7 @@ proptest! {
         }
     }
 
-    /// ∫ ½ σ:ε dV = ½ ∫ t·u dA, layer by layer.
+    /// The energy inside is the work of the traction, ∫ ½ σ:ε dV = ½ ∫ t·u dA, integrated layer by layer.
     #[test]
     fn the_work_of_the_surface_is_the_energy_inside(case in case()) {
         let Case { body, grid, surface } = case;
@@ -188,7 +188,7 @@ proptest! {
         let mut faces = vec![0.0];
         let mut layer = Some(&body);
         while let Some(body) = layer {
-            // Of a half-space as far as the longest wave reaches: 2 q·depth = 60.
+            // A half-space counts as deep as its longest wave reaches, 2 q·depth = 60.
             let (thickness, below) = match (body.height(), body.base()) {
                 (Height::Infinite, _) => (6.0, None),
                 (Height::Finite(thickness), Base::Elastic(below)) => (thickness, Some(&**below)),
@@ -200,7 +200,7 @@ proptest! {
         let mut ws = interior.workspace();
         let mut energy = 0.0;
         for layer in faces.windows(2) {
-            // Closer where the short waves end.
+            // Points are closer near the surface, where short waves decay.
             let edge = |k: usize| layer[0] + (layer[1] - layer[0]) * (k as f64 / 24.0).powi(3);
             for panel in 0..24 {
                 let (middle, half) = (0.5 * (edge(panel) + edge(panel + 1)), 0.5 * (edge(panel + 1) - edge(panel)));

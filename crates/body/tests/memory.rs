@@ -1,4 +1,4 @@
-//! A volume takes the memory of a few planes: counted. A test file of its own, since the count is of the whole process.
+//! A volume takes the memory of a few planes. The test has its own file, since it counts the memory of the whole process.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -13,7 +13,7 @@ struct Counting;
 static HELD: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: all is passed on to the allocator of the system; counting touches no memory of its callers.
+// SAFETY: every call goes to the allocator of the system; counting touches no memory of its callers.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         PEAK.fetch_max(HELD.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
@@ -51,7 +51,7 @@ fn a_volume_of_many_depths_holds_a_few_planes() {
     let peak = PEAK.load(Relaxed) - before;
     assert!(peak < 20 * field, "{} fields", peak as f64 / field as f64);
     (1..12).for_each(|level| plane(f64::from(level) / 12.0));
-    // Nothing is kept from depth to depth; rayon sets up a small queue of its own now and then.
+    // Memory does not grow from depth to depth, except for a small queue that rayon sometimes allocates.
     assert!(PEAK.load(Relaxed) - before < peak + field / 16);
     assert!(energy > 0.0);
 }

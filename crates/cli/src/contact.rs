@@ -13,11 +13,12 @@ use gfmd_contact::Load;
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_law::{Kind, Law};
+use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
 use serde::Serialize;
 
 use crate::elastic::BodyArgs;
-use crate::equilibrium::{Measures, Problem, Rest};
+use crate::equilibrium::{Problem, Rest};
 use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
@@ -112,7 +113,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 struct Prepared {
     surface: Surface,
     body: Body,
-    law: Box<dyn Law>,
+    law: Arc<dyn Law>,
     controls: Vec<Load>,
     output: Option<Output>,
 }
@@ -120,11 +121,8 @@ struct Prepared {
 impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         let body = args.body.body()?;
-        let tolerance = args.solver.tol;
-        if !(1e-15..=0.1).contains(&tolerance) {
-            return Err(Failure::input("--tol", format!("1e-15 to 0.1 is allowed, found {tolerance}")));
-        }
-        let law = args.law.build()?;
+        args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        let law = args.law.build()?.into_shared();
         let flags = [
             ("--pressure", &args.control.pressure),
             ("--p-star", &args.control.p_star),
@@ -154,8 +152,8 @@ impl Prepared {
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let name = args.source.name();
         let response = Arc::new(NormalResponse::new(self.surface.grid, &self.body));
-        let heights = self.surface.heights.view();
-        let problem = Problem::new(&response, heights, args.law.law, self.law.as_ref(), args.solver.solver, &name)?;
+        let heights = &self.surface.heights;
+        let problem = Problem::new(&response, heights, args.law.law, &self.law, args.solver.solver, &name)?;
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
@@ -173,7 +171,7 @@ impl Prepared {
         let mut file = file.transpose()?;
         let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
-        let measures = Measures { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
         let mut last: Option<Rest> = None;
         let mut failure = None;
         for (index, control) in self.controls.iter().enumerate() {
@@ -181,7 +179,7 @@ impl Prepared {
                 progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let (rest, stopped) = problem.solve(*control, &budget, &measures, last.as_ref(), &mut watch)?;
+            let (rest, stopped) = problem.solve(*control, &budget, &scales, last.as_ref(), &mut watch)?;
             if let Some(file) = &mut file {
                 file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
             }

@@ -102,54 +102,23 @@ impl LoadRecord {
         }
     }
 
-    /// Measures the state of a law that reaches across the gap: in contact are the points that are repelled, and their
-    /// pressure is what repels them.
-    pub fn of_state(
-        state: &State,
-        contact_modulus: f64,
-        rms_gradient: f64,
-        rms_height: f64,
-        tolerance: f64,
-        seconds: f64,
-    ) -> Self {
-        let z = state.displacement.dim().0 - 1;
-        let repulsion = if state.wall_pressure.iter().any(|p| *p > 0.0) {
-            state.wall_pressure.clone()
-        } else {
-            state.traction.index_axis(ndarray::Axis(0), z).mapv(|t| f64::max(-t, 0.0))
-        };
-        let closed: f64 = (&state.wall_pressure * &state.gap).sum();
-        let total = state.wall_pressure.sum();
+    /// Measures the state of a law that reaches across the gap.
+    pub fn of_state(state: &State, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
         let residual = ResidualRecord {
-            complementarity: if total > 0.0 { (closed / (total * rms_height)).abs() } else { 0.0 },
+            complementarity: state.residual.complementarity,
             penetration: state.residual.penetration,
             negative_pressure: state.residual.wall_tension,
             load: state.residual.load,
         };
-        let summary = Summary::of(
-            repulsion.view(),
-            state.displacement.index_axis(ndarray::Axis(0), z),
-            state.gap.view(),
-            state.mean_pressure,
-            &Scales { contact_modulus, rms_gradient },
-        );
-        let effort = Effort { iterations: state.iterations, transform_pairs: state.transform_pairs as f64 };
-        let converged = state.residual.worst() <= tolerance;
-        let measured = Self::of(&summary, state.approach, effort, residual, converged, seconds);
-        // Area over pressure says nothing where attraction carries the load.
-        let pressed = state.mean_pressure > 1e-6 * measured.max_pressure;
-        Self {
-            kappa: if pressed { measured.kappa } else { f64::NAN },
-            kappa_corrected: if pressed { measured.kappa_corrected } else { f64::NAN },
-            elastic_energy: state.elastic_energy,
-            law: Some(LawRecord {
-                interface_energy: state.interface_energy,
-                passed_instability: state.passed_instability,
-                lowest_curvature: state.lowest_curvature,
-                residual_equilibrium: state.residual.equilibrium,
-            }),
-            ..measured
-        }
+        let converged = state.worst() <= tolerance;
+        let law = LawRecord {
+            interface_energy: state.interface_energy,
+            passed_instability: state.passed_instability,
+            lowest_curvature: state.lowest_curvature,
+            residual_equilibrium: state.residual.equilibrium,
+        };
+        let summary = state.summary_in(scales);
+        Self { law: Some(law), ..Self::of(&summary, state.approach, state.effort, residual, converged, seconds) }
     }
 }
 

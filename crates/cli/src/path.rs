@@ -8,21 +8,20 @@ mod waypoints;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
+use gfmd_contact::{Budget, Drive, Fields, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_green::Body;
-use gfmd_interface::{
-    Drive, FrictionalContact, Interface, InterfaceError, Method, Path, Quasistatic, Reading, Refinement, Settings, Step,
-};
+use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
-use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::Array2;
 use serde::Serialize;
 
 use self::file::PathFile;
-use self::record::{Recorded, Stop};
+use self::record::Recorded;
 use self::waypoints::WaypointArgs;
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
@@ -90,6 +89,12 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
+impl Args {
+    fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -100,7 +105,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 
 /// What acts between the surfaces.
 enum Action {
-    Law(Box<dyn Law>),
+    Law(Arc<dyn Law>),
     Friction(Limit),
 }
 
@@ -116,9 +121,7 @@ struct Prepared {
 impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         let body = args.body.body()?;
-        if !(1e-14..=0.1).contains(&args.tol) {
-            return Err(Failure::input("--tol", format!("1e-14 to 0.1 is allowed, found {}", args.tol)));
-        }
+        args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(1e-9..=0.1).contains(&args.energy_tol) {
             return Err(Failure::input(
                 "--energy-tol",
@@ -129,10 +132,9 @@ impl Prepared {
         let action = match limit {
             Some(limit) => {
                 let flag = if args.friction.is_some() { "--friction" } else { "--shear-strength" };
-                gfmd_law::Friction::new(limit, 1.0).map_err(|error| Failure::input(flag, error))?;
-                Action::Friction(limit)
+                Action::Friction(limit.check().map_err(|error| Failure::input(flag, error))?)
             }
-            None => Action::Law(args.law.build()?),
+            None => Action::Law(args.law.build()?.into_shared()),
         };
         let surface = args.source.surface()?;
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
@@ -147,23 +149,19 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let refuse = |error: InterfaceError| Failure::input(&args.source.name(), error);
-        let heights = self.surface.heights.view();
+        let refuse = |error: Refusal| Failure::input(&args.source.name(), error);
+        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         let law = match &self.action {
             Action::Friction(limit) => {
-                let response = FullResponse::new(self.surface.grid, &self.body);
-                let contact = FrictionalContact::new(&response, heights, *limit).map_err(refuse)?;
+                let contact = FrictionalContact::new(body, grid, heights, *limit).map_err(refuse)?;
                 return self.follow(&contact, args, session);
             }
-            Action::Law(law) => law.as_ref(),
+            Action::Law(law) => Arc::clone(law),
         };
-        let (normal, full);
         let interface = if self.moves_sideways(args) {
-            full = FullResponse::new(self.surface.grid, &self.body);
-            Interface::full(&full, heights, law)
+            Interface::in_all_components(body, grid, heights, law)
         } else {
-            normal = NormalResponse::new(self.surface.grid, &self.body);
-            Interface::normal(&normal, heights, law)
+            Interface::new(body, grid, heights, law)
         };
         let interface = interface.map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
@@ -184,15 +182,14 @@ impl Prepared {
         for drive in &self.drives {
             problem.check(*drive).map_err(|error| Failure::input("--displacement", error))?;
         }
-        let settings = Settings { method: Method::Auto, tolerance: args.tol, max_iterations: args.max_iter };
         let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves };
-        let mut path = Path::new(problem, settings, refinement);
+        let mut path = Path::new(problem, args.budget(), refinement);
         let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
         let mut log = Log::new(self, args, session)?;
         let (mut parted_at, mut failure) = (None, None);
         for (index, drive) in self.drives.iter().enumerate() {
             let started = Instant::now();
-            let mut watch = |now: &gfmd_interface::Progress| {
+            let mut watch = |now: &gfmd_contact::Progress| {
                 let note = format!("step {index}, iteration {}, residual {:.1e}", now.iteration, now.residual);
                 progress.advance(0.0, &note);
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -210,19 +207,18 @@ impl Prepared {
                 (Ok(_), None) => break,
             };
             let text = error.to_string();
-            let Some((state, stop)) = P::State::stopped(error) else { return Err(Failure::Computation(text)) };
-            let stopped = match stop {
-                Stop::Parted => {
+            let (state, stopped) = match error {
+                SolveError::Refused(_) => return Err(Failure::Computation(text)),
+                SolveError::Detached { .. } => {
                     parted_at = Some(index);
                     break;
                 }
-                Stop::Interrupted => Failure::Interrupted("interrupted".into()),
-                Stop::NotConverged => Failure::Computation(text),
+                SolveError::Interrupted { state } => (state, Failure::Interrupted("interrupted".into())),
+                SolveError::NotConverged { state, .. } => (state, Failure::Computation(text)),
             };
             failure = Some(stopped.at(&format!("step {index}")));
             let reading = problem.reading(&state);
-            let Reading { iterations, transform_pairs, .. } = reading;
-            log.write(&*state, &reading, &Step { iterations, transform_pairs, ..Step::default() }, seconds)?;
+            log.write(&*state, &reading, &Step { effort: state.effort(), ..Step::default() }, seconds)?;
             break;
         }
         progress.finish();

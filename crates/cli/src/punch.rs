@@ -8,8 +8,9 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
-use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed, Settings};
-use gfmd_response::{Components, FullResponse};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
+use gfmd_relax::Budget;
+use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::Serialize;
 
@@ -159,6 +160,12 @@ fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer:
     }
 }
 
+impl Args {
+    fn budget(&self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+    }
+}
+
 /// Deeper than this part of the punch's width, or of the height of the slab, strain is not small.
 const SMALL: f64 = 0.1;
 
@@ -182,9 +189,7 @@ struct Prepared {
 
 impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
-        if !(1e-15..=0.1).contains(&args.tol) {
-            return Err(Failure::input("--tol", format!("1e-15 to 0.1 is allowed, found {}", args.tol)));
-        }
+        args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(args.depth.is_finite() && args.depth > 0.0) {
             let reason = format!("a positive, finite length is allowed, found {}", args.depth);
             return Err(Failure::input("--depth", reason));
@@ -278,19 +283,18 @@ impl Prepared {
             ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
             ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
         };
-        let response = FullResponse::new(*grid, &self.body);
-        let problem = prescribed.and_then(|prescribed| MixedProblem::new(&response, prescribed)).map_err(refuse)?;
+        let problem =
+            prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed)).map_err(refuse)?;
         let n = grid.points()[0];
-        let mut watch = |now: &gfmd_mixed::Progress| {
+        let mut watch = |now: &gfmd_relax::Progress| {
             progress.advance(0.0, &format!("n = {n}, iteration {}, residual {:.1e}", now.iteration, now.residual));
             if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let settings = Settings { method: args.solver.into(), tolerance: args.tol, max_iterations: args.max_iter };
-        let (solution, failure) = match problem.solve(&settings, &mut watch) {
+        let (solution, failure) = match problem.solve(args.solver.into(), &args.budget(), &mut watch) {
             Ok(solution) => (solution, None),
-            Err(MixedError::NotConverged { solution, asked, reason }) => {
+            Err(MixedError::NotConverged { solution, asked, why }) => {
                 let text = format!(
-                    "n = {n} did not converge to {asked:e} in {} iterations ({reason}): residual {:.1e}",
+                    "n = {n} did not converge to {asked:e} in {} iterations ({why}): residual {:.1e}",
                     solution.iterations, solution.residual
                 );
                 (*solution, Some(Failure::Computation(text)))
@@ -338,7 +342,7 @@ impl Prepared {
             residual: solution.residual,
             converged: solution.residual <= args.tol,
             iterations: solution.iterations,
-            transform_pairs: solution.transform_pairs,
+            transform_pairs: solution.transform_pairs as u64,
             seconds,
             comparison: None,
             refinement: None,

@@ -201,16 +201,15 @@ fn hard_wall() {
 fn laws() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
+    let morse =
+        "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --p-star 0.05 --tol 1e-6";
     check(
         folder,
         "contact-exponential",
         "contact --n 64 --law exponential --param gamma=1e-5 --param range=4e-4 --p-star 0.02,0.01,0 --out e.h5",
     );
-    check(
-        folder,
-        "contact-morse",
-        "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --solver fire --p-star 0.05 --tol 1e-6",
-    );
+    check(folder, "contact-morse", &format!("{morse} --solver fire"));
+    check(folder, "contact-morse-fire2", &format!("{morse} --solver fire2"));
     check(
         folder,
         "path-adhesive",

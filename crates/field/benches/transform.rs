@@ -1,8 +1,9 @@
-//! There and back: ours with a kernel in between, `ndrustfft` axis by axis, and FFTW where it is installed.
+//! Pairs of a forward and an inverse transform: this crate with a kernel in between, `ndrustfft` axis by axis, and FFTW if it
+//! is installed.
 //!
-//! `cargo bench -p gfmd-field` prints times and points per second; then ratios of times taken turn by turn, which hold
-//! on a machine that does other things, too: below 1 we are faster. With `--no-default-features` the transform runs
-//! without its hints to the cache.
+//! `cargo bench -p gfmd-field` prints times and points per second, then ratios of times measured in turn, which are reliable
+//! on a busy machine, too; below 1 this crate is faster. With `--no-default-features` the transform runs without its hints
+//! to the cache.
 #![expect(clippy::print_stdout, reason = "the ratios are what it is for")]
 
 #[path = "transform/fftw.rs"]
@@ -27,7 +28,7 @@ struct Ours {
 }
 
 impl Ours {
-    /// A workspace for one thread keeps to the calling one, another uses the pool of all.
+    /// With one thread the work stays on the calling thread, otherwise it uses the pool of all threads.
     fn new(n: usize, threads: usize) -> Self {
         let grid = Grid::square(n, 1.0).expect("sizes are positive");
         let transform = Transform::new(grid);
@@ -73,7 +74,7 @@ fn field(n: usize) -> Vec<f64> {
     (0..n * n).map(|i| (0.618_034 * i as f64).fract()).collect()
 }
 
-/// One thread, and as many as there are.
+/// The numbers of threads: one, and all.
 fn threads() -> Vec<usize> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     if all > 1 { vec![1, all] } else { vec![1] }
@@ -98,7 +99,7 @@ fn times(criterion: &mut Criterion) {
     }
 }
 
-/// Median seconds of each, all run in turn.
+/// The median seconds of each function, all run in turn.
 fn in_turn<const K: usize>(n: usize, mut runs: [&mut dyn FnMut(); K]) -> [f64; K] {
     let repeats = ((1 << 21) / (n * n)).clamp(1, 200);
     let mut seconds = [const { Vec::new() }; K];

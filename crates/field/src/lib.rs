@@ -44,10 +44,9 @@
 //!
 //! # Why not `ndrustfft`
 //!
-//! `ndrustfft` plans with RustFFT and `realfft`, and so do we: the same plans, called without what lies between. It
-//! hands out no plan, allocates for every lane of a real transform, and gathers and scatters the slow axis value by
-//! value; a convolution on a large grid then takes about twice the time. It remains the reference of the tests and an
-//! opponent of the bench.
+//! This crate calls the plans of RustFFT and `realfft` directly. `ndrustfft` uses these plans, too, but gives no access to
+//! them, allocates for every lane of a real transform, and gathers and scatters the slow axis value by value, so that a
+//! convolution on a large grid takes about twice the time. Tests and benchmarks compare with it.
 #![warn(missing_docs)]
 
 mod grid;

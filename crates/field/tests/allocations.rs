@@ -1,4 +1,4 @@
-//! Calls allocate nothing: counted. A test file of its own, since the count is of the whole process.
+//! Calls allocate nothing. The test has its own file, since it counts the allocations of the whole process.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -11,7 +11,7 @@ struct Counting;
 
 static BYTES: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: all is passed on to the allocator of the system; counting touches no memory of its callers.
+// SAFETY: every call goes to the allocator of the system; counting touches no memory of its callers.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         BYTES.fetch_add(layout.size(), Relaxed);
@@ -28,8 +28,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The fewest bytes that a round of all calls allocated, of some rounds after a first one. With several threads rayon
-/// sets up a queue of its own now and then; what a call of ours allocates, it would allocate in every round.
+/// The smallest number of bytes that a round of all calls allocated, over some rounds after a first one. With several
+/// threads rayon sometimes allocates a queue; an allocation in a call of this crate would occur in every round.
 fn allocated(points: [usize; 2]) -> usize {
     let grid = Grid::new(points, [1.0, 1.0]).unwrap();
     let transform = Transform::new(grid);

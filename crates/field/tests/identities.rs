@@ -1,4 +1,4 @@
-//! What must hold between transforms, whatever computes them.
+//! Identities between transforms, which hold for any implementation.
 
 use std::f64::consts::TAU;
 
@@ -49,13 +49,13 @@ fn a_cosine_is_one_mode() {
             let phase = if mode.is_self_conjugate() { 0.0 } else { 0.7 };
             let field: Vec<f64> = (0..grid.len())
                 .map(|r| {
-                    // Whole turns are taken off before the cosine: exact for large numbers, too.
+                    // Whole turns are subtracted before the cosine, so that it is exact for large numbers, too.
                     let turns = (m * (r / ny) as i64).rem_euclid(nx as i64) as f64 / nx as f64
                         + (n * (r % ny) as i64).rem_euclid(ny as i64) as f64 / ny as f64;
                     (TAU * turns + phase).cos()
                 })
                 .collect();
-            // cos = (e^{iqr} + e^{−iqr})/2; both halves are the same mode where q and −q are.
+            // cos = (e^{iqr} + e^{−iqr})/2; both halves belong to one mode if q and −q do.
             let half = if mode.is_self_conjugate() { 1.0 } else { 0.5 };
             for (other, (found, at)) in spectrum_of(&transform, &field).iter().zip(grid.modes()).enumerate() {
                 let same = |k: usize| points[k] as i64;
@@ -157,7 +157,7 @@ proptest! {
 
     #[test]
     fn convolution_is_a_product_of_spectra((transform, f, _) in case()) {
-        // Any real kernel, k(q) ≠ k(−q) too: the real part of what comes out.
+        // For any real kernel, also with k(q) ≠ k(−q), the result is the real part.
         let kernel: Vec<f64> = (0..transform.grid().spectrum_len()).map(|i| (0.7 * i as f64).sin()).collect();
         let product: Vec<_> = spectrum_of(&transform, &f).iter().zip(&kernel).map(|(f, k)| f * k).collect();
         prop_assert!(largest(&convolved(&transform, &kernel, &f), &field_of(&transform, &product)) < 1e-13);

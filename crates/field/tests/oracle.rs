@@ -7,7 +7,8 @@ use ndarray::{Array2, ArrayView2};
 use ndrustfft::{Complex, FftHandler, R2cFftHandler, ndfft, ndfft_r2c, ndifft, ndifft_r2c};
 use num_complex::Complex64;
 
-/// Even, odd and prime, square and not, blocks of rows and panels of columns full and not, lines and single rows.
+/// Grids with even, odd and prime numbers of points, square and oblong, with full and partial blocks and panels, lines and
+/// single rows.
 const GRIDS: [[usize; 2]; 24] = [
     [1, 1],
     [2, 1],
@@ -34,7 +35,7 @@ const GRIDS: [[usize; 2]; 24] = [
     [65, 7],
     [6, 67],
 ];
-/// Too large for the sum.
+/// Grids that are too large for the plain sum.
 const LARGE: [[usize; 2]; 10] = [
     [128, 128],
     [127, 130],
@@ -52,7 +53,7 @@ fn grid(points: [usize; 2]) -> Grid {
     Grid::new(points, [1.5, 0.7]).unwrap()
 }
 
-/// Spread out, repeatable, nowhere special.
+/// Reproducible values without any regularity.
 fn field(grid: &Grid) -> Vec<f64> {
     (0..grid.len()).map(|i| (0.618_034 * i as f64 + 0.01 * (i as f64).sqrt()).fract() - 0.3).collect()
 }
@@ -61,7 +62,7 @@ fn largest(differences: impl Iterator<Item = f64>) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the points.
+/// The spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the points.
 fn sum_of_the_definition(grid: &Grid, field: &[f64]) -> Vec<Complex64> {
     let [nx, ny] = grid.points();
     let [dx, dy] = grid.spacing();
@@ -94,7 +95,7 @@ fn inverse_is_the_real_part_of_the_sum_over_all_modes() {
     for points in GRIDS {
         let grid = grid(points);
         let transform = Transform::new(grid);
-        // Amplitudes of no real field: imaginary parts everywhere.
+        // Amplitudes that belong to no real field, with imaginary parts at all modes.
         let values = field(&Grid::new([grid.spectrum_len(), 2], [1.0, 1.0]).unwrap());
         let spectrum: Vec<Complex64> = values.chunks(2).map(|pair| Complex64::new(pair[0], pair[1])).collect();
         let mut found = vec![0.0; grid.len()];
@@ -113,7 +114,7 @@ fn inverse_is_the_real_part_of_the_sum_over_all_modes() {
     }
 }
 
-/// K f axis by axis with `ndrustfft`; the kernel laid out as ours, transposed.
+/// The convolution K f axis by axis with `ndrustfft`; the kernel is laid out as in this crate, transposed.
 fn by_ndrustfft(grid: &Grid, kernel: &[f64], field: &[f64]) -> (Array2<Complex<f64>>, Array2<f64>) {
     let [nx, ny] = grid.points();
     let field = ArrayView2::from_shape((nx, ny), field).unwrap();

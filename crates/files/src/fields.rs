@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 
 use crate::Dimension;
 
@@ -17,6 +17,6 @@ pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
 }
 
 /// The values of a field, row-major as a file has them.
-pub fn contiguous(field: &Array2<f64>) -> Cow<'_, [f64]> {
+pub fn contiguous(field: &ArrayRef2<f64>) -> Cow<'_, [f64]> {
     field.as_slice().map_or_else(|| field.iter().copied().collect::<Vec<_>>().into(), Into::into)
 }

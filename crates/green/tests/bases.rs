@@ -35,7 +35,7 @@ proptest! {
         }
     }
 
-    /// Many thin layers are carried upwards without dividing, but not for ever.
+    /// A stack of many thin layers, which the recursion propagates without division only up to a limit.
     #[test]
     fn a_hundred_thin_layers_are_one_slab(material in material(), h in decades(0.1, 90.0)) {
         for base in [Base::Bonded, Base::Sliding, Base::Free] {
@@ -90,7 +90,7 @@ proptest! {
         }
     }
 
-    /// Prescribed base displacement, both elastic half-spaces of one material: a wave through the layer unchanged.
+    /// A prescribed base displacement in a layer between half-spaces of its own material: the wave passes unchanged.
     #[test]
     fn a_layer_agrees_with_the_field_of_a_half_space(material in material(), h in decades(0.02, 20.0)) {
         let layer = Layer::new(material, h).unwrap();

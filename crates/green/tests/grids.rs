@@ -10,7 +10,7 @@ use gfmd_green::{
 use proptest::prelude::*;
 use support::*;
 
-/// Eigenvalues of a stiffness matrix by Jacobi rotations: with u_z = −i w it is real and symmetric.
+/// The eigenvalues of a stiffness matrix by Jacobi rotations: with u_z = −i w it is real and symmetric.
 fn eigenvalues(m: &Matrix3) -> [f64; 3] {
     let mut a = [
         [m[0][0].re, m[0][1].re, m[0][2].im],
@@ -96,12 +96,12 @@ fn a_half_space_is_stiffest_at_the_corner_of_its_lattice() {
     let range = normal_stiffness_range(&body, &grid).unwrap();
     assert!(apart(range.stiffest, 0.5 * corner, corner) < 1e-15);
     assert!(apart(range.softest, std::f64::consts::PI, 1.0) < 1e-15);
-    // Two components: at most 2 C44 q, less where Nyquist takes the coupling away.
+    // Two components: at most 2 C44 q, and less at Nyquist modes, which have no coupling.
     let all = stiffness_range(&body, &grid).unwrap();
     assert!(all.stiffest < 2.0 * material.shear_modulus() * corner && all.stiffest > 0.8 * range.stiffest);
 }
 
-/// theory.md, section 3: the softest mode of three components is the uniform shear, unless ν is far below zero.
+/// The softest mode of three components is the uniform shear, unless ν is far below zero (theory.md, section 3).
 #[test]
 fn uniform_shear_is_softest_of_three_components() {
     let grid = Grid::square(16, 4.0).unwrap();

@@ -1,4 +1,4 @@
-//! What must hold inside every body: equilibrium, Hooke's law, the base, energy.
+//! Relations inside every body: equilibrium, Hooke's law, the base, energy.
 
 mod support;
 
@@ -10,7 +10,7 @@ use support::*;
 
 const I: Complex64 = Complex64::I;
 
-/// Derivative in z by a difference of fourth order over 4 `step`: of every entry of a matrix.
+/// The derivative in z of every entry of a matrix, by a difference of fourth order over 4 `step`.
 fn slope<const M: usize>(
     body: &Body,
     depth: f64,
@@ -26,7 +26,7 @@ fn slope<const M: usize>(
     })
 }
 
-/// Points and weights of Gauss on (−1, 1).
+/// The points and weights of Gauss quadrature on (−1, 1).
 const GAUSS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -39,7 +39,7 @@ fn apply<const M: usize>(matrix: &[[Complex64; 3]; M], u: [Complex64; 3]) -> [Co
     matrix.map(|row| row.iter().zip(u).map(|(entry, u)| entry * u).sum())
 }
 
-/// ½ σ : ε*, from the stresses and the lateral strains.
+/// The energy density ½ σ : ε*, from the stresses and the lateral strains.
 fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f64 {
     let u = apply(&section.displacement_transfer(q), surface);
     let [xx, yy, zz, yz, xz, xy] = apply(&section.stress_transfer(q), surface);
@@ -51,7 +51,7 @@ fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f6
     0.5 * pairs.into_iter().map(|(stress, strain)| (stress * strain.conj()).re).sum::<f64>()
 }
 
-/// A slab on one of the kinds of base, the last a half-space.
+/// A slab on each kind of base; the last base is a half-space.
 fn standing(slab: Body, kind: i32, below: Material) -> Body {
     match kind {
         0 => slab,
@@ -231,7 +231,7 @@ proptest! {
         }
     }
 
-    /// By its own formulas as well as where they are left aside.
+    /// A base far below the surface has no effect, both where its formulas are evaluated and where they are skipped.
     #[test]
     fn a_base_out_of_reach_is_not_felt(
         material in material(), kind in 0..4, below in material(), q in decades(22.0, 1e3), depth in 0.0..0.05,

@@ -1,4 +1,4 @@
-//! What must hold at the surface of every body.
+//! Relations at the surface of every body.
 
 mod support;
 
@@ -14,7 +14,7 @@ proptest! {
         let k = body.stiffness_blocks(q);
         prop_assert_eq!(k.coupling[0], -k.coupling[1]);
         prop_assert!(k.longitudinal > 0.0 && k.normal > 0.0 && k.transverse > 0.0, "{:?}", k);
-        // A thin incompressible slab on a sliding base is as good as singular: its compliance must tell.
+        // A thin incompressible slab on a sliding base is nearly singular, so that its compliance is tested instead.
         prop_assert!(k.coupling[0] * (k.coupling[0] / k.longitudinal) <= k.normal * (1.0 + 1e-15), "{:?}", k);
         let g = body.compliance_blocks(q);
         prop_assert!(g.longitudinal > 0.0 && g.normal > 0.0 && g.transverse > 0.0, "{:?}", g);
@@ -29,7 +29,7 @@ proptest! {
         let (k, g) = (body.plane_stiffness(q), body.plane_compliance(q));
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let terms = (0..2).map(|j| k[row][j] * g[j][column]);
-            // What the terms may be at most, as both matrices are positive definite.
+            // The largest possible terms, since both matrices are positive definite.
             let sizes = (0..2).map(|j| {
                 (k[row][row].re.sqrt() * k[j][j].re.sqrt()) * (g[j][j].re.sqrt() * g[column][column].re.sqrt())
             });
@@ -88,7 +88,7 @@ proptest! {
         prop_assert_eq!([[space[0][0], space[0][2]], [space[2][0], space[2][2]]], plane);
     }
 
-    /// 1/G_zz exceeds E* q/2 by 4 r h² e^(−2h) (1 + 1/h + …).
+    /// The stiffness 1/G_zz exceeds E* q/2 by 4 r h² e^(−2h) (1 + 1/h + …).
     #[test]
     fn a_deep_slab_approaches_the_half_space(material in material(), h in 6.0..12.0f64) {
         let (slab, half_space) = (Body::slab(material, 2.0).unwrap(), Body::half_space(material));
@@ -102,7 +102,7 @@ proptest! {
         }
     }
 
-    /// Energy minimisation: what is held more is stiffer, and a field that vanishes below is allowed in the half-space.
+    /// Energy minimisation: a body with more constraints is stiffer, and a slab is a constrained half-space.
     #[test]
     fn bodies_are_ordered_by_what_holds_them(material in material(), h in decades(0.05, 10.0), thinner in 0.3..0.99) {
         let slab = Body::slab(material, h).unwrap();
@@ -119,7 +119,7 @@ proptest! {
         prop_assert!(dominates(&bonded, &coated) && dominates(&coated, &half_space));
     }
 
-    /// Thin and thick formulas take over from each other at q·height = 1.
+    /// The formulas for thin and thick layers agree at q·height = 1.
     #[test]
     fn nothing_jumps_where_the_formulas_change(material in material(), below in material()) {
         let slab = Body::slab(material, 1.0).unwrap();
@@ -132,7 +132,7 @@ proptest! {
         }
     }
 
-    /// Aliases +q_N and −q_N of a Nyquist mode are the same mode: its matrix is their mean.
+    /// The aliases +q_N and −q_N of a Nyquist mode are one mode, whose matrix is their mean.
     #[test]
     fn nyquist_modes_average_their_aliases(body in body(), nx in 1usize..7, ny in 1usize..7, length in 0.2..5.0) {
         let grid = Grid::new([nx, ny], [length, 1.3]).unwrap();
@@ -169,7 +169,7 @@ proptest! {
     }
 }
 
-/// Leading terms of theory.md, section 1 and 3, far below any grid's smallest wavenumber.
+/// The leading terms of theory.md, sections 1 and 3, far below any grid's smallest wavenumber.
 #[test]
 fn thin_slabs_have_the_stiffness_of_their_series() {
     for h in [1e-8, 1e-6, 1e-4] {

@@ -1,9 +1,12 @@
+use std::sync::Arc;
+
+use gfmd_contact::{Effort, Load};
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 use ndarray::{Array2, Array3};
 
 use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, lower, mean};
-use crate::{Interface, Normal, Residual, State};
+use crate::{Interface, Residual, State};
 
 /// The state at `position`, the displacement in the frame of the drive: everything from fresh transforms and the law.
 pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) -> State {
@@ -16,23 +19,18 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let lowest = certificate.separations();
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
     let means: Vec<f64> = certificate.traction.chunks_exact(points).map(mean).collect();
-    let (mean_pressure, load) = match frame.drive.normal {
+    let (mean_pressure, load) = match frame.drive.load {
         // The mean pressure of wall and law; at rest it equals the mean of the elastic traction.
-        Normal::MeanPressure(asked) => {
+        Load::MeanPressure(asked) => {
             let exerted = mean(&certificate.wall_pressure) - balances[z].law_mean;
             (exerted, exerted - asked)
         }
-        Normal::Approach(_) => (-means[z], 0.0),
+        Load::Approach(_) => (-means[z], 0.0),
     };
     let worst = |part: fn(&Balance) -> f64| balances.iter().fold(0.0, |worst, balance| higher(worst, part(balance)));
     let [softest, _] = interface.elastic.stiffness_range();
-    let stress = higher(higher(worst(|balance| balance.largest), softest * interface.rms_height), f64::MIN_POSITIVE);
-    let residual = Residual {
-        equilibrium: worst(|balance| balance.unbalanced) / stress,
-        penetration: if interface.law.has_wall() { higher(-lowest, 0.0) / interface.length_scale() } else { 0.0 },
-        wall_tension: worst(|balance| balance.tension) / stress,
-        load: load.abs() / stress,
-    };
+    let stress =
+        higher(higher(worst(|balance| balance.largest), softest * interface.surface.rms_height()), f64::MIN_POSITIVE);
     let interface_energy = certificate.interface_energy();
     let contact_fraction = certificate.contact_fraction();
     let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
@@ -41,11 +39,20 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let vectors = |values: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), values).expect(FITS);
     let field = |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect(FITS);
     let Certificate { traction, gap, wall_pressure, .. } = certificate;
+    let (gap, wall_pressure) = (field(gap), field(wall_pressure));
+    let (closed, pressed) = ((&wall_pressure * &gap).sum(), wall_pressure.sum());
+    let residual = Residual {
+        complementarity: if pressed > 0.0 { (closed / (pressed * interface.length_scale())).abs() } else { 0.0 },
+        equilibrium: worst(|balance| balance.unbalanced) / stress,
+        penetration: if interface.law.has_wall() { higher(-lowest, 0.0) / interface.length_scale() } else { 0.0 },
+        wall_tension: worst(|balance| balance.tension) / stress,
+        load: load.abs() / stress,
+    };
     State {
         displacement: vectors(displacement),
         traction: vectors(traction),
-        gap: field(gap),
-        wall_pressure: field(wall_pressure),
+        gap,
+        wall_pressure,
         mean_pressure,
         mean_shear: std::array::from_fn(|c| if c < z { means[c] } else { 0.0 }),
         approach,
@@ -54,10 +61,11 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         interface_energy,
         contact_fraction,
         residual,
-        iterations: 0,
-        transform_pairs: transforms.pairs,
+        effort: Effort { iterations: 0, transform_pairs: transforms.pairs() },
         passed_instability: false,
         lowest_curvature: f64::NAN,
+        surface: Arc::clone(&interface.surface),
+        contact_modulus: interface.elastic.contact_modulus(),
     }
 }
 
@@ -66,7 +74,7 @@ const FITS: &str = "every field of an interface has the size of its grid";
 
 /// The fields of a state while they are computed.
 struct Certificate<'a> {
-    interface: &'a Interface<'a>,
+    interface: &'a Interface,
     frame: &'a Frame<'a>,
     position: &'a [f64],
     /// K w at first; on the elastic surface after [`balance`](Self::balance).
@@ -177,7 +185,7 @@ impl Certificate<'_> {
     fn displacement_and_approach(&self, mean_pressure: f64) -> (Vec<f64>, f64) {
         let Self { interface, frame, position, .. } = self;
         let mut displacement = position.to_vec();
-        let Normal::MeanPressure(_) = frame.drive.normal else { return (displacement, frame.approach) };
+        let Load::MeanPressure(_) = frame.drive.load else { return (displacement, frame.approach) };
         let normal = &mut displacement[frame.z() * frame.points()..];
         let approach = mean(normal) + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure;
         normal.iter_mut().for_each(|u| *u -= approach);
@@ -190,19 +198,17 @@ mod tests {
     use gfmd_field::Grid;
     use gfmd_green::{Body, Material};
     use gfmd_law::HardWall;
-    use gfmd_response::NormalResponse;
 
     use super::*;
-    use crate::Drive;
 
     #[test]
     fn a_gap_that_is_not_a_number_is_not_free_of_penetration() {
         let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
-        let response = NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body);
+        let grid = Grid::line(8, 1.0).unwrap();
         let heights = Array2::from_shape_fn((8, 1), |(i, _)| (i as f64).sin());
-        let interface = Interface::normal(&response, heights.view(), &HardWall).unwrap();
-        for drive in [Drive::mean_pressure(0.1), Drive::approach(0.1)] {
-            let frame = interface.frame(drive).unwrap();
+        let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
+        for load in [Load::MeanPressure(0.1), Load::Approach(0.1)] {
+            let frame = interface.frame(load.into()).unwrap();
             let residual = certify(&interface, &frame, &[f64::NAN; 8]).residual;
             assert!(residual.penetration.is_nan() && residual.worst().is_nan(), "{residual:?}");
         }

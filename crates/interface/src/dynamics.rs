@@ -1,28 +1,28 @@
 //! Damped dynamics: slow, but it needs no energy, only the force. The time step follows from the stiffest mode of the body
 //! and the stiffness of the law (theory.md, section 8).
 
-use std::ops::ControlFlow;
-
-use gfmd_relax::{Bounds, Fire, Landscape, Method as _, Outcome, Stop, relax};
+use gfmd_relax::{Bounds, Budget, Ending, Fire, Landscape, Method as _, Progress, RelaxError, Watch, Why, relax_until};
+use gfmd_response::Transforms;
 use gfmd_vector::{for_each, sum};
 
 use crate::certify::certify;
-use crate::elastic::Transforms;
 use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::numbers::mean;
-use crate::{Interface, Progress, Settings, State, Watch};
+use crate::{Interface, State};
 
-/// Runs with a time step shortened each time the motion blows up or goes uphill for ever.
+/// Runs, each with half the time step of the one before, because the motion blew up or went uphill for ever.
 const ATTEMPTS: u32 = 8;
 
+/// Relaxes by `engine`, a version of FIRE made from its largest time step.
 pub(crate) fn relax_to_rest(
     interface: &Interface,
     frame: &Frame,
-    settings: &Settings,
+    engine: fn(f64) -> Fire,
+    budget: &Budget,
     start: Option<&State>,
-    watch: Watch,
-) -> Ended {
+    watch: &mut dyn Watch,
+) -> Result<Ended, RelaxError> {
     let mut position = frame.starting_position(start);
     let [softest, stiffest] = interface.elastic.stiffness_range();
     let lowest = (0..frame.points()).map(|i| frame.separation(&position, i).0).fold(0.0, f64::min);
@@ -34,61 +34,40 @@ pub(crate) fn relax_to_rest(
     let mut motion = Motion { interface, frame, transforms: interface.elastic.transforms(), bounds, scale };
     motion.hold_means(&mut position);
     let mut stiffness = stiffest + interface.law.stiffness_bound(lowest);
-    let (mut iterations, mut end) = (0, End::GaveUp("the motion does not settle"));
-    let mut target = settings.tolerance;
-    'attempts: for _ in 0..ATTEMPTS {
-        let method = Fire::v2(Fire::largest_dt(stiffness));
-        // A state of the wrong length cannot be: the position was made for this motion.
-        let Ok(mut state) = method.start(&mut motion, position.clone()) else { break };
-        loop {
-            let left = settings.max_iterations.saturating_sub(iterations);
-            let stop = Stop { residual: target, settled: 20, max_steps: left };
-            let mut observe = |now: &gfmd_relax::Status, _: &_| -> std::io::Result<ControlFlow<()>> {
-                Ok(watch(&Progress { iteration: iterations + now.step, residual: now.residual }))
-            };
-            let outcome = relax(&mut motion, &method, &mut state, &stop, &mut observe);
-            match outcome {
-                Ok(Outcome::Converged(now)) => {
-                    let worst = certify(interface, frame, &state.u).residual.worst();
-                    if worst <= settings.tolerance {
-                        (position, end) = (state.u, End::Converged);
-                        iterations += state.step;
-                        break 'attempts;
-                    }
-                    target = now.residual * (0.5 * settings.tolerance / worst).clamp(1e-3, 0.5);
-                }
-                Ok(Outcome::Interrupted(_)) => {
-                    (position, end) = (state.u, End::Interrupted);
-                    iterations += state.step;
-                    break 'attempts;
-                }
-                Err(_) if state.step >= left => {
-                    (position, end) = (state.u, End::GaveUp("the step limit"));
-                    iterations += state.step;
-                    break 'attempts;
-                }
-                Err(_) => {
-                    iterations += state.step;
-                    stiffness *= 4.0;
-                    break;
-                }
-            }
+    let (mut iterations, mut ending) = (0, Ending::GaveUp(Why::Unsettled));
+    for _ in 0..ATTEMPTS {
+        let method = engine(Fire::largest_dt(stiffness));
+        let mut state = method.start(&mut motion, position.clone())?;
+        let left = Budget { max_iterations: budget.max_iterations.saturating_sub(iterations), ..*budget };
+        let run = relax_until(
+            &mut motion,
+            &method,
+            &mut state,
+            &left,
+            &mut |_, state| certify(interface, frame, &state.u).residual.worst(),
+            &mut |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now }),
+        )?;
+        iterations += state.step;
+        if let Ending::Converged | Ending::Interrupted | Ending::GaveUp(Why::Iterations | Why::Rounding) = run {
+            (position, ending) = (state.u, run);
+            break;
         }
+        stiffness *= 4.0;
     }
-    Ended {
+    Ok(Ended {
         position,
         iterations,
-        transform_pairs: motion.transforms.pairs,
+        transform_pairs: motion.transforms.pairs(),
         passed_instability: false,
         lowest_curvature: f64::NAN,
-        end,
-    }
+        end: End::Ended(ending),
+    })
 }
 
 struct Motion<'a> {
-    interface: &'a Interface<'a>,
+    interface: &'a Interface,
     frame: &'a Frame<'a>,
-    transforms: Transforms<'a>,
+    transforms: Transforms,
     bounds: Option<Vec<f64>>,
     /// The force that counts as one.
     scale: f64,

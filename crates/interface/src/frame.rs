@@ -1,4 +1,6 @@
-use crate::{Drive, Interface, InterfaceError, Normal, State};
+use gfmd_contact::{Drive, Load, Refusal};
+
+use crate::{Interface, State};
 
 /// The coordinates in which a drive is solved. Under a prescribed load the rigid surface stays at first touch and the body
 /// is pushed up with `push`; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
@@ -16,31 +18,31 @@ pub(crate) struct Frame<'a> {
     clearance: &'a [f64],
 }
 
-impl Interface<'_> {
+impl Interface {
     /// The frame of a drive.
     ///
     /// # Errors
     /// Numbers that are not finite, or an approach beyond full contact.
-    pub(crate) fn frame(&self, drive: Drive) -> Result<Frame<'_>, InterfaceError> {
+    pub(crate) fn frame(&self, drive: Drive) -> Result<Frame<'_>, Refusal> {
         drive.check()?;
         let uniform = self.elastic.uniform_compliance();
         let mut uniform_stiffness: Vec<f64> = uniform.iter().map(|g| if *g > 0.0 { 1.0 / g } else { 0.0 }).collect();
         let mut held: Vec<bool> = uniform.iter().map(|g| *g == 0.0).collect();
         let z = uniform.len() - 1;
-        let (push, approach) = match drive.normal {
-            Normal::MeanPressure(mean) => {
+        let (push, approach) = match drive.load {
+            Load::MeanPressure(mean) => {
                 (uniform_stiffness[z], held[z]) = (0.0, false);
                 (mean, 0.0)
             }
-            Normal::Approach(found) => {
-                let limit = self.mean_clearance();
+            Load::Approach(found) => {
+                let limit = self.surface.mean_clearance();
                 if self.law.has_wall() && held[z] && found >= limit {
-                    return Err(InterfaceError::Approach { found, limit });
+                    return Err(Refusal::Approach { found, limit: Some(limit) });
                 }
                 (0.0, found)
             }
         };
-        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance: &self.clearance })
+        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance: self.surface.clearance() })
     }
 }
 
@@ -87,7 +89,7 @@ impl Frame<'_> {
             return position;
         };
         position.iter_mut().zip(&state.displacement).for_each(|(w, u)| *w = *u);
-        let rise = if let Normal::MeanPressure(_) = self.drive.normal { state.approach } else { 0.0 };
+        let rise = if let Load::MeanPressure(_) = self.drive.load { state.approach } else { 0.0 };
         for ((w, wall), pressure) in position[z..].iter_mut().zip(self.wall()).zip(&state.wall_pressure) {
             *w = if *pressure > 0.0 { wall } else { *w + rise };
         }

@@ -7,14 +7,16 @@ mod normal;
 mod state;
 mod tangential;
 
-use gfmd_law::{LawError, Limit};
-use gfmd_relax::{Ending, Minimum};
-use gfmd_response::FullResponse;
-use ndarray::ArrayView2;
+use std::sync::Arc;
 
-use crate::numbers::mean;
-use crate::problem::heights_to_clearance;
-use crate::{Drive, InterfaceError, Normal, Progress, Settings, Watch};
+use gfmd_contact::{Drive, Equilibrium, Load, Refusal, RigidSurface, SolveError, Solver, judge};
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_law::Limit;
+use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
+use gfmd_response::FullResponse;
+use ndarray::ArrayRef2;
+
 use certify::certify;
 use increment::Increment;
 pub use state::{FrictionResidual, FrictionState};
@@ -27,11 +29,11 @@ pub use state::{FrictionResidual, FrictionState};
 ///
 /// With [`Limit::Tresca`] the limit jumps at the edge of the contact. On a body whose shear moves the surface up and down
 /// (all but ν = ½) a point of the edge may then have no state at all: in contact, its shear lifts it off. That shows as
-/// [`InterfaceError::FrictionNotConverged`].
-pub struct FrictionalContact<'a> {
-    response: &'a FullResponse,
-    clearance: Vec<f64>,
-    rms_height: f64,
+/// [`SolveError::NotConverged`]. The contact owns what it needs; a clone shares it.
+#[derive(Clone, Debug)]
+pub struct FrictionalContact {
+    response: Arc<FullResponse>,
+    surface: Arc<RigidSurface>,
     limit: Limit,
 }
 
@@ -46,108 +48,118 @@ const PART: f64 = 0.3;
 /// Each part is solved this much better than asked, so that the whole can be.
 const SHARE: f64 = 0.1;
 
-impl<'a> FrictionalContact<'a> {
-    /// `heights` is the rigid profile, peaks pointing at the body, length; only differences matter.
+/// The solver alternates between projected conjugate gradients and spectral projected gradients: there is no other.
+const SOLVERS: [Solver; 1] = [Solver::Auto];
+
+impl FrictionalContact {
+    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
-    pub fn new(response: &'a FullResponse, heights: ArrayView2<f64>, limit: Limit) -> Result<Self, InterfaceError> {
-        let limit = limit.check()?;
-        let (clearance, rms_height) = heights_to_clearance(heights, response.grid())?;
-        if rms_height == 0.0 {
-            return Err(InterfaceError::Flat);
-        }
-        Ok(Self { response, clearance, rms_height, limit })
+    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
+        Self::on(FullResponse::new(*grid, body), heights, limit)
     }
 
-    /// Brings the contact to rest at the end of an increment that begins with `start`, or with the undeformed surface.
+    /// As [`new`](Self::new), on a response that is there already, such as one that many surfaces on one body share.
     ///
     /// # Errors
-    /// Unusable drive, settings or start; or an error that carries the state reached.
-    pub fn solve(
-        &self,
-        drive: Drive,
-        settings: &Settings,
-        start: Option<&FrictionState>,
-        watch: Watch,
-    ) -> Result<FrictionState, InterfaceError> {
-        settings.check()?;
-        self.check(drive)?;
-        let expected = self.response.components().len() * self.clearance.len();
-        if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
-            return Err(InterfaceError::Start { found, expected });
+    /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
+    pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
+        let response = response.into();
+        let limit = limit.check()?;
+        let surface = RigidSurface::new(response.grid(), heights)?;
+        if surface.rms_height() == 0.0 {
+            return Err(Refusal::Flat);
         }
-        let mut increment = Increment::new(self, drive, start);
-        let mut iterations = 0;
-        let mut reason = "normal and tangential problem do not settle";
-        for round in 0..ROUNDS {
-            // The first rounds only have to be as good as the next one can use.
-            let tolerance = SHARE * settings.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32));
-            let limit = settings.max_iterations.saturating_sub(iterations);
-            let pressed = increment.press(tolerance, limit, &mut |now: &gfmd_relax::Progress| {
-                watch(&Progress { iteration: iterations + now.iteration, residual: now.residual })
-            });
-            let interrupted = match pressed {
-                Ok(Minimum { reached, ending: Ending::Converged }) => {
-                    iterations += reached.iteration;
-                    false
-                }
-                Ok(Minimum { ending: Ending::Interrupted, .. }) => true,
-                Ok(Minimum { ending: Ending::GaveUp(_), .. }) | Err(_) => {
-                    reason = "the normal problem does not converge";
-                    break;
-                }
-            };
-            let sheared = increment.shear(tolerance, limit, &mut |steps, residual| {
-                watch(&Progress { iteration: iterations + steps, residual })
-            });
-            increment.lift(if round < WHOLE_ROUNDS { 1.0 } else { PART });
-            iterations += sheared.steps;
-            let mut state = certify(&mut increment);
-            state.iterations = iterations;
-            if interrupted || sheared.interrupted {
-                return Err(InterfaceError::FrictionInterrupted { state: Box::new(state) });
-            }
-            if state.residual.worst() <= settings.tolerance {
-                return Ok(state);
-            }
-        }
-        let mut state = Box::new(certify(&mut increment));
-        state.iterations = iterations;
-        Err(InterfaceError::FrictionNotConverged { state, asked: settings.tolerance, reason })
+        Ok(Self { response, surface: surface.into(), limit })
     }
 
+    /// The rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        &self.surface
+    }
+
+    /// Number of lateral components.
     fn lateral_components(&self) -> usize {
         self.response.components().len() - 1
     }
-
-    /// Whether a drive can be posed.
-    ///
-    /// # Errors
-    /// Numbers that are not finite, a drive without contact, or an approach beyond full contact.
-    pub fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
-        drive.check()?;
-        match drive.normal {
-            Normal::MeanPressure(found) if found <= 0.0 => {
-                return Err(InterfaceError::NotPressed { what: "mean pressure", found });
-            }
-            Normal::Approach(found) if found <= 0.0 => {
-                return Err(InterfaceError::NotPressed { what: "approach", found });
-            }
-            Normal::Approach(found) => {
-                let limit = mean(&self.clearance);
-                if self.response.uniform_compliance()[2] == 0.0 && found >= limit {
-                    return Err(InterfaceError::Approach { found, limit });
-                }
-            }
-            Normal::MeanPressure(_) => {}
-        }
-        Ok(())
-    }
 }
 
-impl From<LawError> for InterfaceError {
-    fn from(error: LawError) -> Self {
-        Self::Law(error)
+impl Equilibrium for FrictionalContact {
+    type State = FrictionState;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &SOLVERS
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        match drive.load {
+            Load::MeanPressure(found) if found <= 0.0 => Err(Refusal::NotPressed { what: "mean pressure", found }),
+            Load::Approach(found) if found <= 0.0 => Err(Refusal::NotPressed { what: "approach", found }),
+            Load::Approach(found) => {
+                let limit = self.surface.mean_clearance();
+                if self.response.uniform_compliance()[2] == 0.0 && found >= limit {
+                    return Err(Refusal::Approach { found, limit: Some(limit) });
+                }
+                Ok(())
+            }
+            Load::MeanPressure(_) => Ok(()),
+        }
+    }
+
+    /// Brings the contact to rest at the end of an increment that begins with `start`, or with the undeformed surface.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&FrictionState>,
+        watch: &mut dyn Watch,
+    ) -> Result<FrictionState, SolveError<FrictionState>> {
+        budget.check()?;
+        self.check(drive)?;
+        if !SOLVERS.contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: &SOLVERS }.into());
+        }
+        let expected = self.response.components().len() * self.surface.clearance().len();
+        if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
+            return Err(Refusal::Start { found, expected }.into());
+        }
+        let mut increment = Increment::new(self, drive, start);
+        let mut iterations = 0;
+        let mut ending = Ending::GaveUp(Why::Circles);
+        for round in 0..ROUNDS {
+            // The first rounds only have to be as good as the next one can use.
+            let part = Budget {
+                tolerance: SHARE * budget.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32)),
+                max_iterations: budget.max_iterations.saturating_sub(iterations),
+            };
+            let mut onlooker = |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
+            let pressed = increment.press(&part, &mut onlooker)?;
+            if let Ending::GaveUp(_) = pressed.ending {
+                ending = pressed.ending;
+                break;
+            }
+            if pressed.ending == Ending::Converged {
+                iterations += pressed.reached.iteration;
+            }
+            let mut onlooker = |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
+            let sheared = increment.shear(&part, &mut onlooker);
+            increment.lift(if round < WHOLE_ROUNDS { 1.0 } else { PART });
+            iterations += sheared.steps;
+            if pressed.ending == Ending::Interrupted || sheared.ending == Ending::Interrupted {
+                ending = Ending::Interrupted;
+                break;
+            }
+            let mut state = certify(&mut increment);
+            state.effort.iterations = iterations;
+            if state.residual.worst() <= budget.tolerance {
+                return Ok(state);
+            }
+        }
+        let mut state = certify(&mut increment);
+        state.effort.iterations = iterations;
+        judge(state, ending, budget.tolerance)
     }
 }

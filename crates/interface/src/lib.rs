@@ -9,26 +9,22 @@
 //! Two waves that stick, pressed together and pulled apart:
 //!
 //! ```
+//! use gfmd_contact::{Equilibrium, Load};
 //! use gfmd_field::Grid;
 //! use gfmd_green::{Body, Material};
-//! use gfmd_interface::{Drive, Interface, Settings};
+//! use gfmd_interface::Interface;
 //! use gfmd_law::Exponential;
-//! use gfmd_response::NormalResponse;
 //! use ndarray::Array2;
-//! use std::ops::ControlFlow;
 //!
 //! let n = 512;
+//! let grid = Grid::line(n, 1.0)?;
 //! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-//! let response = NormalResponse::new(Grid::line(n, 1.0)?, &body);
 //! let heights = Array2::from_shape_fn((n, 1), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / n as f64).cos());
-//! let law = Exponential::new(5e-5, 1.2e-3)?;
-//! let interface = Interface::normal(&response, heights.view(), &law)?;
+//! let interface = Interface::new(&body, &grid, &heights, Exponential::new(5e-5, 1.2e-3)?)?;
 //! assert!(interface.trapping().is_none());
 //!
-//! let mut watch = |_: &_| ControlFlow::Continue(());
-//! let mut at = |approach, start| interface.solve(Drive::approach(approach), &Settings::default(), start, &mut watch);
-//! let pressed = at(0.004, None)?;
-//! let pulled = at(-0.001, Some(&pressed))?;
+//! let pressed = interface.press(Load::Approach(0.004)).solve()?;
+//! let pulled = interface.press(Load::Approach(-0.001)).starting_from(Some(&pressed)).solve()?;
 //! assert!(pressed.mean_pressure > 0.0 && pulled.mean_pressure < 0.0);
 //! assert!(pulled.contact_fraction > 0.1 && pulled.contact_fraction < pressed.contact_fraction);
 //! assert!(pulled.residual.worst() <= 1e-8);
@@ -39,9 +35,7 @@
 
 mod certify;
 mod dynamics;
-mod elastic;
 mod ended;
-mod error;
 mod frame;
 mod friction;
 mod newton;
@@ -51,8 +45,7 @@ mod problem;
 mod solve;
 mod state;
 
-pub use error::InterfaceError;
 pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
-pub use problem::{Drive, Interface, Method, Normal, Progress, Settings, Trapping, Watch};
+pub use problem::{Interface, Trapping};
 pub use state::{Residual, State};

@@ -11,9 +11,11 @@ mod stability;
 mod trust_region;
 mod wall;
 
+use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
+
 use crate::ended::{End, Ended};
 use crate::frame::Frame;
-use crate::{Interface, Progress, Settings, State, Watch};
+use crate::{Interface, State};
 use descent::Descent;
 
 /// The solver goes on until its residual is this part of the tolerance.
@@ -22,37 +24,37 @@ const SHARE_OF_TOLERANCE: f64 = 0.1;
 pub(crate) fn descend(
     interface: &Interface,
     frame: &Frame,
-    settings: &Settings,
+    budget: &Budget,
     start: Option<&State>,
-    watch: Watch,
+    watch: &mut dyn Watch,
 ) -> Ended {
     let mut descent = Descent::new(interface, frame, start);
     let mut iterations = 0;
     let end = loop {
         let residual = descent.release();
-        if watch(&Progress { iteration: iterations, residual }).is_break() {
-            break End::Interrupted;
+        if watch.see(&Progress { iteration: iterations, residual }).is_break() {
+            break End::Ended(Ending::Interrupted);
         }
         if descent.is_apart() {
             break End::Detached;
         }
-        let at_rest = residual <= SHARE_OF_TOLERANCE * settings.tolerance;
+        let at_rest = residual <= SHARE_OF_TOLERANCE * budget.tolerance;
         if at_rest && !(descent.is_unstable() && descent.leave()) {
-            break End::Converged;
+            break End::Ended(Ending::Converged);
         }
-        if iterations == settings.max_iterations {
-            break End::GaveUp("the iteration limit");
+        if iterations == budget.max_iterations {
+            break End::Ended(Ending::GaveUp(Why::Iterations));
         }
         iterations += 1;
         if at_rest {
             continue;
         }
-        descent.seek((SHARE_OF_TOLERANCE * settings.tolerance / residual).max(residual.sqrt().min(0.1)));
+        descent.seek((SHARE_OF_TOLERANCE * budget.tolerance / residual).max(residual.sqrt().min(0.1)));
         if !descent.advance() && !descent.slide_downhill() {
-            break if residual <= settings.tolerance {
-                End::Converged
+            break if residual <= budget.tolerance {
+                End::Ended(Ending::Converged)
             } else {
-                End::GaveUp("no step lowers the energy")
+                End::Ended(Ending::GaveUp(Why::NoDescent))
             };
         }
     };

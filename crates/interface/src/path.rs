@@ -1,30 +1,12 @@
 //! Contacts along a path of drives, with the energy that each step loses (theory.md, section 8).
 
-use crate::{Drive, FrictionState, FrictionalContact, Interface, InterfaceError, Normal, Settings, State, Watch};
+use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, SolveError, Solver};
+use gfmd_relax::{Budget, Watch};
 
-/// A problem whose states at rest follow one another along a path.
-pub trait Quasistatic {
-    /// The state at rest, with its fields.
-    type State;
+use crate::{FrictionState, FrictionalContact, Interface, State};
 
-    /// Whether a drive can be posed.
-    ///
-    /// # Errors
-    /// A drive that cannot.
-    fn check(&self, drive: Drive) -> Result<(), InterfaceError>;
-
-    /// The next state at rest, reached from `start`.
-    ///
-    /// # Errors
-    /// Unusable input; or an error that carries the state reached.
-    fn rest(
-        &self,
-        drive: Drive,
-        settings: &Settings,
-        start: Option<&Self::State>,
-        watch: Watch,
-    ) -> Result<Self::State, InterfaceError>;
-
+/// A contact whose states at rest follow one another along a path.
+pub trait Quasistatic: Equilibrium {
     /// The numbers of a state that a path keeps account of.
     fn reading(&self, state: &Self::State) -> Reading;
 }
@@ -42,10 +24,6 @@ pub struct Reading {
     pub lateral: [f64; 2],
     /// How the loss of a step follows.
     pub loss: Loss,
-    /// Steps of the solver.
-    pub iterations: u64,
-    /// Pairs of transforms.
-    pub transform_pairs: u64,
 }
 
 /// How the energy lost on the way to a state follows from it.
@@ -86,10 +64,8 @@ pub struct Step {
     pub dissipated_error: Option<f64>,
     /// Solves beyond the one that every step takes.
     pub extra_solves: u64,
-    /// Steps of the solver in all solves.
-    pub iterations: u64,
-    /// Pairs of transforms in all solves.
-    pub transform_pairs: u64,
+    /// Effort of all solves.
+    pub effort: Effort,
 }
 
 /// Follows a problem along a path, each state from the last.
@@ -102,31 +78,29 @@ pub struct Step {
 /// A wave that snaps into contact and later out of it loses energy; pressed and relieved within the contact it does not:
 ///
 /// ```
+/// use gfmd_contact::{Budget, Load, SolveError};
 /// use gfmd_field::Grid;
 /// use gfmd_green::{Body, Material};
-/// use gfmd_interface::{Drive, Interface, Path, Refinement, Settings};
+/// use gfmd_interface::{Interface, Path, Refinement, State};
 /// use gfmd_law::Exponential;
-/// use gfmd_response::NormalResponse;
 /// use ndarray::Array2;
-/// use std::ops::ControlFlow;
 ///
 /// let n = 256;
+/// let grid = Grid::line(n, 1.0)?;
 /// let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-/// let response = NormalResponse::new(Grid::line(n, 1.0)?, &body);
 /// let heights = Array2::from_shape_fn((n, 1), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / n as f64).cos());
-/// let law = Exponential::new(1e-4, 2e-3)?;
-/// let interface = Interface::normal(&response, heights.view(), &law)?;
+/// let interface = Interface::new(&body, &grid, &heights, Exponential::new(1e-4, 2e-3)?)?;
 ///
 /// let refinement = Refinement { solves_per_step: 12, ..Refinement::default() };
-/// let mut path = Path::new(&interface, Settings::default(), refinement);
+/// let mut path = Path::new(&interface, Budget::default(), refinement);
 /// let mut lost = |waypoints: &[f64]| {
 ///     let (mut lost, mut error) = (0.0, 0.0);
 ///     for approach in waypoints {
-///         let step = path.step(Drive::approach(*approach), &mut |_| ControlFlow::Continue(()))?;
+///         let step = path.step(Load::Approach(*approach).into(), &mut ())?;
 ///         lost += step.dissipated.unwrap();
 ///         error += step.dissipated_error.unwrap();
 ///     }
-///     Ok::<_, gfmd_interface::InterfaceError>((lost, error))
+///     Ok::<_, SolveError<State>>((lost, error))
 /// };
 /// let (loop_loss, error) = lost(&[-0.01, -0.005, 0.0, 0.003, 0.0, -0.005, -0.01])?;
 /// assert!(loop_loss > 20.0 * error);
@@ -137,7 +111,7 @@ pub struct Step {
 /// ```
 pub struct Path<'a, P: Quasistatic> {
     problem: &'a P,
-    settings: Settings,
+    budget: Budget,
     refinement: Refinement,
     last: Option<(P::State, Reading)>,
     /// Work exchanged in all steps so far, and their number.
@@ -149,9 +123,9 @@ pub struct Path<'a, P: Quasistatic> {
 
 impl<'a, P: Quasistatic> Path<'a, P> {
     /// A path that has not begun.
-    pub fn new(problem: &'a P, settings: Settings, refinement: Refinement) -> Self {
+    pub fn new(problem: &'a P, budget: Budget, refinement: Refinement) -> Self {
         let allowance = refinement.solves_per_step.saturating_mul(IN_ADVANCE);
-        Self { problem, settings, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
+        Self { problem, budget, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
     }
 
     /// The last state.
@@ -163,10 +137,10 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     ///
     /// # Errors
     /// Those of the solver. The path then stands at the last state at rest that is known to lie on it.
-    pub fn step(&mut self, drive: Drive, watch: Watch) -> Result<Step, InterfaceError> {
+    pub fn step(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<Step, SolveError<P::State>> {
         let mut search = Search {
             problem: self.problem,
-            settings: self.settings,
+            budget: self.budget,
             watch,
             step: Step::default(),
             allowance: self.allowance.saturating_add(self.refinement.solves_per_step),
@@ -217,19 +191,20 @@ const RESERVE: u64 = 5;
 /// One step while it is made.
 struct Search<'a, P: Quasistatic> {
     problem: &'a P,
-    settings: Settings,
-    watch: Watch<'a>,
+    budget: Budget,
+    watch: &'a mut dyn Watch,
     step: Step,
     /// Extra solves that may still be made.
     allowance: u64,
 }
 
 impl<P: Quasistatic> Search<'_, P> {
-    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), InterfaceError> {
-        let state = self.problem.rest(drive, &self.settings, start, self.watch)?;
+    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), SolveError<P::State>> {
+        let state = self.problem.equilibrate(drive, Solver::Auto, &self.budget, start, &mut *self.watch)?;
         let reading = self.problem.reading(&state);
-        self.step.iterations += reading.iterations;
-        self.step.transform_pairs += reading.transform_pairs;
+        let Effort { iterations, transform_pairs } = state.effort();
+        self.step.effort.iterations += iterations;
+        self.step.effort.transform_pairs += transform_pairs;
         Ok((state, reading))
     }
 
@@ -241,13 +216,13 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         reference: f64,
         tolerance: f64,
-    ) -> Result<(), InterfaceError> {
+    ) -> Result<(), SolveError<P::State>> {
         let (begin, allowed) = (here.reading, tolerance * reference);
         let extra = |search: &mut Self, share: f64, start: &Rest<P::State>| {
             search.step.extra_solves += 1;
             search.allowance = search.allowance.saturating_sub(1);
             let (state, reading) = search.rest(begin.towards(drive, share), Some(&start.state))?;
-            Ok::<_, InterfaceError>(Rest { state, reading, share, origin: start.share })
+            Ok::<_, SolveError<P::State>>(Rest { state, reading, share, origin: start.share })
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
         // States to come: the end of the next piece, and perhaps that of the one after it.
@@ -262,7 +237,7 @@ impl<P: Quasistatic> Search<'_, P> {
             let mut piece = (chord.missing, chord.spread + chord.missing.abs());
             if piece.1 > allowed * span && span > SHORTEST && self.allowance > 0 {
                 match extra(self, here.share + 0.5 * span, here) {
-                    Err(error) if error.is_interruption() => return Err(error),
+                    Err(error @ SolveError::Interrupted { .. }) => return Err(error),
                     // Next to an instability the solver may not settle; the piece then stays whole.
                     Err(_) => {}
                     Ok(middle) => {
@@ -368,32 +343,16 @@ impl Reading {
         }
         let at = |from: f64, to: f64| from + share * (to - from);
         Drive {
-            normal: match drive.normal {
-                Normal::MeanPressure(to) => Normal::MeanPressure(at(self.mean_pressure, to)),
-                Normal::Approach(to) => Normal::Approach(at(self.approach, to)),
+            load: match drive.load {
+                Load::MeanPressure(to) => Load::MeanPressure(at(self.mean_pressure, to)),
+                Load::Approach(to) => Load::Approach(at(self.approach, to)),
             },
             lateral: std::array::from_fn(|c| at(self.lateral[c], drive.lateral[c])),
         }
     }
 }
 
-impl Quasistatic for Interface<'_> {
-    type State = State;
-
-    fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
-        Self::check(self, drive)
-    }
-
-    fn rest(
-        &self,
-        drive: Drive,
-        settings: &Settings,
-        start: Option<&State>,
-        watch: Watch,
-    ) -> Result<State, InterfaceError> {
-        self.solve(drive, settings, start, watch)
-    }
-
+impl Quasistatic for Interface {
     fn reading(&self, state: &State) -> Reading {
         Reading {
             mean_pressure: state.mean_pressure,
@@ -405,29 +364,11 @@ impl Quasistatic for Interface<'_> {
             } else {
                 Loss::Unknown
             },
-            iterations: state.iterations,
-            transform_pairs: state.transform_pairs,
         }
     }
 }
 
-impl Quasistatic for FrictionalContact<'_> {
-    type State = FrictionState;
-
-    fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
-        Self::check(self, drive)
-    }
-
-    fn rest(
-        &self,
-        drive: Drive,
-        settings: &Settings,
-        start: Option<&FrictionState>,
-        watch: Watch,
-    ) -> Result<FrictionState, InterfaceError> {
-        self.solve(drive, settings, start, watch)
-    }
-
+impl Quasistatic for FrictionalContact {
     fn reading(&self, state: &FrictionState) -> Reading {
         Reading {
             mean_pressure: state.mean_pressure,
@@ -435,8 +376,6 @@ impl Quasistatic for FrictionalContact<'_> {
             mean_shear: state.mean_shear,
             lateral: state.lateral,
             loss: Loss::Known(state.dissipated),
-            iterations: state.iterations,
-            transform_pairs: state.transform_pairs,
         }
     }
 }

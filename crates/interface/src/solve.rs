@@ -1,69 +1,95 @@
+use std::sync::Arc;
+
+use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver, judge};
 use gfmd_law::HardWall;
+use gfmd_relax::{Budget, Fire, Watch};
 
 use crate::certify::certify;
-use crate::ended::End;
-use crate::{Drive, Interface, InterfaceError, Method, Normal, Settings, State, Watch, dynamics, newton};
+use crate::ended::{End, Ended};
+use crate::frame::Frame;
+use crate::{Interface, State, dynamics, newton};
 
-impl Interface<'_> {
-    /// Whether a drive can be posed.
-    ///
-    /// # Errors
-    /// Numbers that are not finite, or an approach beyond full contact.
-    pub fn check(&self, drive: Drive) -> Result<(), InterfaceError> {
+/// Newton's method needs an energy; dynamics does not.
+const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
+
+impl Equilibrium for Interface {
+    type State = State;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &SOLVERS
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
         self.frame(drive).map(drop)
     }
 
     /// Goes downhill from `start` to a stable state. Without one, from the contact with a hard wall alone if the drive
-    /// presses, else from the undeformed surface.
-    ///
-    /// # Errors
-    /// Unusable drive, settings or start; or an error that carries the state reached.
-    pub fn solve(
+    /// presses, else from the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy, else FIRE 2.0.
+    fn equilibrate(
         &self,
         drive: Drive,
-        settings: &Settings,
+        solver: Solver,
+        budget: &Budget,
         start: Option<&State>,
-        watch: Watch,
-    ) -> Result<State, InterfaceError> {
-        settings.check()?;
+        watch: &mut dyn Watch,
+    ) -> Result<State, SolveError<State>> {
+        budget.check()?;
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.points();
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
-            return Err(InterfaceError::Start { found, expected });
+            return Err(Refusal::Start { found, expected }.into());
         }
-        let pressed = match drive.normal {
-            Normal::MeanPressure(found) | Normal::Approach(found) => found > 0.0,
+        let method = self.method(solver, &frame)?;
+        let is_pressed = match drive.load {
+            Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            None if pressed && !self.is_wall_alone() => Some(self.without_attraction(drive, settings, watch)?),
+            None if is_pressed && !self.is_wall_alone() => Some(self.without_attraction(drive, budget, watch)?),
             _ => None,
         };
         let start = start.or(on_wall.as_ref());
-        let has_energy = self.has_energy();
-        let ended = match settings.method {
-            Method::Newton if !has_energy => return Err(InterfaceError::NoEnergy),
-            Method::Dynamics if self.law.has_wall() && frame.held[frame.z()] => {
-                return Err(InterfaceError::NoDynamics);
-            }
-            Method::Dynamics => dynamics::relax_to_rest(self, &frame, settings, start, watch),
-            Method::Auto if !has_energy => dynamics::relax_to_rest(self, &frame, settings, start, watch),
-            Method::Auto | Method::Newton => newton::descend(self, &frame, settings, start, watch),
+        let Ended { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } = match method {
+            Method::Newton => newton::descend(self, &frame, budget, start, watch),
+            Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
         };
-        let mut state = Box::new(certify(self, &frame, &ended.position));
-        state.iterations = ended.iterations;
-        state.transform_pairs += ended.transform_pairs;
-        state.passed_instability = ended.passed_instability;
-        state.lowest_curvature = ended.lowest_curvature;
-        let not_converged = |state, reason| InterfaceError::NotConverged { state, asked: settings.tolerance, reason };
-        match (ended.end, drive.normal) {
-            (End::Interrupted, _) => Err(InterfaceError::Interrupted { state }),
-            (End::Detached, Normal::MeanPressure(mean_pressure)) => {
-                Err(InterfaceError::Detached { mean_pressure, state })
-            }
-            _ if state.residual.worst() <= settings.tolerance => Ok(*state),
-            (End::GaveUp(reason), _) => Err(not_converged(state, reason)),
-            _ => Err(not_converged(state, "the recomputed residuals are larger than the solver's")),
+        let mut state = certify(self, &frame, &position);
+        state.effort.iterations = iterations;
+        state.effort.transform_pairs += transform_pairs;
+        state.passed_instability = passed_instability;
+        state.lowest_curvature = lowest_curvature;
+        match end {
+            End::Detached => Err(SolveError::Detached { state: Box::new(state), mean_pressure: frame.push }),
+            End::Ended(ending) => judge(state, ending, budget.tolerance),
         }
+    }
+}
+
+enum Method {
+    Newton,
+    /// Damped dynamics by FIRE, made from its largest time step.
+    Dynamics(fn(f64) -> Fire),
+}
+
+impl Interface {
+    fn method(&self, solver: Solver, frame: &Frame) -> Result<Method, Refusal> {
+        let engine = match solver {
+            Solver::Auto | Solver::Newton if self.has_energy() => return Ok(Method::Newton),
+            Solver::Newton => return Err(Refusal::NoEnergy),
+            Solver::Fire => Fire::bitzek,
+            Solver::Auto | Solver::Fire2 => Fire::v2,
+            Solver::PolonskyKeer
+            | Solver::ProjectedCg
+            | Solver::PreconditionedCg
+            | Solver::Verlet
+            | Solver::VerletCritical
+            | Solver::AugmentedLagrangian => {
+                return Err(Refusal::Solver { found: solver, allowed: &SOLVERS });
+            }
+        };
+        if solver != Solver::Auto && self.law.has_wall() && frame.held[frame.z()] {
+            return Err(Refusal::NoDynamics);
+        }
+        Ok(Method::Dynamics(engine))
     }
 
     fn is_wall_alone(&self) -> bool {
@@ -71,9 +97,14 @@ impl Interface<'_> {
     }
 
     /// The contact before the law acts.
-    fn without_attraction(&self, drive: Drive, settings: &Settings, watch: Watch) -> Result<State, InterfaceError> {
-        let wall = Interface { law: &HardWall, clearance: self.clearance.clone(), ..*self };
-        let rough = Settings { method: Method::Newton, tolerance: settings.tolerance.max(1e-3), ..*settings };
-        wall.solve(drive, &rough, None, watch)
+    fn without_attraction(
+        &self,
+        drive: Drive,
+        budget: &Budget,
+        watch: &mut dyn Watch,
+    ) -> Result<State, SolveError<State>> {
+        let wall = Interface { law: Arc::new(HardWall), ..self.clone() };
+        let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
+        wall.equilibrate(drive, Solver::Newton, &rough, None, watch)
     }
 }

@@ -1,4 +1,8 @@
-use ndarray::{Array2, Array3};
+use std::sync::Arc;
+
+use gfmd_contact::{Effort, Fields, RigidSurface};
+use gfmd_measure::{Scales, Summary};
+use ndarray::{Array2, Array3, ArrayView2, Axis, CowArray, Ix2};
 
 /// An interface at rest. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +13,7 @@ pub struct State {
     pub traction: Array3<f64>,
     /// Distance between the surfaces, length.
     pub gap: Array2<f64>,
-    /// What the hard wall presses with, stress ≥ 0; 0 without a wall. Attraction is not part of it.
+    /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. Attraction is not part of it.
     pub wall_pressure: Array2<f64>,
     /// Mean of −t_z, stress: < 0 where the surfaces are pulled apart.
     pub mean_pressure: f64,
@@ -21,29 +25,31 @@ pub struct State {
     pub lateral: [f64; 2],
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
-    /// Energy of the law per area, stress × length; NaN of a law without one.
+    /// Energy of the law per area, stress × length; NaN if the law has none.
     pub interface_energy: f64,
     /// Share of the points in contact: pressed by the wall, or repelled by a law without one.
     pub contact_fraction: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: Residual,
-    /// How it was reached.
-    pub iterations: u64,
-    /// Forward and inverse transforms of one component, in pairs, those that made the final fields included.
-    pub transform_pairs: u64,
+    /// Effort of the solve, the transforms that made the final fields included.
+    pub effort: Effort,
     /// Whether directions of negative curvature were met on the way from the state started from: after a jump they
     /// were, after a long smooth step they may have been. Dynamics does not look.
     pub passed_instability: bool,
     /// The lowest curvature, in units of the elastic one, that conjugate gradients see from a force in all directions: > 0
-    /// in a stable state. 1 of a wall alone, NaN of dynamics.
+    /// in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
+    pub(crate) surface: Arc<RigidSurface>,
+    pub(crate) contact_modulus: f64,
 }
 
-/// How far a state is from equilibrium; zero of the exact one. Stresses are in units of the largest traction, or of the
+/// Distance of a state from equilibrium; zero for the exact one. Stresses are in units of the largest traction, or of the
 /// softest stiffness times the rms height where that is more; lengths in rms heights
 /// (of a flat surface in units of length).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
+    /// Σ p g / (Σ p · h_rms) of the wall pressure p, in magnitude. It never exceeds the penetration.
+    pub complementarity: f64,
     /// Largest force per area that nothing balances.
     pub equilibrium: f64,
     /// max(0, −min gap), where there is a wall.
@@ -55,11 +61,85 @@ pub struct Residual {
 }
 
 impl Residual {
-    /// The largest of the four; NaN if any is.
+    /// The parts with their names.
+    pub fn parts(&self) -> [(&'static str, f64); 5] {
+        [
+            ("complementarity", self.complementarity),
+            ("equilibrium", self.equilibrium),
+            ("penetration", self.penetration),
+            ("wall_tension", self.wall_tension),
+            ("load", self.load),
+        ]
+    }
+
+    /// The largest of the parts; NaN if any is.
     pub fn worst(&self) -> f64 {
-        let Self { equilibrium, penetration, wall_tension, load } = *self;
-        [equilibrium, penetration, wall_tension, load]
-            .into_iter()
-            .fold(0.0, |worst, part| if part.is_nan() || part > worst { part } else { worst })
+        gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
+    }
+}
+
+/// A mean pressure below this part of the largest pressure carries no load: κ would relate an area to nothing.
+const LEAST_LOAD: f64 = 1e-6;
+
+impl State {
+    /// The pressure that repels: that of the wall, or the positive part of −t_z without one.
+    pub fn repulsion(&self) -> Array2<f64> {
+        if self.wall_pressure.iter().any(|p| *p > 0.0) {
+            self.wall_pressure.clone()
+        } else {
+            self.normal_traction().mapv(|t| f64::max(-t, 0.0))
+        }
+    }
+
+    fn normal_traction(&self) -> ArrayView2<'_, f64> {
+        self.traction.index_axis(Axis(0), self.traction.len_of(Axis(0)) - 1)
+    }
+}
+
+impl Fields for State {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.normal_traction().mapv(|t| -t).into()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.displacement.index_axis(Axis(0), self.displacement.len_of(Axis(0)) - 1)
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.gap.view()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.residual.parts().into()
+    }
+
+    fn scales(&self) -> Scales {
+        Scales { contact_modulus: self.contact_modulus, rms_gradient: self.surface.rms_gradient() }
+    }
+
+    /// In contact are the points that are repelled, with the pressure that repels them. κ is NaN where attraction carries
+    /// the load: area over pressure means nothing there.
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        let repulsion = self.repulsion();
+        let summary = Summary::of(repulsion.view(), self.displacement_z(), self.gap(), self.mean_pressure, scales);
+        let is_pressed = self.mean_pressure > LEAST_LOAD * summary.max_pressure;
+        Summary {
+            kappa: if is_pressed { summary.kappa } else { f64::NAN },
+            kappa_corrected: if is_pressed { summary.kappa_corrected } else { f64::NAN },
+            elastic_energy: self.elastic_energy,
+            ..summary
+        }
     }
 }

@@ -1,11 +1,13 @@
 //! Laws that act in all components.
 
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
+use std::sync::Arc;
+
+use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Drive, Interface, InterfaceError, Method, Normal, Settings, State};
+use gfmd_interface::{Interface, State};
 use gfmd_law::{CoupledExponential, Exponential, Law, Morse, Npb, Npc, Separation, XuNeedleman};
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::Array2;
@@ -13,9 +15,9 @@ use ndarray::Array2;
 const EQUAL: Separation =
     Separation { normal_work: 5e-4, tangential_work: 5e-4, normal_length: 0.02, tangential_length: 0.02 };
 
-fn slab(points: [usize; 2]) -> FullResponse {
+fn slab(points: [usize; 2]) -> Arc<FullResponse> {
     let body = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.5).unwrap();
-    FullResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body)
+    FullResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body).into()
 }
 
 fn bumps(points: [usize; 2]) -> Array2<f64> {
@@ -25,9 +27,13 @@ fn bumps(points: [usize; 2]) -> Array2<f64> {
     })
 }
 
-fn solve(interface: &Interface, drive: Drive, method: Method, start: Option<&State>) -> Result<State, InterfaceError> {
-    let settings = Settings { method, ..Settings::default() };
-    interface.solve(drive, &settings, start, &mut |_| ControlFlow::Continue(()))
+fn solve(
+    interface: &Interface,
+    drive: impl Into<Drive>,
+    solver: Solver,
+    start: Option<&State>,
+) -> Result<State, SolveError<State>> {
+    interface.press(drive).solver(solver).starting_from(start).solve()
 }
 
 fn far(a: &State, b: &State) -> f64 {
@@ -39,20 +45,25 @@ fn newton_and_dynamics_find_the_same_states() {
     for points in [[32, 1], [16, 15]] {
         let response = slab(points);
         let heights = bumps(points);
-        let laws: [&dyn Law; 2] = [&XuNeedleman::new(EQUAL, 0.5).unwrap(), &Npc::new(EQUAL).unwrap()];
+        let laws = [XuNeedleman::new(EQUAL, 0.5).unwrap().into_shared(), Npc::new(EQUAL).unwrap().into_shared()];
         for law in laws {
-            let interface = Interface::full(&response, heights.view(), law).unwrap();
+            let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
             assert_eq!(interface.trapping(), None);
-            for (normal, lateral) in [
-                (Normal::Approach(0.004), [0.003, 0.0]),
-                (Normal::Approach(-0.01), [0.0, 0.002]),
-                (Normal::MeanPressure(0.01), [-0.002, 0.001]),
+            for (load, lateral) in [
+                (Load::Approach(0.004), [0.003, 0.0]),
+                (Load::Approach(-0.01), [0.0, 0.002]),
+                (Load::MeanPressure(0.01), [-0.002, 0.001]),
             ] {
-                let drive = Drive { normal, lateral };
-                let a = solve(&interface, drive, Method::Newton, None).unwrap();
-                let b = solve(&interface, drive, Method::Dynamics, None).unwrap();
-                assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?}: {}", far(&a, &b));
-                assert!(a.lowest_curvature > 0.0 && a.transform_pairs < b.transform_pairs);
+                let drive = Drive { load, lateral };
+                let a = solve(&interface, drive, Solver::Newton, None).unwrap();
+                let dynamics = [Solver::Fire, Solver::Fire2].map(|version| {
+                    let b = solve(&interface, drive, version, None).unwrap();
+                    assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?} {version}: {}", far(&a, &b));
+                    assert!(a.lowest_curvature > 0.0 && a.effort.transform_pairs < b.effort.transform_pairs);
+                    b.effort.iterations
+                });
+                // They are two methods.
+                assert_ne!(dynamics[0], dynamics[1]);
             }
         }
     }
@@ -62,23 +73,23 @@ fn newton_and_dynamics_find_the_same_states() {
 fn dynamics_agrees_behind_a_wall_and_on_a_half_space() {
     let points = [24, 20];
     let body = Body::half_space(Material::from_young(1.0, 0.3).unwrap());
-    let response = NormalResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body);
+    let response = Arc::new(NormalResponse::new(Grid::new(points, [1.0, 1.0]).unwrap(), &body));
     let heights = bumps(points);
-    let laws: [(&dyn Law, Drive); 3] = [
-        (&Exponential::new(3e-4, 8e-3).unwrap(), Drive::mean_pressure(0.01)),
-        (&Morse::new(3e-4, 8e-3).unwrap(), Drive::approach(0.002)),
-        (&Morse::new(3e-4, 8e-3).unwrap(), Drive::mean_pressure(-0.002)),
+    let laws: [(Arc<dyn Law>, Load); 3] = [
+        (Arc::new(Exponential::new(3e-4, 8e-3).unwrap()), Load::MeanPressure(0.01)),
+        (Arc::new(Morse::new(3e-4, 8e-3).unwrap()), Load::Approach(0.002)),
+        (Arc::new(Morse::new(3e-4, 8e-3).unwrap()), Load::MeanPressure(-0.002)),
     ];
     for (law, drive) in laws {
-        let interface = Interface::normal(&response, heights.view(), law).unwrap();
-        let a = solve(&interface, drive, Method::Newton, None).unwrap();
-        let b = solve(&interface, drive, Method::Dynamics, None).unwrap();
+        let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
+        let a = solve(&interface, drive, Solver::Newton, None).unwrap();
+        let b = solve(&interface, drive, Solver::Fire2, None).unwrap();
         assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?}: {}", far(&a, &b));
     }
     let wall = Exponential::new(3e-4, 8e-3).unwrap();
-    let interface = Interface::normal(&response, heights.view(), &wall).unwrap();
-    let refused = solve(&interface, Drive::approach(0.002), Method::Dynamics, None);
-    assert!(matches!(refused, Err(InterfaceError::NoDynamics)));
+    let interface = Interface::on(response.clone(), &heights, wall).unwrap();
+    let refused = solve(&interface, Load::Approach(0.002), Solver::Fire2, None);
+    assert!(matches!(refused, Err(SolveError::Refused(Refusal::NoDynamics))));
 }
 
 #[test]
@@ -87,12 +98,12 @@ fn laws_without_energy_come_to_rest_by_dynamics() {
     let response = slab(points);
     let heights = bumps(points);
     let unequal = Separation { tangential_work: 2e-4, ..EQUAL };
-    let laws: [&dyn Law; 2] = [&CoupledExponential::new(unequal).unwrap(), &Npb::new(unequal).unwrap()];
+    let laws = [CoupledExponential::new(unequal).unwrap().into_shared(), Npb::new(unequal).unwrap().into_shared()];
     for law in laws {
-        let interface = Interface::full(&response, heights.view(), law).unwrap();
-        let drive = Drive { normal: Normal::Approach(0.005), lateral: [0.004, 0.002] };
-        assert!(matches!(solve(&interface, drive, Method::Newton, None), Err(InterfaceError::NoEnergy)));
-        let state = solve(&interface, drive, Method::Auto, None).unwrap();
+        let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
+        let drive = Drive { load: Load::Approach(0.005), lateral: [0.004, 0.002] };
+        assert!(matches!(solve(&interface, drive, Solver::Newton, None), Err(SolveError::Refused(Refusal::NoEnergy))));
+        let state = solve(&interface, drive, Solver::Auto, None).unwrap();
         assert!(state.residual.worst() <= 1e-8 && state.mean_shear[0] > state.mean_shear[1]);
         assert!(state.mean_shear[1] > 0.0, "the rigid surface drags the elastic one along");
     }
@@ -104,9 +115,9 @@ fn a_bonded_flat_opens_and_slides_as_one_point() {
     let response = slab([8, 8]);
     let heights = Array2::zeros((8, 8));
     let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
-    let interface = Interface::full(&response, heights.view(), &law).unwrap();
-    let drive = Drive { normal: Normal::Approach(-0.004), lateral: [0.005, -0.003] };
-    let state = solve(&interface, drive, Method::Auto, None).unwrap();
+    let interface = Interface::on(response.clone(), &heights, law).unwrap();
+    let drive = Drive { load: Load::Approach(-0.004), lateral: [0.005, -0.003] };
+    let state = solve(&interface, drive, Solver::Auto, None).unwrap();
     let [gx, gy, gz] = response.uniform_compliance();
     let u = state.displacement.index_axis(ndarray::Axis(1), 3).index_axis(ndarray::Axis(1), 5).to_vec();
     let traction = law.traction(0.004 - u[2], [0.005 - u[0], -0.003 - u[1]]);
@@ -123,12 +134,11 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
     let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
     let slab = slab(points);
     let half_space = FullResponse::new(*slab.grid(), &Body::half_space(Material::from_young(1.0, 0.2).unwrap()));
-    for response in [&slab, &half_space] {
-        let interface = Interface::full(response, heights.view(), &law).unwrap();
+    for response in [slab, half_space.into()] {
+        let interface = Interface::on(response.clone(), &heights, law).unwrap();
         let at = |d: [f64; 3]| {
-            let drive = Drive { normal: Normal::Approach(0.002 + d[2]), lateral: [0.003 + d[0], -0.001 + d[1]] };
-            let settings = Settings { tolerance: 1e-12, ..Settings::default() };
-            interface.solve(drive, &settings, None, &mut |_| ControlFlow::Continue(())).unwrap()
+            let drive = Drive { load: Load::Approach(0.002 + d[2]), lateral: [0.003 + d[0], -0.001 + d[1]] };
+            interface.press(drive).tolerance(1e-12).solve().unwrap()
         };
         let energy = |d: [f64; 3]| {
             let state = at(d);
@@ -155,12 +165,12 @@ fn flat_surfaces_that_attract_do_not_stay_flat() {
     let heights = Array2::zeros((n, 1));
     let (energy, range) = (1e-3, 0.01);
     let law = Exponential::new(energy, range).unwrap();
-    let interface = Interface::normal(&response, heights.view(), &law).unwrap();
+    let interface = Interface::on(response, &heights, law).unwrap();
     let critical = range * (energy / (range * range) / std::f64::consts::PI).ln();
-    let stays = solve(&interface, Drive::approach(-1.05 * critical), Method::Auto, None).unwrap();
+    let stays = solve(&interface, Load::Approach(-1.05 * critical), Solver::Auto, None).unwrap();
     let spread = |state: &State| state.gap.std(0.0);
     assert!(spread(&stays) < 1e-12 && stays.lowest_curvature > 0.0 && !stays.passed_instability);
-    let ripples = solve(&interface, Drive::approach(-0.95 * critical), Method::Auto, Some(&stays)).unwrap();
+    let ripples = solve(&interface, Load::Approach(-0.95 * critical), Solver::Auto, Some(&stays)).unwrap();
     assert!(ripples.passed_instability && ripples.lowest_curvature > 0.0);
     assert!(spread(&ripples) > 0.1 * range, "{}", spread(&ripples));
     assert!(ripples.residual.worst() <= 1e-8);
@@ -174,11 +184,10 @@ fn a_step_too_long_for_a_short_range_is_shortened_not_lost() {
     let response = NormalResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap()));
     let heights = bumps(points);
     let law = Morse::new(1e-4, 1e-4).unwrap();
-    let interface = Interface::normal(&response, heights.view(), &law).unwrap();
-    let mut last = solve(&interface, Drive::approach(0.0005), Method::Newton, None).unwrap();
+    let interface = Interface::on(response, &heights, law).unwrap();
+    let mut last = solve(&interface, Load::Approach(0.0005), Solver::Newton, None).unwrap();
     for step in 1..6 {
-        last =
-            solve(&interface, Drive::approach(0.0005 + 3e-4 * f64::from(step)), Method::Newton, Some(&last)).unwrap();
+        last = solve(&interface, Load::Approach(0.0005 + 3e-4 * f64::from(step)), Solver::Newton, Some(&last)).unwrap();
         assert!(last.residual.worst() <= 1e-8 && last.lowest_curvature > 0.0);
     }
 }

@@ -1,13 +1,14 @@
 //! The energy lost along paths: by jumps alone, and the same however the path is divided.
 
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use gfmd_contact::{Budget, Drive, Equilibrium, Load, Progress, SolveError};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{
-    Drive, FrictionalContact, Interface, InterfaceError, Normal, Path, Refinement, Settings, State, Step,
-};
+use gfmd_interface::{FrictionalContact, Interface, Path, Refinement, State, Step};
 use gfmd_law::{CoupledExponential, Exponential, Law, Limit, Morse, Separation, XuNeedleman};
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::Array2;
@@ -39,16 +40,16 @@ fn legs(waypoints: &[f64], steps: usize) -> Vec<f64> {
 }
 
 fn approaches(waypoints: &[f64], steps: usize) -> Vec<Drive> {
-    legs(waypoints, steps).into_iter().map(Drive::approach).collect()
+    legs(waypoints, steps).into_iter().map(|approach| Load::Approach(approach).into()).collect()
 }
 
 fn pressures(waypoints: &[f64], steps: usize) -> Vec<Drive> {
-    legs(waypoints, steps).into_iter().map(Drive::mean_pressure).collect()
+    legs(waypoints, steps).into_iter().map(|pressure| Load::MeanPressure(pressure).into()).collect()
 }
 
 fn follow(interface: &Interface, drives: &[Drive], refinement: Refinement) -> Vec<Step> {
-    let mut path = Path::new(interface, Settings::default(), refinement);
-    drives.iter().map(|drive| path.step(*drive, &mut |_| ControlFlow::Continue(())).unwrap()).collect()
+    let mut path = Path::new(interface, Budget::default(), refinement);
+    drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap()).collect()
 }
 
 /// Loss and its error.
@@ -62,8 +63,7 @@ fn by_trapezoids(interface: &Interface, drives: &[Drive]) -> f64 {
     let energy = |state: &State| state.elastic_energy + state.interface_energy;
     let (mut last, mut lost): (Option<State>, f64) = (None, 0.0);
     for drive in drives {
-        let silent = &mut |_: &_| ControlFlow::Continue(());
-        let next = interface.solve(*drive, &Settings::default(), last.as_ref(), silent).unwrap();
+        let next = interface.press(*drive).starting_from(last.as_ref()).solve().unwrap();
         if let Some(last) = &last {
             let work = 0.5 * (last.mean_pressure + next.mean_pressure) * (next.approach - last.approach);
             lost += work + energy(last) - energy(&next);
@@ -77,7 +77,7 @@ fn by_trapezoids(interface: &Interface, drives: &[Drive]) -> f64 {
 fn a_closed_loop_loses_what_a_fine_path_loses() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::normal(&response, asperities(128).view(), &law).unwrap();
+    let interface = Interface::on(response, &asperities(128), law).unwrap();
     let turns = [-0.01, 0.004, -0.012];
     // Ten steps to a leg and trapezoids make energy from nothing.
     assert!(by_trapezoids(&interface, &approaches(&turns, 10)) < 0.0);
@@ -99,7 +99,7 @@ fn a_closed_loop_loses_what_a_fine_path_loses() {
 fn a_loop_under_load_loses_what_a_fine_path_loses() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::normal(&response, asperities(128).view(), &law).unwrap();
+    let interface = Interface::on(response, &asperities(128), law).unwrap();
     // Pulled, but not apart.
     let turns = [1e-4, 2e-3, -2e-4, 1e-4];
     let fine = by_trapezoids(&interface, &pressures(&turns, 1500));
@@ -116,9 +116,9 @@ fn a_loop_under_load_loses_what_a_fine_path_loses() {
 fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
     // One degree of freedom: a spring k that a law with a maximum pulls at. d(g) = -g - T(g)/k turns twice.
     let body = Body::slab(material(), 20.0).unwrap();
-    let response = NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body);
+    let response = Arc::new(NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body));
     let law = Morse::new(1e-3, 0.05).unwrap();
-    let interface = Interface::normal(&response, Array2::zeros((8, 1)).view(), &law).unwrap();
+    let interface = Interface::on(Arc::clone(&response), &Array2::zeros((8, 1)), law).unwrap();
     let k = 1.0 / response.uniform_compliance();
     let tension = |g: f64| law.response(g, 0.0).traction[0];
     let approach = |g: f64| -g - tension(g) / k;
@@ -154,11 +154,9 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
 fn without_a_jump_nothing_is_lost() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::normal(&response, asperities(128).view(), &law).unwrap();
-    let [low, high] = [0.001, 0.004].map(|approach| {
-        let silent = &mut |_: &_| ControlFlow::Continue(());
-        interface.solve(Drive::approach(approach), &Settings::default(), None, silent).unwrap().mean_pressure
-    });
+    let interface = Interface::on(response, &asperities(128), law).unwrap();
+    let [low, high] =
+        [0.001, 0.004].map(|approach| interface.press(Load::Approach(approach)).solve().unwrap().mean_pressure);
     let closely = Refinement { tolerance: 1e-5, solves_per_step: 20 };
     for drives in [approaches(&[0.001, 0.004, 0.001], 6), pressures(&[low, high, low], 6)] {
         let half = by_trapezoids(&interface, &drives[..7]).abs();
@@ -171,7 +169,7 @@ fn without_a_jump_nothing_is_lost() {
 fn the_balance_of_a_smooth_step_closes_with_the_fourth_power_of_its_length() {
     let response = half_space(64);
     let law = Morse::new(1e-4, 1e-2).unwrap();
-    let interface = Interface::normal(&response, asperities(64).view(), &law).unwrap();
+    let interface = Interface::on(response, &asperities(64), law).unwrap();
     // One state in the middle of each step, and no more.
     let once = Refinement { tolerance: 1e-3, solves_per_step: 1 };
     let error = |steps: usize| lost(&follow(&interface, &approaches(&[-0.02, -0.005], steps), once))[1];
@@ -185,13 +183,13 @@ fn sideways_work_is_accounted_for() {
     let law = XuNeedleman::new(equal, 0.5).unwrap();
     let heights = asperities(16);
     let sideways = |turns: &[f64], steps: usize| -> Vec<Drive> {
-        let drive = |x| Drive { normal: Normal::Approach(0.002), lateral: [x, 0.0] };
+        let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0] };
         legs(turns, steps).into_iter().map(drive).collect()
     };
     // A half-space is too stiff to jump, a thick slab jumps to and fro.
     for (body, jumps) in [(Body::half_space(material()), false), (Body::slab(material(), 3.0).unwrap(), true)] {
-        let response = FullResponse::new(Grid::line(16, 1.0).unwrap(), &body);
-        let interface = Interface::full(&response, heights.view(), &law).unwrap();
+        let response = Arc::new(FullResponse::new(Grid::line(16, 1.0).unwrap(), &body));
+        let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
         let turns = if jumps { [0.0, 0.2, -0.2] } else { [0.0, 0.02, -0.02] };
         let [few, error_of_few] = lost(&follow(&interface, &sideways(&turns, 6), FINE));
         let [many, error_of_many] = lost(&follow(&interface, &sideways(&turns, 15), FINE));
@@ -202,20 +200,20 @@ fn sideways_work_is_accounted_for() {
 
 #[test]
 fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
-    let response = FullResponse::new(Grid::line(16, 1.0).unwrap(), &Body::half_space(material()));
+    let response = Arc::new(FullResponse::new(Grid::line(16, 1.0).unwrap(), &Body::half_space(material())));
     let different =
         Separation { normal_work: 1e-4, tangential_work: 5e-5, normal_length: 0.01, tangential_length: 0.01 };
     let law = CoupledExponential::new(different).unwrap();
     let heights = asperities(16);
-    let drive = |x| Drive { normal: Normal::Approach(0.002), lateral: [x, 0.0] };
-    let interface = Interface::full(&response, heights.view(), &law).unwrap();
+    let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0] };
+    let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
     for step in follow(&interface, &[drive(0.0), drive(0.002)], Refinement::default()) {
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (None, None, 0));
     }
-    let contact = FrictionalContact::new(&response, heights.view(), Limit::Coulomb(0.2)).unwrap();
-    let mut path = Path::new(&contact, Settings::default(), Refinement::default());
+    let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.2)).unwrap();
+    let mut path = Path::new(&contact, Budget::default(), Refinement::default());
     for x in [0.0, 0.002] {
-        let step = path.step(drive(x), &mut |_| ControlFlow::Continue(())).unwrap();
+        let step = path.step(drive(x), &mut ()).unwrap();
         let known = path.state().unwrap().dissipated;
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (Some(known), None, 0));
     }
@@ -226,18 +224,17 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
 fn an_interrupted_path_stands_where_it_was_and_goes_on() {
     let response = half_space(64);
     let law = Exponential::new(1e-4, 3e-3).unwrap();
-    let interface = Interface::normal(&response, asperities(64).view(), &law).unwrap();
-    let mut path = Path::new(&interface, Settings::default(), FINE);
-    let silent = &mut |_: &_| ControlFlow::Continue(());
-    path.step(Drive::approach(-0.01), silent).unwrap();
+    let interface = Interface::on(response, &asperities(64), law).unwrap();
+    let mut path = Path::new(&interface, Budget::default(), FINE);
+    path.step(Load::Approach(-0.01).into(), &mut ()).unwrap();
     let mut calls = 0;
-    let stopped = path.step(Drive::approach(0.002), &mut |_| {
+    let stopped = path.step(Load::Approach(0.002).into(), &mut |_: &Progress| {
         calls += 1;
         if calls < 40 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
-    assert!(matches!(stopped, Err(InterfaceError::Interrupted { .. })));
+    assert!(matches!(stopped, Err(SolveError::Interrupted { .. })));
     let stands = path.state().unwrap().approach;
     assert!((-0.01..0.002).contains(&stands), "{stands}");
-    path.step(Drive::approach(0.002), silent).unwrap();
+    path.step(Load::Approach(0.002).into(), &mut ()).unwrap();
     assert_eq!(path.state().unwrap().approach, 0.002);
 }

@@ -1,4 +1,5 @@
 use std::fmt;
+use std::sync::Arc;
 
 /// An isotropic traction–separation law without memory.
 pub trait Law: fmt::Debug + Send + Sync {
@@ -51,7 +52,64 @@ pub trait Law: fmt::Debug + Send + Sync {
             tt: [[secant + along * x * x, along * x * y], [along * x * y, secant + along * y * y]],
         }
     }
+
+    /// The law behind a pointer that clones share.
+    fn into_shared(self) -> Arc<dyn Law>
+    where
+        Self: Sized + 'static,
+    {
+        Arc::new(self)
+    }
 }
+
+/// A pointer to a law is that law.
+macro_rules! pointer_is_law {
+    ($pointer:ty) => {
+        impl Law for $pointer {
+            fn response(&self, normal: f64, sliding: f64) -> Response {
+                (**self).response(normal, sliding)
+            }
+
+            fn energy(&self, normal: f64, sliding: f64) -> Option<f64> {
+                (**self).energy(normal, sliding)
+            }
+
+            fn opening_energy(&self, normal: f64) -> f64 {
+                (**self).opening_energy(normal)
+            }
+
+            fn has_wall(&self) -> bool {
+                (**self).has_wall()
+            }
+
+            fn stiffness_bound(&self, lowest: f64) -> f64 {
+                (**self).stiffness_bound(lowest)
+            }
+
+            fn steepness(&self) -> f64 {
+                (**self).steepness()
+            }
+
+            fn mixed_mode(&self) -> Option<MixedMode> {
+                (**self).mixed_mode()
+            }
+
+            fn traction(&self, normal: f64, sliding: [f64; 2]) -> [f64; 3] {
+                (**self).traction(normal, sliding)
+            }
+
+            fn jacobian(&self, normal: f64, sliding: [f64; 2]) -> Jacobian {
+                (**self).jacobian(normal, sliding)
+            }
+
+            fn into_shared(self) -> Arc<dyn Law> {
+                self.into()
+            }
+        }
+    };
+}
+pointer_is_law!(Box<dyn Law>);
+pointer_is_law!(Arc<dyn Law>);
 
 /// The traction of a law and its derivatives at one separation, along one direction of sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -108,5 +166,37 @@ impl MixedMode {
         let Self { independent_works, resists_sliding, keeps_repulsion, holds_under_pressure, vanishes, continuous } =
             self;
         independent_works && resists_sliding && keeps_repulsion && holds_under_pressure && vanishes && continuous
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Exponential, Kind, Separation, XuNeedleman};
+
+    #[test]
+    fn a_pointer_to_a_law_is_that_law() {
+        let work = Separation { normal_work: 1.0, tangential_work: 0.5, normal_length: 0.1, tangential_length: 0.2 };
+        let law = XuNeedleman::new(work, 0.3).unwrap();
+        let shared: Arc<dyn Law> = Arc::new(law);
+        let boxed: Box<dyn Law> = Box::new(law);
+        let (normal, sliding) = (0.07, [0.03, -0.05]);
+        for pointer in [&shared as &dyn Law, &boxed] {
+            assert_eq!(pointer.response(normal, 0.04), law.response(normal, 0.04));
+            assert_eq!(pointer.energy(normal, 0.04), law.energy(normal, 0.04));
+            assert_eq!(pointer.opening_energy(normal), law.opening_energy(normal));
+            assert_eq!(pointer.traction(normal, sliding), law.traction(normal, sliding));
+            assert_eq!(pointer.jacobian(normal, sliding), law.jacobian(normal, sliding));
+            assert_eq!(pointer.mixed_mode(), law.mixed_mode());
+            assert_eq!(
+                [pointer.stiffness_bound(-0.01), pointer.steepness()],
+                [law.stiffness_bound(-0.01), law.steepness()]
+            );
+            assert!(!pointer.has_wall());
+        }
+        assert!(Exponential::new(1.0, 0.1).unwrap().into_shared().has_wall());
+        assert!(Kind::HardWall.with(&[] as &[(&str, f64)]).unwrap().into_shared().has_wall());
+        let again = Arc::clone(&shared).into_shared();
+        assert!(Arc::ptr_eq(&again, &shared), "no second pointer");
     }
 }

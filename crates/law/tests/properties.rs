@@ -1,4 +1,4 @@
-//! Relations that every law keeps to, at generic separations, and the promises of each.
+//! Relations that hold for every law at generic separations, and the properties of each law.
 
 use approx::assert_relative_eq;
 use gfmd_law::{
@@ -46,7 +46,7 @@ fn all() -> impl Iterator<Item = Box<dyn Law>> {
     cohesive().into_iter().chain(normal())
 }
 
-/// Points at which a law has a derivative: off the kinks at touch and at the end of a finite range.
+/// Separations at which a law has a derivative: not at touch, nor at the end of a finite range.
 fn is_smooth(normal: f64) -> bool {
     let cutoff = HarmonicCosine::new(1.3, 40.0).unwrap().cutoff();
     [0.0, 0.2, cutoff].iter().all(|kink| (normal - kink).abs() > 1e-3)
@@ -133,7 +133,7 @@ proptest! {
             let at = |x: f64, y: f64, p: f64| friction.slide([x, y], [foot, 0.1], p);
             let now = at(x, y, pressure);
             prop_assert!(now.traction[0].hypot(now.traction[1]) <= limit.at(pressure) * (1.0 + 1e-14));
-            // The spring is stretched by the traction it carries.
+            // The stretch of the spring corresponds to its traction.
             prop_assert!((3.0 * (x - now.foot[0]) - now.traction[0]).abs() < 1e-13);
             let h = 1e-6;
             let steps = [at(x + h, y, pressure), at(x, y + h, pressure), at(x, y, pressure + h)];
@@ -209,14 +209,14 @@ fn open_then_slide_takes_the_work_of_the_theory_note() {
     );
 }
 
-/// The requirements as they are seen on a net of separations.
+/// The requirements R1 to R6, evaluated on a net of separations.
 fn observed(law: &dyn Law) -> MixedMode {
     let at = |x: f64, y: f64| law.response(0.2 * x, 0.35 * y).traction;
     let net =
         |from: f64| (0..60).flat_map(move |i| (1..60).map(move |j| (from + 0.05 * f64::from(i), 0.05 * f64::from(j))));
     let slack = 1e-12;
     let far = (0..40).map(|i| std::f64::consts::FRAC_PI_2 * f64::from(i) / 40.0).all(|angle| {
-        // Just off pure sliding as well.
+        // Also slightly off pure sliding.
         let [n, t] = at(60.0 * angle.sin() + 0.1, 60.0 * angle.cos());
         n.hypot(t) < 1e-3
     });
@@ -227,7 +227,7 @@ fn observed(law: &dyn Law) -> MixedMode {
         })
     };
     MixedMode {
-        independent_works: true, // by quadrature, in a test of its own
+        independent_works: true, // another test checks it by quadrature
         resists_sliding: net(-3.0).chain(net(0.0)).chain(net(9.0)).all(|(x, y)| at(x, y)[1] >= -slack),
         keeps_repulsion: net(-3.0)
             .filter(|(x, _)| *x < -1e-9)

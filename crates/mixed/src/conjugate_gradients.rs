@@ -2,12 +2,13 @@
 //! entries. R G Rᵀ is symmetric and positive definite, and R K Rᵀ is near its inverse, which is the Schur complement
 //! R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
 
+use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
 use gfmd_vector::{dot, for_each};
 
-use crate::surface::{End, Ended, Surface, largest};
-use crate::{Progress, Settings, Watch};
+use crate::surface::{Surface, largest};
 
-pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+/// Returns the iterations, and how they ended.
+pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> (u64, Ending) {
     let held = &surface.problem.prescribed.held;
     let mut residual = surface.misfit.clone();
     let mut direction = vec![0.0; residual.len()];
@@ -16,29 +17,29 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
     let mut slope = f64::INFINITY;
     let mut confirmed = f64::INFINITY;
     let mut iterations = 0;
-    let end = loop {
+    let ending = loop {
         let now = Progress { iteration: iterations, residual: surface.relative(largest(&residual)) };
-        let stopped = watch(&now).is_break();
+        let stopped = watch.see(&now).is_break();
         // A number that is not finite ends here, too.
-        let descending = now.residual > settings.tolerance;
-        if !descending || stopped || iterations >= settings.max_iterations {
+        let descending = now.residual > budget.tolerance;
+        if !descending || stopped || iterations >= budget.max_iterations {
             surface.certify();
             let found = surface.residual();
-            if found <= settings.tolerance {
-                break End::Converged;
+            if found <= budget.tolerance {
+                break Ending::Converged;
             } else if stopped {
-                break End::Interrupted;
-            } else if iterations >= settings.max_iterations {
-                break End::GaveUp("the iterations ran out".into());
+                break Ending::Interrupted;
+            } else if iterations >= budget.max_iterations {
+                break Ending::GaveUp(Why::Iterations);
             } else if found.is_nan() || found > 0.5 * confirmed {
-                break End::GaveUp("rounding keeps the recomputed residual above the tolerance".into());
+                break Ending::GaveUp(Why::Rounding);
             }
             // The recursion has drifted from the truth: start again from here.
             confirmed = found;
             residual.copy_from_slice(&surface.misfit);
             slope = f64::INFINITY;
         }
-        surface.elastic.stiffness(&residual, &mut image);
+        surface.transforms.stiffness(&residual, &mut image);
         restrict(held, &mut image);
         let last = std::mem::replace(&mut slope, dot(&residual, &image));
         let beta = slope / last;
@@ -47,7 +48,7 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
                 *d = z + beta * *d;
             }
         });
-        surface.elastic.compliance(&direction, &mut image);
+        surface.transforms.compliance(&direction, &mut image);
         restrict(held, &mut image);
         let step = slope / dot(&direction, &image);
         for_each([&mut surface.traction, &mut residual], &|start, [traction, residual]| {
@@ -59,7 +60,7 @@ pub(crate) fn solve(surface: &mut Surface, settings: &Settings, watch: Watch) ->
         });
         iterations += 1;
     };
-    Ended { iterations, end }
+    (iterations, ending)
 }
 
 /// Zero where the surface is free.

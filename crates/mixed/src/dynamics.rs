@@ -4,80 +4,70 @@
 //! Where the mean displacement of a component is zero whatever the load, the free points keep the mean that makes it
 //! so: their forces lose their mean, which is the mean traction that the stiffness knows nothing of.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
-use gfmd_relax::{Bounds, Fire, Landscape, Method, Outcome, RelaxError, State, Stop, Verlet, relax};
+use gfmd_relax::{Bounds, Budget, Ending, Fire, Landscape, Method, RelaxError, Verlet, Watch, Why, relax_until};
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
-use crate::surface::{End, Ended, Surface};
-use crate::{Prescribed, Progress, Settings, Watch};
+use crate::Prescribed;
+use crate::surface::Surface;
 
 /// Time step of the original method over its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
 
+/// The steps, and how they ended.
+type Run = Result<(u64, Ending), RelaxError>;
+
 /// With the damping and time step that suit the range of stiffnesses best.
-pub(crate) fn verlet(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+pub(crate) fn verlet(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [softest, stiffest] = surface.problem.response.stiffness_range();
-    run_if_possible(surface, Verlet::optimal(softest, stiffest), settings, watch)
+    run(surface, || Verlet::optimal(softest, stiffest), budget, watch)
 }
 
 /// With the softest mode critically damped, as in the original method.
-pub(crate) fn verlet_critical(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+pub(crate) fn verlet_critical(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [softest, stiffest] = surface.problem.response.stiffness_range();
-    let verlet = Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt());
-    run_if_possible(surface, verlet, settings, watch)
+    run(surface, || Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt()), budget, watch)
 }
 
 /// With the fast inertial relaxation engine of 2006.
-pub(crate) fn fire(surface: &mut Surface, settings: &Settings, watch: Watch) -> Ended {
+pub(crate) fn fire(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [_, stiffest] = surface.problem.response.stiffness_range();
-    run_if_possible(surface, Ok(Fire::bitzek(Fire::largest_dt(stiffest))), settings, watch)
+    run(surface, || Ok(Fire::bitzek(Fire::largest_dt(stiffest))), budget, watch)
 }
 
-fn run_if_possible<M: Method>(
+/// Runs until the displacement that follows from the force on the held points meets the tolerance, not only the forces on
+/// the free ones.
+fn run<M: Method>(
     surface: &mut Surface,
-    method: Result<M, RelaxError>,
-    settings: &Settings,
-    watch: Watch,
-) -> Ended {
+    method: impl FnOnce() -> Result<M, RelaxError>,
+    budget: &Budget,
+    watch: &mut dyn Watch,
+) -> Run {
     if surface.scale == 0.0 {
-        return Ended { iterations: 0, end: End::Converged };
+        return Ok((0, Ending::Converged));
     }
-    match method {
-        Ok(method) => run(surface, &method, settings, watch),
-        Err(error) => Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
-    }
-}
-
-/// Runs until what the force on the held points does meets the tolerance, not only the forces on the free ones.
-fn run<M: Method>(surface: &mut Surface, method: &M, settings: &Settings, watch: Watch) -> Ended {
+    let method = method()?;
     let mut layer = Layer::new(surface);
     let start = layer.start();
-    let mut state = match method.start(&mut layer, start) {
-        Ok(state) => state,
-        Err(error) => return Ended { iterations: 0, end: End::GaveUp(error.to_string()) },
-    };
-    let mut observe = |now: &gfmd_relax::Status, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
-        Ok(watch(&Progress { iteration: now.step, residual: now.residual }))
-    };
-    let mut stop = Stop { residual: settings.tolerance, settled: 0, max_steps: settings.max_iterations };
-    let end = loop {
-        let outcome = relax(&mut layer, method, &mut state, &stop, &mut observe);
-        layer.take_traction(&state.force);
-        let found = layer.surface.residual();
-        match outcome {
-            Ok(_) | Err(RelaxError::NotConverged { .. }) if found <= settings.tolerance => break End::Converged,
-            Ok(Outcome::Converged(now)) => {
-                stop.residual = now.residual * (0.5 * settings.tolerance / found).clamp(1e-3, 0.5);
-                if stop.residual < f64::EPSILON {
-                    break End::GaveUp("rounding keeps the recomputed residual above the tolerance".into());
-                }
-            }
-            Ok(Outcome::Interrupted(_)) => break End::Interrupted,
-            Err(error) => break End::GaveUp(error.to_string()),
-        }
-    };
-    Ended { iterations: state.step, end }
+    let mut state = method.start(&mut layer, start)?;
+    let ending = relax_until(
+        &mut layer,
+        &method,
+        &mut state,
+        budget,
+        &mut |layer, state| {
+            layer.take_traction(&state.force);
+            layer.surface.residual()
+        },
+        watch,
+    )?;
+    if ending == Ending::Converged {
+        return Ok((state.step, ending));
+    }
+    layer.take_traction(&state.force);
+    let is_good = matches!(ending, Ending::GaveUp(Why::Iterations)) && layer.surface.residual() <= budget.tolerance;
+    Ok((state.step, if is_good { Ending::Converged } else { ending }))
 }
 
 /// The surface as a layer of points that move.
@@ -140,7 +130,7 @@ impl Landscape for Layer<'_, '_> {
     }
 
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64 {
-        self.surface.elastic.stiffness(u, force);
+        self.surface.transforms.stiffness(u, force);
         let Prescribed { held, values, .. } = &self.surface.problem.prescribed;
         let points = self.points();
         let mut energy = 0.0;

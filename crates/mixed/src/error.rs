@@ -1,3 +1,5 @@
+use gfmd_relax::{RelaxError, ToleranceError, Why};
+
 use crate::MixedSolution;
 
 /// Why a mixed problem cannot be posed or was not solved.
@@ -37,21 +39,21 @@ pub enum MixedError {
     /// A punch that does not fit into the cell.
     #[error("a punch takes a fraction of the cell between 0 and 1, both excluded; found {0}")]
     Fraction(f64),
-    /// A tolerance outside 1e-15 … 0.1.
-    #[error("the tolerance is {found:e}; allowed are 1e-15 to 0.1")]
-    Tolerance {
-        /// What was asked.
-        found: f64,
-    },
+    /// A tolerance out of range.
+    #[error(transparent)]
+    Tolerance(#[from] ToleranceError),
+    /// Numbers so large or so small that no method can be set up.
+    #[error("the search cannot start: {0}")]
+    Search(#[from] RelaxError),
     /// The residual did not fall to the tolerance. The state reached is kept.
-    #[error("not converged after {} iterations ({reason}): residual {:.2e}, asked {asked:e}", solution.iterations, solution.residual)]
+    #[error("not converged after {} iterations ({why}): residual {:.2e}, asked {asked:e}", solution.iterations, solution.residual)]
     NotConverged {
         /// The state reached, with its residual.
         solution: Box<MixedSolution>,
         /// The tolerance.
         asked: f64,
-        /// What ended the search.
-        reason: String,
+        /// The reason why the search ended.
+        why: Why,
     },
     /// The observer asked to stop. The state reached is kept.
     #[error("interrupted after {} iterations: residual {:.2e}", solution.iterations, solution.residual)]

@@ -23,18 +23,17 @@
 //! ```
 //! use gfmd_field::Grid;
 //! use gfmd_green::{Body, Material};
-//! use gfmd_mixed::{Edge, FlatPunch, MixedProblem, Prescribed, Settings};
-//! use gfmd_response::FullResponse;
-//! use std::ops::ControlFlow;
+//! use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, Prescribed};
+//! use gfmd_relax::Budget;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let grid = Grid::square(32, 1.0)?;
-//! let response = FullResponse::new(grid, &Body::slab(Material::from_young(70.0, 0.33)?, 1.0)?);
+//! let body = Body::slab(Material::from_young(70.0, 0.33)?, 1.0)?;
 //!
 //! let (punch, depth) = (FlatPunch::new(0.25, Edge::Inclusive)?.points(&grid), 0.004);
 //! let held = Prescribed::sticking(&grid, punch.view(), [0.0, 0.0, -depth])?;
-//! let problem = MixedProblem::new(&response, held)?;
-//! let solution = problem.solve(&Settings::default(), &mut |_| ControlFlow::Continue(()))?;
+//! let problem = MixedProblem::new(&body, &grid, held)?;
+//! let solution = problem.solve(Method::default(), &Budget::default(), &mut ())?;
 //! assert!(solution.residual <= 1e-8);
 //! assert!((solution.displacement[[2, 16, 16]] + depth).abs() < 1e-8 * depth);
 //! assert!(solution.traction[[2, 16, 16]] < 0.0 && solution.traction[[2, 0, 0]] == 0.0);
@@ -59,6 +58,6 @@ mod surface;
 
 pub use error::MixedError;
 pub use prescribed::Prescribed;
-pub use problem::{Method, MixedProblem, Progress, Settings, Watch};
+pub use problem::{Method, MixedProblem};
 pub use punch::{Edge, FlatPunch};
 pub use solution::MixedSolution;

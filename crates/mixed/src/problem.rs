@@ -1,5 +1,7 @@
-use std::ops::ControlFlow;
+use std::sync::Arc;
 
+use gfmd_field::Grid;
+use gfmd_green::Body;
 use gfmd_response::FullResponse;
 
 use crate::{MixedError, Prescribed};
@@ -21,59 +23,38 @@ pub enum Method {
     Fire,
 }
 
-/// How to solve, and how well.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// The method.
-    pub method: Method,
-    /// [`MixedSolution::residual`] must fall to this.
-    pub tolerance: f64,
-    /// Iterations, or time steps, after which the search is given up.
-    pub max_iterations: u64,
-}
-
-impl Default for Settings {
-    /// [`Method::ConjugateGradients`] to 1e-8.
-    fn default() -> Self {
-        Self { method: Method::default(), tolerance: 1e-8, max_iterations: 100_000 }
-    }
-}
-
-/// Where a running solver stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Iterations, or time steps, done.
-    pub iteration: u64,
-    /// The solver's own estimate of the distance from the solution, comparable with the tolerance.
-    pub residual: f64,
-}
-
-/// Sees every iteration; may ask to stop.
-pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> ControlFlow<()>;
-
-/// An elastic body with its surface held here and loaded there.
-#[derive(Debug)]
-pub struct MixedProblem<'a> {
-    pub(crate) response: &'a FullResponse,
+/// An elastic body with its surface held here and loaded there. It owns what it needs.
+#[derive(Clone, Debug)]
+pub struct MixedProblem {
+    pub(crate) response: Arc<FullResponse>,
     pub(crate) prescribed: Prescribed,
 }
 
-impl<'a> MixedProblem<'a> {
-    /// Poses the problem.
+impl MixedProblem {
+    /// Poses the problem on the surface of `body`.
     ///
     /// # Errors
-    /// What is prescribed does not fit the grid, holds nothing, or leaves a mean traction undetermined.
-    pub fn new(response: &'a FullResponse, prescribed: Prescribed) -> Result<Self, MixedError> {
+    /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.
+    pub fn new(body: &Body, grid: &Grid, prescribed: Prescribed) -> Result<Self, MixedError> {
+        Self::on(FullResponse::new(*grid, body), prescribed)
+    }
+
+    /// As [`new`](Self::new), on a response that is there already, such as one that many problems share.
+    ///
+    /// # Errors
+    /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.
+    pub fn on(response: impl Into<Arc<FullResponse>>, prescribed: Prescribed) -> Result<Self, MixedError> {
+        let response = response.into();
         let [nx, ny] = response.grid().points();
         let (found, expected) = (prescribed.shape(), [response.components().len(), nx, ny]);
         if found != expected {
             return Err(MixedError::Shape { what: "prescribed values", found, expected });
         }
+        let points = response.grid().len();
         let problem = Self { response, prescribed };
         if !problem.prescribed.held().contains(&true) {
             return Err(MixedError::NothingHeld);
         }
-        let points = response.grid().len();
         for (component, held) in problem.prescribed.held().chunks_exact(points).enumerate() {
             if problem.floats(component) && !held.contains(&false) {
                 return Err(MixedError::Undetermined { component });

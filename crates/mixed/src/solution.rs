@@ -15,7 +15,7 @@ pub struct MixedSolution {
     pub iterations: u64,
     /// Forward and inverse real transforms of one component on the full grid, in pairs: three for an application of
     /// stiffness or compliance, two on a line. Those that made the final fields are included.
-    pub transform_pairs: u64,
+    pub transform_pairs: f64,
 }
 
 impl MixedSolution {

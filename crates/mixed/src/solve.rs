@@ -1,23 +1,23 @@
+use gfmd_relax::{Budget, Ending, Watch};
 use ndarray::Array3;
 
-use crate::surface::{End, Ended, Surface};
-use crate::{Method, MixedError, MixedProblem, MixedSolution, Settings, Watch, conjugate_gradients, dynamics};
+use crate::surface::Surface;
+use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
-impl MixedProblem<'_> {
+impl MixedProblem {
     /// Finds displacement and traction of the whole surface.
     ///
     /// # Errors
-    /// Unusable settings; or [`MixedError::NotConverged`] and [`MixedError::Interrupted`], which carry the state reached.
-    pub fn solve(&self, settings: &Settings, watch: Watch) -> Result<MixedSolution, MixedError> {
-        if !(1e-15..=0.1).contains(&settings.tolerance) {
-            return Err(MixedError::Tolerance { found: settings.tolerance });
-        }
+    /// A tolerance out of range; or [`MixedError::NotConverged`] and [`MixedError::Interrupted`], which carry the state
+    /// reached.
+    pub fn solve(&self, method: Method, budget: &Budget, watch: &mut dyn Watch) -> Result<MixedSolution, MixedError> {
+        budget.check()?;
         let mut surface = Surface::new(self);
-        let Ended { iterations, end } = match settings.method {
-            Method::ConjugateGradients => conjugate_gradients::solve(&mut surface, settings, watch),
-            Method::Verlet => dynamics::verlet(&mut surface, settings, watch),
-            Method::VerletCritical => dynamics::verlet_critical(&mut surface, settings, watch),
-            Method::Fire => dynamics::fire(&mut surface, settings, watch),
+        let (iterations, ending) = match method {
+            Method::ConjugateGradients => conjugate_gradients::solve(&mut surface, budget, watch),
+            Method::Verlet => dynamics::verlet(&mut surface, budget, watch)?,
+            Method::VerletCritical => dynamics::verlet_critical(&mut surface, budget, watch)?,
+            Method::Fire => dynamics::fire(&mut surface, budget, watch)?,
         };
         let shape = self.prescribed.shape();
         let field = |values| Array3::from_shape_vec(shape, values).expect("one value for each entry of the shape");
@@ -26,13 +26,13 @@ impl MixedProblem<'_> {
             displacement: field(surface.displacement),
             traction: field(surface.traction),
             iterations,
-            transform_pairs: surface.elastic.applications * shape[0] as u64,
+            transform_pairs: surface.transforms.pairs(),
         };
-        match end {
-            End::Converged => Ok(solution),
-            End::Interrupted => Err(MixedError::Interrupted { solution: Box::new(solution) }),
-            End::GaveUp(reason) => {
-                Err(MixedError::NotConverged { solution: Box::new(solution), asked: settings.tolerance, reason })
+        match ending {
+            Ending::Converged => Ok(solution),
+            Ending::Interrupted => Err(MixedError::Interrupted { solution: Box::new(solution) }),
+            Ending::GaveUp(why) => {
+                Err(MixedError::NotConverged { solution: Box::new(solution), asked: budget.tolerance, why })
             }
         }
     }

@@ -1,24 +1,13 @@
 use std::ops::Range;
 
-use gfmd_response::{FullResponse, Operator, Workspace};
+use gfmd_response::FullTransforms;
 use gfmd_vector::{for_each, reduce};
 
 use crate::{MixedProblem, Prescribed};
 
-pub(crate) struct Ended {
-    pub(crate) iterations: u64,
-    pub(crate) end: End,
-}
-
-pub(crate) enum End {
-    Converged,
-    Interrupted,
-    GaveUp(String),
-}
-
 /// The surface while it is solved: the traction, which is the given one where the surface is free, and its displacement.
 pub(crate) struct Surface<'a> {
-    pub(crate) problem: &'a MixedProblem<'a>,
+    pub(crate) problem: &'a MixedProblem,
     pub(crate) traction: Vec<f64>,
     /// G t, as of the last [`certify`](Self::certify).
     pub(crate) displacement: Vec<f64>,
@@ -26,35 +15,11 @@ pub(crate) struct Surface<'a> {
     pub(crate) misfit: Vec<f64>,
     /// The largest misfit with no traction where the surface is held.
     pub(crate) scale: f64,
-    pub(crate) elastic: Elastic<'a>,
-}
-
-/// The operators of the body, with their workspace and a count of their use.
-pub(crate) struct Elastic<'a> {
-    response: &'a FullResponse,
-    workspace: Workspace,
-    pub(crate) applications: u64,
-}
-
-impl Elastic<'_> {
-    /// `out` ← K `field`.
-    pub(crate) fn stiffness(&mut self, field: &[f64], out: &mut [f64]) {
-        self.apply(self.response.stiffness(), field, out);
-    }
-
-    /// `out` ← G `field`.
-    pub(crate) fn compliance(&mut self, field: &[f64], out: &mut [f64]) {
-        self.apply(self.response.compliance(), field, out);
-    }
-
-    fn apply(&mut self, operator: &Operator, field: &[f64], out: &mut [f64]) {
-        self.applications += 1;
-        operator.apply(field, out, &mut self.workspace).expect("every field has the size of the grid");
-    }
+    pub(crate) transforms: FullTransforms,
 }
 
 impl<'a> Surface<'a> {
-    pub(crate) fn new(problem: &'a MixedProblem<'a>) -> Self {
+    pub(crate) fn new(problem: &'a MixedProblem) -> Self {
         let Prescribed { held, values, .. } = &problem.prescribed;
         let traction: Vec<f64> =
             held.iter().zip(values).map(|(held, value)| if *held { 0.0 } else { *value }).collect();
@@ -64,7 +29,7 @@ impl<'a> Surface<'a> {
             misfit: vec![0.0; traction.len()],
             traction,
             scale: 1.0,
-            elastic: Elastic { response: problem.response, workspace: problem.response.workspace(), applications: 0 },
+            transforms: FullTransforms::of(&problem.response),
         };
         surface.certify();
         surface.scale = largest(&surface.misfit);
@@ -73,7 +38,7 @@ impl<'a> Surface<'a> {
 
     /// Recomputes displacement and misfit from the traction.
     pub(crate) fn certify(&mut self) {
-        self.elastic.compliance(&self.traction, &mut self.displacement);
+        self.transforms.compliance(&self.traction, &mut self.displacement);
         let (displacement, Prescribed { held, values, .. }) = (&self.displacement, &self.problem.prescribed);
         for_each([&mut self.misfit], &|start, [misfit]| {
             let known = held[start..].iter().zip(&values[start..]);

@@ -1,11 +1,13 @@
 //! What holds for any body, any points held and any values: manufactured solutions, energy, superposition, reciprocity.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_mixed::{Method, MixedError, MixedProblem, MixedSolution, Prescribed, Settings};
+use gfmd_mixed::{Method, MixedError, MixedProblem, MixedSolution, Prescribed};
+use gfmd_relax::{Budget, Progress};
 use gfmd_response::FullResponse;
 use ndarray::{Array2, Array3, Axis, Zip};
 use proptest::prelude::*;
@@ -51,14 +53,23 @@ fn displacement(response: &FullResponse, traction: &Array3<f64>) -> Array3<f64> 
     out
 }
 
-fn solve(response: &FullResponse, prescribed: Prescribed, settings: Settings) -> Result<MixedSolution, MixedError> {
-    MixedProblem::new(response, prescribed)?.solve(&settings, &mut |_| ControlFlow::Continue(()))
+fn solve(
+    response: &Arc<FullResponse>,
+    prescribed: Prescribed,
+    method: Method,
+    budget: Budget,
+) -> Result<MixedSolution, MixedError> {
+    MixedProblem::on(Arc::clone(response), prescribed)?.solve(method, &budget, &mut ())
+}
+
+fn to(tolerance: f64) -> Budget {
+    Budget { tolerance, ..Budget::default() }
 }
 
 /// To 1e-12, by the rule.
-fn exact(response: &FullResponse, held: &Array3<bool>, values: &Array3<f64>) -> MixedSolution {
+fn exact(response: &Arc<FullResponse>, held: &Array3<bool>, values: &Array3<f64>) -> MixedSolution {
     let prescribed = Prescribed::new(held.view(), values.view()).unwrap();
-    solve(response, prescribed, Settings { tolerance: 1e-12, ..Settings::default() }).unwrap()
+    solve(response, prescribed, Method::default(), to(1e-12)).unwrap()
 }
 
 fn largest(field: &Array3<f64>) -> f64 {
@@ -71,9 +82,9 @@ fn work(a: &Array3<f64>, b: &Array3<f64>) -> f64 {
 }
 
 /// A body on a grid, with some entries held: at least one held and one free in every component.
-fn problems() -> impl Strategy<Value = (FullResponse, Array3<bool>)> {
+fn problems() -> impl Strategy<Value = (Arc<FullResponse>, Array3<bool>)> {
     (0..4_usize, 0..4_usize, 0.05..0.95_f64, 0..1000_u64).prop_map(|(body, grid, part, seed)| {
-        let response = FullResponse::new(grids()[grid], &bodies()[body]);
+        let response = Arc::new(FullResponse::new(grids()[grid], &bodies()[body]));
         let mut held = noise(shape(&response), seed).mapv(|x| x + 0.5 < part);
         for component in 0..held.len_of(Axis(0)) {
             held[[component, 0, 0]] = true;
@@ -137,8 +148,7 @@ proptest! {
         let expected = exact(&response, &held, &values).displacement;
         let prescribed = Prescribed::new(held.view(), values.view()).unwrap();
         for method in [Method::Verlet, Method::VerletCritical, Method::Fire] {
-            let settings = Settings { method, tolerance: 1e-11, ..Settings::default() };
-            let found = solve(&response, prescribed.clone(), settings).unwrap();
+            let found = solve(&response, prescribed.clone(), method, to(1e-11)).unwrap();
             for (found, value) in found.displacement.iter().zip(&expected) {
                 prop_assert!((found - value).abs() <= 1e-8 * largest(&expected), "{:?}", method);
             }
@@ -151,7 +161,7 @@ fn where_the_mean_does_not_answer_the_level_is_the_mean() {
     let grid = Grid::square(12, 1.0).unwrap();
     let [half_space, _, rubber, _] = bodies();
     for (body, axes) in [(half_space, vec![0, 1, 2]), (rubber, vec![2])] {
-        let response = FullResponse::new(grid, &body);
+        let response = Arc::new(FullResponse::new(grid, &body));
         let mut held = Array3::from_elem(shape(&response), false);
         held.slice_mut(ndarray::s![.., 4..8, 4..8]).fill(true);
         let solution = exact(&response, &held, &noise(shape(&response), 1));
@@ -168,10 +178,10 @@ fn same_bits_for_any_thread_count() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let grid = Grid::square(72, 1.0).unwrap();
-            let response = FullResponse::new(grid, &bodies()[0]);
+            let response = Arc::new(FullResponse::new(grid, &bodies()[0]));
             let points = Array2::from_shape_fn((72, 72), |(i, j)| (20..40).contains(&i) && (30..50).contains(&j));
             let held = Prescribed::sticking(&grid, points.view(), [0.1, 0.0, -1.0]).unwrap();
-            solve(&response, held, Settings { method, tolerance: 1e-4, ..Settings::default() }).unwrap()
+            solve(&response, held, method, to(1e-4)).unwrap()
         })
     };
     for method in [Method::ConjugateGradients, Method::Verlet] {
@@ -181,11 +191,11 @@ fn same_bits_for_any_thread_count() {
 
 #[test]
 fn nothing_moves_where_nothing_is_asked() {
-    let response = FullResponse::new(grids()[0], &bodies()[1]);
+    let response = Arc::new(FullResponse::new(grids()[0], &bodies()[1]));
     let points = Array2::from_shape_fn((8, 10), |(i, _)| i < 3);
     for method in [Method::ConjugateGradients, Method::Verlet, Method::Fire] {
         let held = Prescribed::sticking(response.grid(), points.view(), [0.0; 3]).unwrap();
-        let solution = solve(&response, held, Settings { method, ..Settings::default() }).unwrap();
+        let solution = solve(&response, held, method, Budget::default()).unwrap();
         assert_eq!((solution.residual, solution.iterations), (0.0, 0));
         assert!(solution.displacement.iter().chain(&solution.traction).all(|value| *value == 0.0));
     }
@@ -194,10 +204,11 @@ fn nothing_moves_where_nothing_is_asked() {
 #[test]
 fn problems_that_cannot_be_posed_are_refused() {
     let grid = grids()[0];
-    let [half_space, slab, rubber, _] = bodies().map(|body| FullResponse::new(grid, &body));
+    let [half_space, slab, rubber, _] = bodies().map(|body| Arc::new(FullResponse::new(grid, &body)));
     let all = Array2::from_elem((8, 10), true);
-    let error = |response: &FullResponse, prescribed: Result<Prescribed, MixedError>| {
-        prescribed.and_then(|prescribed| solve(response, prescribed, Settings::default())).unwrap_err().to_string()
+    let error = |response: &Arc<FullResponse>, prescribed: Result<Prescribed, MixedError>| {
+        let outcome = prescribed.and_then(|prescribed| solve(response, prescribed, Method::default(), to(1e-8)));
+        outcome.unwrap_err().to_string()
     };
     let none = Prescribed::sticking(&grid, all.mapv(|_| false).view(), [0.0; 3]);
     assert!(error(&slab, none).contains("no displacement is prescribed"));
@@ -207,7 +218,7 @@ fn problems_that_cannot_be_posed_are_refused() {
     // A slab can be compressed as a whole: this is C11/height.
     for method in [Method::ConjugateGradients, Method::Verlet] {
         let uniform = Prescribed::sticking(&grid, all.view(), [0.0, 0.0, -0.01]).unwrap();
-        let solution = solve(&slab, uniform, Settings { method, ..Settings::default() }).unwrap();
+        let solution = solve(&slab, uniform, method, Budget::default()).unwrap();
         let expected = 3.0 * 0.55 / (1.45 * 0.1) * 0.01 / 0.3;
         assert_relative_eq!(-solution.mean_traction()[2], expected, max_relative = 1e-8);
     }
@@ -226,26 +237,26 @@ fn problems_that_cannot_be_posed_are_refused() {
 
 #[test]
 fn what_was_reached_is_kept() {
-    let response = FullResponse::new(Grid::square(32, 1.0).unwrap(), &bodies()[1]);
+    let response = Arc::new(FullResponse::new(Grid::square(32, 1.0).unwrap(), &bodies()[1]));
     let points = Array2::from_shape_fn((32, 32), |(i, j)| i < 8 && j < 8);
     let held = Prescribed::sticking(response.grid(), points.view(), [0.0, 0.0, -1.0]).unwrap();
     for method in [Method::ConjugateGradients, Method::Verlet, Method::VerletCritical, Method::Fire] {
-        let few = Settings { method, max_iterations: 3, ..Settings::default() };
-        let Err(MixedError::NotConverged { solution, .. }) = solve(&response, held.clone(), few) else {
+        let few = Budget { max_iterations: 3, ..Budget::default() };
+        let Err(MixedError::NotConverged { solution, .. }) = solve(&response, held.clone(), method, few) else {
             panic!("{method:?}")
         };
         assert!(solution.iterations == 3 && solution.residual > 1e-8 && solution.residual < 1.0);
-        let problem = MixedProblem::new(&response, held.clone()).unwrap();
+        let problem = MixedProblem::on(Arc::clone(&response), held.clone()).unwrap();
         let mut seen = 0;
-        let mut watch = |_: &gfmd_mixed::Progress| {
+        let mut watch = |_: &Progress| {
             seen += 1;
             if seen > 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let stopped = problem.solve(&Settings { method, ..Settings::default() }, &mut watch);
+        let stopped = problem.solve(method, &Budget::default(), &mut watch);
         assert!(matches!(stopped, Err(MixedError::Interrupted { solution }) if solution.iterations == 2), "{method:?}");
     }
     for tolerance in [0.0, -1.0, 1.0, f64::NAN] {
-        let refused = solve(&response, held.clone(), Settings { tolerance, ..Settings::default() });
+        let refused = solve(&response, held.clone(), Method::default(), to(tolerance));
         assert!(matches!(refused, Err(MixedError::Tolerance { .. })));
     }
 }
@@ -253,13 +264,12 @@ fn what_was_reached_is_kept() {
 #[test]
 fn a_tolerance_below_rounding_is_not_chased_for_ever() {
     let grid = Grid::square(48, 1.0).unwrap();
-    let response = FullResponse::new(grid, &bodies()[0]);
+    let response = Arc::new(FullResponse::new(grid, &bodies()[0]));
     // The one free point must rise by 2303 to keep the mean level, and its rounding is that of the others.
     let points = Array2::from_shape_fn((48, 48), |at| at != (7, 9));
     for method in [Method::ConjugateGradients, Method::Verlet] {
         let held = Prescribed::frictionless(&grid, points.view(), -1.0).unwrap();
-        let settings = Settings { method, tolerance: 1e-15, ..Settings::default() };
-        let error = solve(&response, held, settings).unwrap_err();
+        let error = solve(&response, held, method, to(1e-15)).unwrap_err();
         assert!(error.to_string().contains("rounding"), "{error}");
     }
 }

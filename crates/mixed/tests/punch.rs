@@ -1,13 +1,14 @@
 //! Flat punches against independent solutions: dense sticking punches, the hard-wall solver, the closed form of the
 //! strip; and both families of methods against each other.
 
-use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gfmd_contact::{Contact, Equilibrium, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed, Settings};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, MixedSolution, Prescribed};
+use gfmd_relax::Budget;
 use gfmd_response::FullResponse;
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
@@ -18,10 +19,9 @@ fn material(poisson: f64) -> Material {
     Material::from_young(70.0, poisson).unwrap()
 }
 
-fn solve(response: &FullResponse, prescribed: Prescribed, method: Method, tolerance: f64) -> MixedSolution {
-    let settings = Settings { method, tolerance, ..Settings::default() };
-    let problem = MixedProblem::new(response, prescribed).unwrap();
-    problem.solve(&settings, &mut |_| ControlFlow::Continue(())).unwrap()
+fn solve(response: &Arc<FullResponse>, prescribed: Prescribed, method: Method, tolerance: f64) -> MixedSolution {
+    let budget = Budget { tolerance, ..Budget::default() };
+    MixedProblem::on(Arc::clone(response), prescribed).unwrap().solve(method, &budget, &mut ()).unwrap()
 }
 
 /// Points within `half` points of the middle of the cell.
@@ -43,7 +43,7 @@ fn sticking_punches_are_those_of_a_dense_solution() {
         let (n, depth) = (case["n"].as_u64().unwrap() as usize, number("u0"));
         let grid = Grid::square(n, number("L")).unwrap();
         let slab = Body::slab(Material::from_young(number("E"), number("nu")).unwrap(), number("zm")).unwrap();
-        let response = FullResponse::new(grid, &slab);
+        let response = Arc::new(FullResponse::new(grid, &slab));
         let points = FlatPunch::new(number("punch_fraction"), Edge::Strict).unwrap().points(&grid);
         assert_eq!(points.iter().filter(|under| **under).count() as u64, case["contact_nodes"].as_u64().unwrap());
         let held = Prescribed::sticking(&grid, points.view(), [0.0, 0.0, -depth]).unwrap();
@@ -77,7 +77,7 @@ fn every_method_finds_the_same_state() {
     for grid in [Grid::square(20, 1.0).unwrap(), Grid::new([15, 12], [1.0, 0.9]).unwrap(), Grid::line(33, 1.0).unwrap()]
     {
         for body in &bodies {
-            let response = FullResponse::new(grid, body);
+            let response = Arc::new(FullResponse::new(grid, body));
             let points = middle(&grid, 3.0);
             let sticking = Prescribed::sticking(&grid, points.view(), [2e-3, 1e-3, -5e-3]).unwrap();
             let frictionless = Prescribed::frictionless(&grid, points.view(), -5e-3).unwrap();
@@ -106,7 +106,7 @@ fn a_frictionless_punch_is_the_contact_of_a_flat_surface() {
     let points = middle(&grid, 5.0);
     let heights = points.mapv(|under| if under { 0.0 } else { -1.0 });
     for body in [Body::slab(material(0.33), 0.3).unwrap(), Body::slab(material(0.5), 0.3).unwrap()] {
-        let full = FullResponse::new(grid, &body);
+        let full = Arc::new(FullResponse::new(grid, &body));
         let depth = 0.01;
         let held = Prescribed::frictionless(&grid, points.view(), -depth).unwrap();
         let solution = solve(&full, held, Method::ConjugateGradients, 1e-12);
@@ -137,7 +137,7 @@ fn a_frictionless_strip_tends_to_its_closed_form() {
             let grid = Grid::line(n, 1.0).unwrap();
             let held = Prescribed::frictionless(&grid, punch.points(&grid).view(), -depth);
             let solution =
-                solve(&FullResponse::new(grid, &half_space), held.unwrap(), Method::ConjugateGradients, 1e-10);
+                solve(&FullResponse::new(grid, &half_space).into(), held.unwrap(), Method::ConjugateGradients, 1e-10);
             assert!(solution.displacement.slice(s![1, .., ..]).mean().unwrap().abs() < 1e-12);
             -solution.mean_traction()[1]
         };
@@ -159,10 +159,10 @@ fn the_cost_hardly_grows_with_the_grid() {
     let pairs = |n: usize| {
         let grid = Grid::square(n, 1.27).unwrap();
         let held = Prescribed::sticking(&grid, punch.points(&grid).view(), [0.0, 0.0, -0.005]).unwrap();
-        solve(&FullResponse::new(grid, &body), held, Method::ConjugateGradients, 1e-8).transform_pairs / 3
+        solve(&FullResponse::new(grid, &body).into(), held, Method::ConjugateGradients, 1e-8).transform_pairs / 3.0
     };
     let [coarse, fine] = [32, 256].map(pairs);
-    assert!(fine <= coarse + 10 && fine <= 26, "{coarse} {fine}");
+    assert!(fine <= coarse + 10.0 && fine <= 26.0, "{coarse} {fine}");
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn a_few_iterations_are_enough_whatever_is_held_and_whatever_the_body() {
     for poisson in [-0.5, 0.33, 0.499, 0.5] {
         let [thin, thick] = [0.02, 0.3].map(|height| Body::slab(material(poisson), height).unwrap());
         for body in [thin, thick, Body::half_space(material(poisson))] {
-            let response = FullResponse::new(grid, &body);
+            let response = Arc::new(FullResponse::new(grid, &body));
             for points in [&square, &hole, &patches, &scattered] {
                 let sticking = Prescribed::sticking(&grid, points.view(), [0.3, 0.0, -1.0]).unwrap();
                 let frictionless = Prescribed::frictionless(&grid, points.view(), -1.0).unwrap();

@@ -1,6 +1,6 @@
-use std::ops::ControlFlow;
-
 use gfmd_vector::{add, for_each, reduce};
+
+use crate::{Budget, Ending, Progress, Watch, Why};
 
 /// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set that is easy to project on.
 pub trait OnConvexSet {
@@ -23,25 +23,24 @@ pub struct SpectralProjectedGradient {
 }
 
 /// The way from the start to where [`SpectralProjectedGradient::minimise`] ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descended {
     /// Steps taken.
     pub steps: u64,
-    /// Whether the watcher ended it.
-    pub interrupted: bool,
+    /// How the search ended.
+    pub ending: Ending,
 }
 
 impl SpectralProjectedGradient {
-    /// Minimises from `x` on, a point of the set with `gradient` A x + b. Both follow the iterates. Ends when the residual
-    /// falls to `tolerance`, after `max_steps`, or where rounding leaves no direction that goes downhill.
+    /// Minimises from `x` on, a point of the set with `gradient` A x + b. Both follow the iterates. Gives
+    /// up where rounding leaves no direction that goes downhill.
     pub fn minimise(
         &self,
         problem: &mut dyn OnConvexSet,
         x: &mut [f64],
         gradient: &mut [f64],
-        tolerance: f64,
-        max_steps: u64,
-        watch: &mut dyn FnMut(u64, f64) -> ControlFlow<()>,
+        budget: &Budget,
+        watch: &mut dyn Watch,
     ) -> Descended {
         let mut direction = vec![0.0; x.len()];
         let mut image = vec![0.0; x.len()];
@@ -49,9 +48,14 @@ impl SpectralProjectedGradient {
         let mut steps = 0;
         loop {
             let residual = problem.residual(x, gradient);
-            let interrupted = watch(steps, residual).is_break();
-            if residual <= tolerance || steps == max_steps || interrupted {
-                return Descended { steps, interrupted };
+            if watch.see(&Progress { iteration: steps, residual }).is_break() {
+                return Descended { steps, ending: Ending::Interrupted };
+            }
+            if residual <= budget.tolerance {
+                return Descended { steps, ending: Ending::Converged };
+            }
+            if steps >= budget.max_iterations {
+                return Descended { steps, ending: Ending::GaveUp(Why::Iterations) };
             }
             steps += 1;
             for_each([&mut direction], &|start, [d]| {
@@ -73,7 +77,7 @@ impl SpectralProjectedGradient {
             );
             // NaN ends the descent here, too.
             if !(slope < 0.0 && curvature > 0.0) {
-                return Descended { steps, interrupted: false };
+                return Descended { steps, ending: Ending::GaveUp(Why::NoDescent) };
             }
             let share = (-slope / curvature).min(1.0);
             for_each([&mut *x, &mut *gradient], &|start, [x, g]| {
@@ -121,8 +125,8 @@ mod tests {
         let mut problem = InDisc { stiffness: [1.0, 100.0], radius };
         let (mut x, mut gradient) = ([0.0; 2], b.map(|b| -b));
         let method = SpectralProjectedGradient { first_step: 0.01 };
-        let watch = &mut |_, _| ControlFlow::Continue(());
-        let descended = method.minimise(&mut problem, &mut x, &mut gradient, 1e-12, 1000, watch);
+        let budget = Budget { tolerance: 1e-12, max_iterations: 1000 };
+        let descended = method.minimise(&mut problem, &mut x, &mut gradient, &budget, &mut ());
         (x, descended)
     }
 
@@ -139,6 +143,6 @@ mod tests {
 
     #[test]
     fn numbers_that_are_not_finite_end_the_descent() {
-        assert_eq!(minimise(1.0, [f64::NAN, 1.0]).1, Descended { steps: 1, interrupted: false });
+        assert_eq!(minimise(1.0, [f64::NAN, 1.0]).1, Descended { steps: 1, ending: Ending::GaveUp(Why::NoDescent) });
     }
 }

@@ -43,8 +43,9 @@ pub fn relax_until<L: Landscape, M: Method>(
             return Ok(Ending::GaveUp(Why::Diverged(Divergence::NotFinite)));
         }
         stop.residual = now.residual * (0.5 * budget.tolerance / worst).clamp(1e-3, 0.5);
-        // No rounding error is that small. A target of zero, in particular, would be met at once, again and again.
-        if stop.residual < f64::EPSILON * budget.tolerance {
+        // Rounding keeps residuals, which are relative, above such a target, so that the method would never end. A target
+        // of zero would be met at once, again and again.
+        if stop.residual < f64::EPSILON {
             return Ok(Ending::GaveUp(Why::Rounding));
         }
     }

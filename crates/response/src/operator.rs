@@ -37,11 +37,10 @@ impl Operator {
 
     fn on(transform: Arc<Transform>, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         let grid = *transform.grid();
-        let [lanes, positions] = grid.spectrum_shape();
-        let matrices = (0..lanes * positions)
+        let matrices = (0..grid.spectrum_len())
             .into_par_iter()
             .with_min_len(CHUNK)
-            .map(|index| matrix(&grid.mode(index / positions, index % positions)))
+            .map(|index| matrix(&grid.mode_at(index)))
             .collect();
         Self { transform, components: Components::of(&grid), matrices }
     }
@@ -109,13 +108,12 @@ impl Operator {
     /// A slice or a workspace that does not fit the grid.
     pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
         self.analyse(field, ws)?;
-        let [_, positions] = self.grid().spectrum_shape();
         let [x, y, z] = &ws.spectra;
         let of_mode = |index: usize| {
             let m = &self.matrices[index];
             let (x, y, z) = (x[index], y.get(index).copied().unwrap_or_default(), z[index]);
             let coupled = (x.conj() * z).im * m.xz + (y.conj() * z).im * m.yz;
-            let weight = self.grid().mode(index / positions, index % positions).weight;
+            let weight = self.grid().mode_at(index).weight;
             let diagonal = m.xx * x.norm_sqr() + m.yy * y.norm_sqr() + m.zz * z.norm_sqr();
             weight * (diagonal + 2.0 * (m.xy * (x.conj() * y).re - coupled))
         };

@@ -1,4 +1,4 @@
-//! Trends taken away and edges made to meet.
+//! Removal of trends, and periodic edges.
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
@@ -57,7 +57,7 @@ fn each_trend_makes_least_what_it_says() {
     let sizes = TRENDS.map(|trend| rms(&remove(&scan, trend).unwrap()));
     assert!(sizes[3] < sizes[1] && sizes[1] < sizes[2] && sizes[1] < sizes[0], "{sizes:?}");
     assert_relative_eq!(sizes[0], rms(&scan), max_relative = 1e-12);
-    // A little more tilt in any direction makes it worse: height for the plane, gradient for the slope.
+    // A small additional tilt in any direction increases the rms height (plane) or the rms gradient (slope).
     let tilted = |heights: &Array2<f64>, [x, y]: [f64; 2]| {
         Array2::from_shape_fn(heights.dim(), |(i, j)| heights[[i, j]] + x * i as f64 + y * j as f64)
     };

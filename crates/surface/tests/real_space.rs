@@ -8,7 +8,7 @@ fn generator(hurst: f64, subdivisions: u32, displaced: Displaced) -> RealSpace {
     RealSpace { hurst, subdivisions, rms_increment: SIGMA, displaced }
 }
 
-/// Mean square increment over `lag` points from every multiple of `lag` plus `offset`, over many seeds, in units of
+/// The mean square increment over `lag` points from every multiple of `lag` plus `offset`, over many seeds, in units of
 /// that of fractional Brownian motion, and its standard error.
 fn increments(generator: RealSpace, lag: usize, offset: usize) -> [f64; 2] {
     let (seeds, side) = (3000, 1_usize << generator.subdivisions);
@@ -36,7 +36,7 @@ fn midpoint_increments_on_the_lattice_have_the_right_variance() {
     }
 }
 
-/// Variance of increments shifted by half their length, for 2^level of them on the side, in units of the right one,
+/// The variance of increments shifted by half their length, for 2^level of them on the side, in units of the right one,
 /// by going up the lattice: v' = v 2^{2H−2} + 2^{1−2H} − 1/2, v = 1 for a parent on the lattice.
 fn misaligned(hurst: f64, level: i32) -> f64 {
     let aligned_parents = f64::powi(2.0, level - 1);
@@ -61,7 +61,7 @@ fn midpoint_increments_off_the_lattice_are_wrong_by_the_known_artefact() {
     }
 }
 
-/// Later additions move points that are there already: 1 + (1 − 2^{2H−2}) Σ_{k=1}^{later} 2^{−2Hk}.
+/// The effect of later additions on the points of the lattice: 1 + (1 − 2^{2H−2}) Σ_{k=1}^{later} 2^{−2Hk}.
 fn excess(hurst: f64, later: u32) -> f64 {
     let sum: f64 = (1..=later).map(|k| 2.0_f64.powf(-2.0 * hurst * f64::from(k))).sum();
     1.0 + (1.0 - 2.0_f64.powf(2.0 * hurst - 2.0)) * sum

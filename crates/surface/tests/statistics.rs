@@ -216,7 +216,7 @@ fn the_fit_finds_the_exponent_of_a_spectrum_without_noise() {
     }
 }
 
-/// Of noisy surfaces the fit is right on average and scatters by the standard error it states.
+/// The fit of noisy surfaces is unbiased and scatters by its stated standard error.
 #[test]
 fn the_fit_scatters_by_its_standard_error() {
     for (grid, waves) in [(square(64), 32.0), (Grid::line(512, 1.0).unwrap(), 200.0)] {

@@ -1,4 +1,4 @@
-//! Synthesised surfaces against what was asked for: sizes, symmetry, refinement, independence of threads.
+//! Synthesised surfaces: size, symmetry, refinement, independence of threads, bad input.
 
 use approx::assert_relative_eq;
 use gfmd_field::{Grid, Transform};
@@ -32,7 +32,7 @@ fn spectrum_of(heights: &Array2<f64>, grid: &Grid) -> Vec<Complex64> {
     spectrum
 }
 
-/// Σ |h̃|² q^power over the full spectrum of the heights.
+/// The moment Σ |h̃|² q^power over the full spectrum of the heights.
 fn moment(heights: &Array2<f64>, grid: &Grid, power: i32) -> f64 {
     let spectrum = spectrum_of(heights, grid);
     grid.modes().zip(&spectrum).map(|(mode, h)| mode.weight * mode.wavenumber().powi(power) * h.norm_sqr()).sum()
@@ -133,7 +133,7 @@ fn seeds_make_different_surfaces_and_threads_make_the_same() {
     assert!(correlation.abs() < 0.4, "seeds 1 and 2 are correlated: {correlation}");
 }
 
-/// Over many seeds the mean square is the one asked for, each realisation is not, and the amplitudes are Gaussian:
+/// The mean square over many seeds is the given one, that of a single realisation is not, and the amplitudes are Gaussian:
 /// ⟨|h̃|⁴⟩ = 2⟨|h̃|²⟩² for a complex mode, 3⟨h̃²⟩² for a self-conjugate one.
 #[test]
 fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {

@@ -51,9 +51,9 @@ impl<'a> PathFile<'a> {
 
     pub(super) fn write(&mut self, waypoint: usize, state: &impl Recorded) -> Result<(), Failure> {
         self.archive.write_slab("/fields/pressure", waypoint, &contiguous(&state.pressure()))?;
-        self.archive.write_slab("/fields/gap", waypoint, &contiguous(state.gap()))?;
+        self.archive.write_slab("/fields/gap", waypoint, &contiguous(&state.gap()))?;
         for (name, shear) in self.shears.iter().zip(state.traction().outer_iter()) {
-            self.archive.write_slab(&format!("/fields/{name}"), waypoint, &contiguous(&shear.to_owned()))?;
+            self.archive.write_slab(&format!("/fields/{name}"), waypoint, &contiguous(&shear))?;
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! The numbers of one step.
 
-use gfmd_interface::{FrictionState, InterfaceError, Reading, State, Step};
-use ndarray::{Array2, Array3, Axis};
+use gfmd_contact::Fields;
+use gfmd_interface::{FrictionState, Reading, State, Step};
+use ndarray::Array3;
 use serde::Serialize;
 
 /// One step of a path.
@@ -49,8 +50,8 @@ impl StepRecord {
             passed_instability: false,
             lowest_curvature: f64::NAN,
             extra_solves: step.extra_solves,
-            iterations: step.iterations,
-            transform_pairs: step.transform_pairs,
+            iterations: step.effort.iterations,
+            transform_pairs: step.effort.transform_pairs as u64,
             converged: residual.worst() <= tolerance,
             residual,
             seconds: f64::NAN,
@@ -71,48 +72,29 @@ impl ResidualRecord {
     /// The largest part.
     pub fn worst(&self) -> f64 {
         match *self {
+            // The complementarity of a law's state is a further part, but never more than the penetration.
             Self::Law { equilibrium, penetration, wall_tension, load } => {
-                gfmd_interface::Residual { equilibrium, penetration, wall_tension, load }.worst()
+                gfmd_relax::worst([equilibrium, penetration, wall_tension, load])
             }
             Self::Friction { complementarity, penetration, load, friction, excess } => {
-                gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess }.worst()
+                gfmd_relax::worst([complementarity, penetration, load, friction, excess])
             }
         }
     }
 }
 
-/// Why a path goes no further.
-pub(super) enum Stop {
-    /// The surfaces parted under their load.
-    Parted,
-    Interrupted,
-    NotConverged,
-}
-
 /// A state of which a path keeps numbers and fields.
-pub(super) trait Recorded: Sized {
+pub(super) trait Recorded: Fields {
     /// The numbers of the state and of the step that led to it; time and reduced pressure are the caller's.
     fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
 
     /// Traction on the elastic surface, component by component.
     fn traction(&self) -> &Array3<f64>;
-
-    /// Distance between the surfaces.
-    fn gap(&self) -> &Array2<f64>;
-
-    /// The state that an error of the solver carries.
-    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)>;
-
-    /// Compression positive.
-    fn pressure(&self) -> Array2<f64> {
-        let normal = self.traction().len_of(Axis(0)) - 1;
-        self.traction().index_axis(Axis(0), normal).mapv(|t| -t)
-    }
 }
 
 impl Recorded for State {
     fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
-        let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load } = self.residual;
+        let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load, .. } = self.residual;
         StepRecord {
             area_fraction: self.contact_fraction,
             mean_gap: self.gap.mean().unwrap_or(f64::NAN),
@@ -131,19 +113,6 @@ impl Recorded for State {
 
     fn traction(&self) -> &Array3<f64> {
         &self.traction
-    }
-
-    fn gap(&self) -> &Array2<f64> {
-        &self.gap
-    }
-
-    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)> {
-        match error {
-            InterfaceError::Detached { state, .. } => Some((state, Stop::Parted)),
-            InterfaceError::Interrupted { state } => Some((state, Stop::Interrupted)),
-            InterfaceError::NotConverged { state, .. } => Some((state, Stop::NotConverged)),
-            _ => None,
-        }
     }
 }
 
@@ -166,18 +135,6 @@ impl Recorded for FrictionState {
 
     fn traction(&self) -> &Array3<f64> {
         &self.traction
-    }
-
-    fn gap(&self) -> &Array2<f64> {
-        &self.gap
-    }
-
-    fn stopped(error: InterfaceError) -> Option<(Box<Self>, Stop)> {
-        match error {
-            InterfaceError::FrictionInterrupted { state } => Some((state, Stop::Interrupted)),
-            InterfaceError::FrictionNotConverged { state, .. } => Some((state, Stop::NotConverged)),
-            _ => None,
-        }
     }
 }
 

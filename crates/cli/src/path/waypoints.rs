@@ -1,7 +1,7 @@
 //! Where a path turns, and the steps between.
 
 use clap::Args as ClapArgs;
-use gfmd_interface::{Drive, Normal};
+use gfmd_contact::{Drive, Load};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -77,8 +77,8 @@ impl WaypointArgs {
         };
         let drive = |leg: usize, share: f64| {
             let (value, sideways) = (at(&values, leg, share), at(&lateral, leg, share));
-            let normal = if under_load { Normal::MeanPressure(value) } else { Normal::Approach(value) };
-            Drive { normal, lateral: along.map(|c| c * sideways) }
+            let load = if under_load { Load::MeanPressure(value) } else { Load::Approach(value) };
+            Drive { load, lateral: along.map(|c| c * sideways) }
         };
         let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
         Ok(inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect())

@@ -1,4 +1,4 @@
-//! FFTW 3 as a yardstick, loaded at run time where it is installed: nothing is linked against it.
+//! FFTW 3 for comparison, loaded at run time if it is installed and never linked.
 #![allow(unsafe_code, reason = "calls of a C library")]
 
 use std::ffi::{c_int, c_uint, c_void};
@@ -9,7 +9,7 @@ use num_complex::Complex64;
 
 type Plan = *mut c_void;
 
-/// Out-of-place plans, measured, for fields of nx rows of ny points; and the arrays that they were measured on.
+/// Measured out-of-place plans for fields of nx rows of ny points, and their arrays.
 pub(crate) struct Pair {
     plans: [Plan; 2],
     field: *mut f64,
@@ -20,7 +20,7 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Nothing where FFTW, or its library for threads, is missing.
+    /// Returns `None` if FFTW or its library for threads is missing.
     pub(crate) fn new([nx, ny]: [usize; 2], threads: usize) -> Option<Self> {
         let sizes = [c_int::try_from(nx).ok()?, c_int::try_from(ny).ok()?];
         const MEASURE: c_uint = 0;
@@ -49,7 +49,7 @@ impl Pair {
         }
     }
 
-    /// There and back, not normalised; of zeros, since any other field would grow past all bounds.
+    /// A forward and an inverse transform, not normalised. The field is zero, since any other would grow without bound.
     pub(crate) fn run(&mut self) {
         for plan in self.plans {
             // SAFETY: the plan and its arrays live as long as `self`.
@@ -60,7 +60,7 @@ impl Pair {
 
 impl Drop for Pair {
     fn drop(&mut self) {
-        // SAFETY: made by FFTW, each given back once, and not used again.
+        // SAFETY: FFTW made the plans and arrays; each is given back once and not used again.
         unsafe {
             self.plans.into_iter().for_each(|plan| (self.destroy)(plan));
             (self.free)(self.field.cast());
@@ -69,8 +69,8 @@ impl Drop for Pair {
     }
 }
 
-/// The plain library, its names open to the library for threads, which needs them; and that one. Never closed, since
-/// threads of FFTW wait in there for more work.
+/// The plain library, with its names visible to the library for threads, and the library for threads. They are never closed,
+/// since threads of FFTW wait inside for more work.
 fn libraries() -> Option<&'static [Library; 2]> {
     static LIBRARIES: OnceLock<Option<[Library; 2]>> = OnceLock::new();
     LIBRARIES.get_or_init(open).as_ref()
@@ -91,7 +91,7 @@ fn open() -> Option<[Library; 2]> {
     None
 }
 
-/// The function of this name.
+/// The function with this name.
 ///
 /// # Safety
 /// `F` is its type.

@@ -5,7 +5,7 @@ use gfmd_green::{Base, Blocks, Body, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-/// Poisson's ratios, with the ends and the incompressible case met often.
+/// Poisson's ratios, in which the ends and the incompressible case are frequent.
 pub(crate) fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![6 => -0.95..0.5, 1 => Just(0.5), 1 => 0.499..0.5, 1 => Just(0.0), 1 => Just(0.25)]
 }
@@ -38,12 +38,12 @@ pub(crate) fn body() -> impl Strategy<Value = Body> {
     })
 }
 
-/// How far `a` is from `b`, relative to `scale`.
+/// The difference of `a` and `b` relative to `scale`.
 pub(crate) fn apart(a: f64, b: f64, scale: f64) -> f64 {
     if a == b { 0.0 } else { (a - b).abs() / scale.abs() }
 }
 
-/// Largest difference of two sets of blocks, each entry relative to the entries on its diagonal.
+/// The largest difference of two sets of blocks, each entry relative to the entries on its diagonal.
 pub(crate) fn blocks_apart(a: &Blocks, b: &Blocks) -> f64 {
     let mixed = a.longitudinal.abs().sqrt() * a.normal.abs().sqrt();
     [
@@ -61,7 +61,7 @@ pub(crate) fn largest<const N: usize, const M: usize>(matrix: &[[Complex64; N]; 
     matrix.iter().flatten().map(|entry| entry.norm()).fold(0.0, f64::max)
 }
 
-/// Largest difference of two matrices, relative to the largest entry.
+/// The largest difference of two matrices, relative to the largest entry.
 pub(crate) fn matrices_apart<const N: usize, const M: usize>(a: &[[Complex64; N]; M], b: &[[Complex64; N]; M]) -> f64 {
     let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).norm());
     difference.fold(0.0, f64::max) / largest(a).max(f64::MIN_POSITIVE)
@@ -74,7 +74,7 @@ pub(crate) fn product<const N: usize, const K: usize, const M: usize>(
     a.map(|row| std::array::from_fn(|column| (0..K).map(|k| row[k] * b[k][column]).sum()))
 }
 
-/// Whether `large` − `small` is positive semidefinite, up to rounding.
+/// Returns true if `large` − `small` is positive semidefinite up to rounding.
 pub(crate) fn dominates(large: &Blocks, small: &Blocks) -> bool {
     let rounding = 1e-13;
     let longitudinal = large.longitudinal - small.longitudinal + rounding * large.longitudinal;

@@ -1,9 +1,12 @@
+use std::sync::Arc;
+
+use gfmd_contact::{Effort, Load};
 use gfmd_vector::{add, dot, reduce};
 use ndarray::{Array2, Array3};
 
+use super::FITS;
 use super::increment::Increment;
 use super::state::{FrictionResidual, FrictionState};
-use super::{FITS, Normal};
 use crate::numbers::{higher_each, mean};
 
 /// The state of an increment: everything from fresh transforms of the tractions.
@@ -11,27 +14,24 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let lateral = increment.lateral();
     let traction = increment.traction(&increment.shear[..lateral]);
     let mut displacement = vec![0.0; traction.len()];
-    increment.compliance.apply(&traction, &mut displacement);
+    increment.transforms.compliance(&traction, &mut displacement);
     let Increment { contact, drive, stuck, pressure, .. } = &*increment;
     let n = pressure.len();
+    let (clearance, rms_height) = (contact.surface.clearance(), contact.surface.rms_height());
     let components = lateral / n;
     let uz = &displacement[lateral..];
 
     let mean_pressure = mean(pressure);
     let [touching, distance] = reduce(
         n,
-        &|range| {
-            range
-                .filter(|i| pressure[*i] > 0.0)
-                .fold([0.0; 2], |sums, i| add(sums, [1.0, contact.clearance[i] - uz[i]]))
-        },
+        &|range| range.filter(|i| pressure[*i] > 0.0).fold([0.0; 2], |sums, i| add(sums, [1.0, clearance[i] - uz[i]])),
         &add,
     );
-    let (approach, load) = match drive.normal {
-        Normal::MeanPressure(asked) => (distance / touching, (mean_pressure - asked).abs() / asked),
-        Normal::Approach(approach) => (approach, 0.0),
+    let (approach, load) = match drive.load {
+        Load::MeanPressure(asked) => (distance / touching, (mean_pressure - asked).abs() / asked),
+        Load::Approach(approach) => (approach, 0.0),
     };
-    let gap: Vec<f64> = contact.clearance.iter().zip(uz).map(|(c, u)| c - u - approach).collect();
+    let gap: Vec<f64> = clearance.iter().zip(uz).map(|(c, u)| c - u - approach).collect();
     let slip: Vec<f64> = displacement.iter().zip(stuck).map(|(u, stuck)| u - stuck).collect();
 
     let limits = increment.limits();
@@ -54,11 +54,11 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     );
     let residual = FrictionResidual {
         complementarity: if mean_pressure > 0.0 {
-            (closed / (mean_pressure * n as f64 * contact.rms_height)).abs()
+            (closed / (mean_pressure * n as f64 * rms_height)).abs()
         } else {
             0.0
         },
-        penetration: below / contact.rms_height,
+        penetration: below / rms_height,
         load,
         friction: limits.mismatch(&traction[..lateral], &slip),
         excess: if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 },
@@ -83,7 +83,8 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         elastic_energy,
         dissipated: dissipated / n as f64,
         residual,
-        iterations: 0,
-        transform_pairs: increment.pairs(),
+        effort: Effort { iterations: 0, transform_pairs: increment.pairs() },
+        surface: Arc::clone(&contact.surface),
+        contact_modulus: contact.response.contact_modulus(),
     }
 }

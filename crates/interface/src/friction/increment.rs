@@ -1,17 +1,19 @@
-use std::ops::ControlFlow;
+use gfmd_contact::{Drive, Load};
+use gfmd_relax::{
+    Budget, Descended, Ending, Minimum, ProjectedCg, RelaxError, SpectralProjectedGradient, Target, Watch,
+};
+use gfmd_response::FullTransforms;
 
-use gfmd_relax::{Budget, Descended, Minimum, ProjectedCg, RelaxError, SpectralProjectedGradient, Target};
-
+use super::FrictionalContact;
 use super::normal::NormalProblem;
 use super::state::FrictionState;
-use super::tangential::{Compliance, Limits, TangentialProblem};
-use super::{Drive, FrictionalContact, Normal};
+use super::tangential::{Limits, TangentialProblem};
 
 /// One increment while it is solved.
 pub(super) struct Increment<'a> {
-    pub(super) contact: &'a FrictionalContact<'a>,
+    pub(super) contact: &'a FrictionalContact,
     pub(super) drive: Drive,
-    pub(super) compliance: Compliance<'a>,
+    pub(super) transforms: FullTransforms,
     pub(super) normal: NormalProblem<'a>,
     /// Lateral displacement of the elastic surface if nothing slips.
     pub(super) stuck: Vec<f64>,
@@ -23,8 +25,8 @@ pub(super) struct Increment<'a> {
 }
 
 impl<'a> Increment<'a> {
-    pub(super) fn new(contact: &'a FrictionalContact<'a>, drive: Drive, start: Option<&FrictionState>) -> Self {
-        let points = contact.clearance.len();
+    pub(super) fn new(contact: &'a FrictionalContact, drive: Drive, start: Option<&FrictionState>) -> Self {
+        let points = contact.surface.clearance().len();
         let lateral = contact.lateral_components() * points;
         let mut pressure = vec![0.0; points];
         let mut shear = vec![0.0; lateral + points];
@@ -36,14 +38,14 @@ impl<'a> Increment<'a> {
             for (k, (stuck, u)) in stuck.iter_mut().zip(&state.displacement).enumerate() {
                 *stuck += u - state.lateral[k / points];
             }
-        } else if let Normal::MeanPressure(mean) = drive.normal {
+        } else if let Load::MeanPressure(mean) = drive.load {
             pressure.fill(mean);
         }
         let mut increment = Self {
             contact,
             drive,
-            compliance: Compliance::new(contact.response),
-            normal: NormalProblem::new(contact.response, &contact.clearance),
+            transforms: FullTransforms::of(&contact.response),
+            normal: NormalProblem::new(&contact.response, contact.surface.clearance()),
             stuck,
             pressure,
             sheared: vec![0.0; shear.len()],
@@ -59,39 +61,36 @@ impl<'a> Increment<'a> {
     }
 
     /// Pairs of transforms so far.
-    pub(super) fn pairs(&self) -> u64 {
-        self.compliance.pairs + self.normal.pairs
+    pub(super) fn pairs(&self) -> f64 {
+        self.transforms.pairs() + self.normal.pairs as f64
     }
 
     /// Passes to the normal problem the `share` of what the shear changes in it: its u_z lifts the surface.
     pub(super) fn lift(&mut self, share: f64) {
         let lateral = self.lateral();
-        let Self { contact, compliance, shear, sheared, normal, drive, .. } = self;
-        compliance.apply(shear, sheared);
-        let approach = if let Normal::Approach(approach) = drive.normal { approach } else { 0.0 };
-        for ((linear, clearance), u) in normal.linear.iter_mut().zip(&contact.clearance).zip(&sheared[lateral..]) {
+        let Self { contact, transforms, shear, sheared, normal, drive, .. } = self;
+        transforms.compliance(shear, sheared);
+        let approach = if let Load::Approach(approach) = drive.load { approach } else { 0.0 };
+        for ((linear, clearance), u) in
+            normal.linear.iter_mut().zip(contact.surface.clearance()).zip(&sheared[lateral..])
+        {
             *linear += share * (clearance - u - approach - *linear);
         }
     }
 
     /// Finds the pressure under the present shear.
-    pub(super) fn press(
-        &mut self,
-        tolerance: f64,
-        limit: u64,
-        watch: &mut dyn gfmd_relax::Watch,
-    ) -> Result<Minimum, RelaxError> {
+    pub(super) fn press(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Result<Minimum, RelaxError> {
         let target = Target {
-            mean: if let Normal::MeanPressure(mean) = self.drive.normal { Some(mean) } else { None },
-            gradient_scale: self.contact.rms_height,
-            budget: Budget { tolerance, max_iterations: limit },
+            mean: if let Load::MeanPressure(mean) = self.drive.load { Some(mean) } else { None },
+            gradient_scale: self.contact.surface.rms_height(),
+            budget: *budget,
         };
         ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)
     }
 
     /// The limits that the present pressure sets.
     pub(super) fn limits(&self) -> Limits {
-        Limits::new(self.contact.limit, &self.pressure, self.contact.rms_height)
+        Limits::new(self.contact.limit, &self.pressure, self.contact.surface.rms_height())
     }
 
     /// Pressure and `shear` together, as a traction on the elastic surface.
@@ -100,32 +99,27 @@ impl<'a> Increment<'a> {
     }
 
     /// Finds the shear under the present pressure.
-    pub(super) fn shear(
-        &mut self,
-        tolerance: f64,
-        limit: u64,
-        watch: &mut dyn FnMut(u64, f64) -> ControlFlow<()>,
-    ) -> Descended {
+    pub(super) fn shear(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Descended {
         let lateral = self.lateral();
         let limits = self.limits();
         let mut traction = self.traction(&vec![0.0; lateral]);
-        let Self { contact, compliance, stuck, shear, sheared, .. } = self;
+        let Self { contact, transforms, stuck, shear, sheared, .. } = self;
         let mut slip = vec![0.0; traction.len()];
-        compliance.apply(&traction, &mut slip);
+        transforms.compliance(&traction, &mut slip);
         limits.project(&mut shear[..lateral]);
-        compliance.apply(shear, sheared);
+        transforms.compliance(shear, sheared);
         slip.truncate(lateral);
         for ((slip, stuck), u) in slip.iter_mut().zip(stuck).zip(&*sheared) {
             *slip = *slip - *stuck + u;
         }
         if limits.strongest == 0.0 {
-            return Descended { steps: 0, interrupted: false };
+            return Descended { steps: 0, ending: Ending::Converged };
         }
         traction[lateral..].fill(0.0);
         // Stress over length: that of the shortest wave to begin with.
         let [_, stiffest] = contact.response.stiffness_range();
-        let mut problem = TangentialProblem { compliance, limits: &limits, traction, displacement: sheared };
+        let mut problem = TangentialProblem { transforms, limits: &limits, traction, displacement: sheared };
         let method = SpectralProjectedGradient { first_step: stiffest };
-        method.minimise(&mut problem, &mut shear[..lateral], &mut slip, tolerance, limit, watch)
+        method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch)
     }
 }

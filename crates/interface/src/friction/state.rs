@@ -1,6 +1,8 @@
-use ndarray::{Array2, Array3};
+use std::sync::Arc;
 
-use crate::numbers::higher;
+use gfmd_contact::{Effort, Fields, RigidSurface};
+use gfmd_measure::{Scales, Summary};
+use ndarray::{Array2, Array3, ArrayView2, Axis, CowArray, Ix2};
 
 /// A frictional contact at rest. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +33,13 @@ pub struct FrictionState {
     pub dissipated: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: FrictionResidual,
-    /// Steps of both solvers.
-    pub iterations: u64,
-    /// Forward and inverse transforms of one component, in pairs.
-    pub transform_pairs: u64,
+    /// Effort of the solve, the steps of both solvers added.
+    pub effort: Effort,
+    pub(super) surface: Arc<RigidSurface>,
+    pub(super) contact_modulus: f64,
 }
 
-/// How far a state is from satisfying the conditions of contact and friction; zero of the exact one. p is the pressure, τ
+/// How far a state is from satisfying the conditions of contact and friction; zero for the exact one. p is the pressure, τ
 /// the shear on the elastic surface, s the slip of the increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionResidual {
@@ -55,20 +57,66 @@ pub struct FrictionResidual {
 }
 
 impl FrictionResidual {
-    /// The largest; NaN if any is.
+    /// The parts with their names.
+    pub fn parts(&self) -> [(&'static str, f64); 5] {
+        [
+            ("complementarity", self.complementarity),
+            ("penetration", self.penetration),
+            ("load", self.load),
+            ("friction", self.friction),
+            ("excess", self.excess),
+        ]
+    }
+
+    /// The largest of the parts; NaN if any is.
     pub fn worst(&self) -> f64 {
-        let Self { complementarity, penetration, load, friction, excess } = *self;
-        [complementarity, penetration, load, friction, excess].into_iter().fold(0.0, higher)
+        gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
 }
 
-impl std::fmt::Display for FrictionResidual {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { complementarity, penetration, load, friction, excess } = self;
-        write!(
-            f,
-            "complementarity {complementarity:.2e}, penetration {penetration:.2e}, load {load:.2e}, \
-             friction {friction:.2e}, excess {excess:.2e}"
-        )
+impl FrictionState {
+    /// The index of the normal component.
+    fn z(&self) -> usize {
+        self.traction.len_of(Axis(0)) - 1
+    }
+}
+
+impl Fields for FrictionState {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.traction.index_axis(Axis(0), self.z()).mapv(|t| -t).into()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.displacement.index_axis(Axis(0), self.z())
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.gap.view()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.residual.parts().into()
+    }
+
+    fn scales(&self) -> Scales {
+        Scales { contact_modulus: self.contact_modulus, rms_gradient: self.surface.rms_gradient() }
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        let pressure = self.pressure();
+        let summary = Summary::of(pressure.view(), self.displacement_z(), self.gap(), self.mean_pressure, scales);
+        Summary { elastic_energy: self.elastic_energy, ..summary }
     }
 }

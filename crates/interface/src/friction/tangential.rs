@@ -1,43 +1,23 @@
 use gfmd_relax::OnConvexSet;
-use gfmd_response::{FullResponse, Workspace};
+use gfmd_response::FullTransforms;
 use gfmd_vector::{for_each, reduce};
 
 use crate::numbers::higher;
 
-/// The compliance of all components, with its workspace and a count of the transforms.
-pub(super) struct Compliance<'a> {
-    response: &'a FullResponse,
-    workspace: Workspace,
-    /// Pairs of transforms of one component so far.
-    pub(super) pairs: u64,
-}
-
-impl<'a> Compliance<'a> {
-    pub(super) fn new(response: &'a FullResponse) -> Self {
-        Self { response, workspace: response.workspace(), pairs: 0 }
-    }
-
-    /// `displacement` ← G `traction`.
-    pub(super) fn apply(&mut self, traction: &[f64], displacement: &mut [f64]) {
-        self.pairs += self.response.components().len() as u64;
-        self.response.compliance().apply(traction, displacement, &mut self.workspace).expect(super::FITS);
-    }
-}
-
 /// The tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit, with s₀ the slip without shear.
-pub(super) struct TangentialProblem<'p, 'a> {
-    pub(super) compliance: &'p mut Compliance<'a>,
-    pub(super) limits: &'p Limits,
+pub(super) struct TangentialProblem<'a> {
+    pub(super) transforms: &'a mut FullTransforms,
+    pub(super) limits: &'a Limits,
     /// Memory for a traction and a displacement of all components; the traction has no normal component.
     pub(super) traction: Vec<f64>,
-    pub(super) displacement: &'p mut [f64],
+    pub(super) displacement: &'a mut [f64],
 }
 
-impl OnConvexSet for TangentialProblem<'_, '_> {
+impl OnConvexSet for TangentialProblem<'_> {
     fn apply(&mut self, direction: &[f64], out: &mut [f64]) {
-        let Self { compliance, limits: Limits { values, .. }, traction, displacement } = self;
+        let Self { transforms, limits: Limits { values, .. }, traction, displacement } = self;
         traction[..direction.len()].copy_from_slice(direction);
-        compliance.apply(traction, displacement);
+        transforms.compliance(traction, displacement);
         let points = values.len();
         for (out, image) in out.chunks_exact_mut(points).zip(displacement.chunks_exact(points)) {
             let mask = |start: usize, [out]: [&mut [f64]; 1]| {

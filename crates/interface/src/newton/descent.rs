@@ -1,9 +1,9 @@
+use gfmd_response::Transforms;
 use gfmd_vector::{add, dot, for_each, reduce};
 
 use super::reaction::Reaction;
 use super::trust_region::{Model, TrustRegion};
 use super::wall::Wall;
-use crate::elastic::Transforms;
 use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, mean_where};
 use crate::{Interface, State};
@@ -17,7 +17,7 @@ pub(super) const ROUNDING: f64 = 1e-14;
 
 /// A search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z, step by step.
 pub(crate) struct Descent<'a> {
-    pub(super) interface: &'a Interface<'a>,
+    pub(super) interface: &'a Interface,
     pub(super) frame: &'a Frame<'a>,
     wall: Wall,
     pub(super) curvature: Curvature<'a>,
@@ -57,7 +57,7 @@ impl Change {
 }
 
 impl<'a> Descent<'a> {
-    pub(super) fn new(interface: &'a Interface<'a>, frame: &'a Frame<'a>, start: Option<&State>) -> Self {
+    pub(super) fn new(interface: &'a Interface, frame: &'a Frame<'a>, start: Option<&State>) -> Self {
         let size = frame.components() * frame.points();
         let zeros = || vec![0.0; size];
         let mut descent = Self {
@@ -77,8 +77,8 @@ impl<'a> Descent<'a> {
         descent
     }
 
-    pub(super) fn into_position_and_pairs(self) -> (Vec<f64>, u64) {
-        (self.here.w, self.curvature.transforms.pairs)
+    pub(super) fn into_position_and_pairs(self) -> (Vec<f64>, f64) {
+        (self.here.w, self.curvature.transforms.pairs())
     }
 
     /// Brings the trial back to what is allowed and computes its elastic traction.
@@ -93,7 +93,7 @@ impl<'a> Descent<'a> {
         std::mem::swap(&mut self.here, &mut self.trial);
         let Self { interface, frame, here, curvature, force, .. } = self;
         let reaction = &mut curvature.reaction;
-        reaction.update(interface.law, frame, &here.w);
+        reaction.update(interface.law.as_ref(), frame, &here.w);
         let points = frame.points();
         for (c, force) in force.chunks_exact_mut(points).enumerate() {
             let (traction, elastic) = (reaction.traction(c), &here.elastic[c * points..][..points]);
@@ -113,7 +113,7 @@ impl<'a> Descent<'a> {
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
         let reference = (softest * stiffest).sqrt();
-        let (mut unbalanced, mut largest) = (0.0_f64, softest * interface.rms_height);
+        let (mut unbalanced, mut largest) = (0.0_f64, softest * interface.surface.rms_height());
         for c in 0..frame.components() {
             let range = c * points..(c + 1) * points;
             let (force, w) = (&mut force[range.clone()], &here.w[range.clone()]);
@@ -236,7 +236,7 @@ impl<'a> Descent<'a> {
 
 /// K + J on the points that the wall does not hold, preconditioned by the compliance, softened where the law is stiff.
 pub(super) struct Curvature<'a> {
-    transforms: Transforms<'a>,
+    transforms: Transforms,
     frame: &'a Frame<'a>,
     reaction: Reaction,
     /// Weight of each point in the preconditioner; 0 where the wall holds it.
@@ -246,7 +246,7 @@ pub(super) struct Curvature<'a> {
 }
 
 impl<'a> Curvature<'a> {
-    fn new(interface: &'a Interface<'a>, frame: &'a Frame<'a>) -> Self {
+    fn new(interface: &'a Interface, frame: &'a Frame<'a>) -> Self {
         let [softest, _] = interface.elastic.stiffness_range();
         let resists = |stiffness: &f64| if *stiffness > 0.0 { *stiffness } else { softest };
         Self {
