@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::FileError;
 use gfmd_plot::PlotError;
 
@@ -68,6 +69,42 @@ pub struct Outcome<R> {
     pub report: R,
     /// A part that did not converge, or an interruption.
     pub failure: Option<Failure>,
+}
+
+/// The state that a solve has reached, with the failure if it did not come to rest.
+///
+/// # Errors
+/// Unusable input: there is no state.
+pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>) -> Result<(S, Option<Failure>), Failure> {
+    match outcome {
+        Ok(state) => Ok((state, None)),
+        Err(SolveError::Refused(refusal)) => Err(refusal.into()),
+        Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
+        Err(error) => {
+            let failure = Failure::Computation(error.to_string());
+            match error.into_state() {
+                Some(state) => Ok((state, Some(failure))),
+                None => Err(failure),
+            }
+        }
+    }
+}
+
+impl From<Refusal> for Failure {
+    /// Names the flag at fault.
+    fn from(refusal: Refusal) -> Self {
+        let flag = match &refusal {
+            Refusal::Tolerance(_) => "--tol",
+            Refusal::MeanPressure { .. } | Refusal::NotPressed { what: "mean pressure", .. } => "--pressure",
+            Refusal::Approach { .. } | Refusal::NoApproach | Refusal::NotPressed { .. } => "--displacement",
+            Refusal::NotFinite { what: "lateral displacement", .. } => "--lateral",
+            Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",
+            Refusal::Law(_) => "--param",
+            Refusal::Search(_) => return Self::Computation(refusal.to_string()),
+            _ => "--surface",
+        };
+        Self::input(flag, refusal)
+    }
 }
 
 impl From<FileError> for Failure {

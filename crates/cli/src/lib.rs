@@ -22,7 +22,6 @@ pub mod choice;
 pub mod contact;
 pub mod damping;
 pub mod elastic;
-pub mod equilibrium;
 pub mod failure;
 pub mod figures;
 pub mod generator;

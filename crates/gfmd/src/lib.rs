@@ -15,25 +15,47 @@
 //! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
 //! | [`theory`]   | derivations of the formulas, cited as (theory.md, section N) |
 //!
+//! Contact area against load, each load started from the one before:
+//!
 //! ```
-//! use gfmd::contact::{Contact, Equilibrium, Load};
-//! use gfmd::green::{Body, Material};
-//! use gfmd::measure::{contact_area, kappa};
-//! use gfmd::{field::Grid, surface::{Discretisation, SelfAffine}};
+//! use gfmd::prelude::*;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let discretisation = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 8.0 };
-//! let grid = Grid::square(discretisation.points()?, 1.0)?;
-//! let (rms_gradient, p_star) = (0.1, 0.02);
-//! let rough = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(rms_gradient) };
-//! let heights = discretisation.self_affine(1.0, rough).heights(&grid, 1)?;
-//!
-//! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
+//! let grid = Grid::square(128, 1.0)?; // 128² points, cell of length 1
+//! let rough = SelfAffine {
+//!     hurst: 0.8,
+//!     longest_wavelength: 0.5,
+//!     shortest_wavelength: 1.0 / 16.0,
+//!     ..SelfAffine::with_rms_gradient(0.1)
+//! };
+//! let heights = rough.heights(&grid, 1)?; // Array2<f64>, seed 1
+//! let body = Body::slab(Material::from_young(70e9, 0.33)?, 0.5)?;
 //! let contact = Contact::new(&body, &grid, &heights)?;
-//! let solution = contact.press(Load::MeanPressure(p_star * contact.reduced_pressure_unit())).solve()?;
+//! let unit = contact.reduced_pressure_unit(); // E* times the rms gradient
+//! let mut last = None;
+//! for p_star in [0.005, 0.01, 0.02, 0.05] {
+//!     let load = Load::MeanPressure(p_star * unit);
+//!     let solution = contact.press(load).tolerance(1e-8).starting_from(last.as_ref()).solve()?;
+//!     let summary = solution.summary();
+//!     println!("{p_star:6.3}  a = {:.5}  kappa = {:.4}  {}", summary.area_fraction, summary.kappa, solution.effort);
+//!     # assert!((1.3..3.5).contains(&summary.kappa) && (summary.p_star / p_star - 1.0).abs() < 1e-9, "{summary:?}");
+//!     last = Some(solution);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 //!
-//! let kappa = kappa(contact_area(solution.pressure.view()).fraction, p_star);
-//! assert!((1.6..3.5).contains(&kappa), "{kappa}");
+//! With adhesion it is the same program with another contact:
+//!
+//! ```
+//! # use gfmd::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let grid = Grid::line(128, 1.0)?;
+//! # let heights = Array2::from_shape_fn((128, 1), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / 128.0).cos());
+//! # let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+//! let contact = Interface::new(&body, &grid, &heights, Exponential::new(5e-5, 5e-3)?)?;
+//! let solution = contact.press(Load::MeanPressure(-1e-4)).solve()?;
+//! assert!(solution.contact_fraction > 0.0);
 //! # Ok(())
 //! # }
 //! ```
@@ -51,3 +73,20 @@ pub use gfmd_response as response;
 pub use gfmd_surface as surface;
 
 pub mod theory;
+
+/// Arrays of the version that the fields are made of.
+pub use ndarray;
+
+/// All that a program about a contact usually needs: `use gfmd::prelude::*;`.
+pub mod prelude {
+    pub use gfmd_contact::{
+        Budget, Contact, Drive, Effort, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver, Watch,
+    };
+    pub use gfmd_field::Grid;
+    pub use gfmd_green::{Body, Material};
+    pub use gfmd_interface::{FrictionalContact, Interface};
+    pub use gfmd_law::{Exponential, Law, Limit};
+    pub use gfmd_measure::Summary;
+    pub use gfmd_surface::{Discretisation, SelfAffine};
+    pub use ndarray::{Array2, ArrayView2};
+}
