@@ -65,7 +65,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// What presses: exactly one of the three.
+/// The flags of the loads, of which exactly one is given.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[group(required = true, multiple = false)]
 struct ControlArgs {
@@ -110,7 +110,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// Everything that can be refused is refused before the first solve.
+/// The input of the command, checked before the first solve.
 struct Prepared {
     surface: Surface,
     body: Body,
@@ -129,12 +129,12 @@ impl Prepared {
             ("--p-star", &args.control.p_star),
             ("--displacement", &args.control.displacement),
         ];
-        // Only what attracts can be pulled.
+        // Negative (tensile) loads need an attractive law.
         let pulls = args.law.law != Kind::HardWall;
-        let allowed = if pulls { "a finite number" } else { "a positive, finite number" };
+        let allowed = if pulls { "finite" } else { "positive and finite" };
         for (flag, values) in flags {
             if let Some(bad) = values.iter().find(|v| !(v.is_finite() && (pulls || **v > 0.0))) {
-                return Err(Failure::input(flag, format!("{allowed} is allowed, found {bad}")));
+                return Err(Failure::value(flag, bad, allowed));
             }
         }
         let surface = args.source.surface()?;
@@ -155,7 +155,7 @@ impl Prepared {
         let response = NormalResponse::new(self.surface.grid, &self.body);
         let heights = &self.surface.heights;
         if args.law.law == Kind::HardWall {
-            // A hard wall alone has solvers of its own, faster than those for a law.
+            // The solvers for a hard wall alone are faster than those for a law.
             let contact = Contact::on(response, heights).map_err(refuse)?;
             return self.press(&contact, contact.surface(), args, session);
         }
@@ -166,7 +166,7 @@ impl Prepared {
         self.press(&interface, interface.surface(), args, session)
     }
 
-    /// Brings load after load to rest, each from the one before, as far as it goes.
+    /// Solves the loads in turn, each from the state of the load before, until one fails.
     fn press<E: Equilibrium<State: Recorded>>(
         &self,
         contact: &E,

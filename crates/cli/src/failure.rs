@@ -71,10 +71,10 @@ pub struct Outcome<R> {
     pub failure: Option<Failure>,
 }
 
-/// The state that a solve has reached, with the failure if it did not come to rest.
+/// Returns the state that a solve has reached, and the failure if it did not converge.
 ///
 /// # Errors
-/// Unusable input: there is no state.
+/// Unusable input, for which there is no state.
 pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>) -> Result<(S, Option<Failure>), Failure> {
     match outcome {
         Ok(state) => Ok((state, None)),
@@ -91,7 +91,7 @@ pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>) -> Result<(S, Optio
 }
 
 impl From<Refusal> for Failure {
-    /// Names the flag at fault.
+    /// Puts the flag to which the refusal applies in front.
     fn from(refusal: Refusal) -> Self {
         let flag = match &refusal {
             Refusal::Tolerance(_) => "--tol",

@@ -1,4 +1,4 @@
-//! `green`: look up the elasticity of one wave vector.
+//! `green`: stiffness, compliance and transfer matrices of one wave vector.
 
 use std::fmt::{self, Display};
 
@@ -34,7 +34,7 @@ pub struct Args {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
-    /// What a slab stands on
+    /// Base of the slab
     #[arg(long, value_enum, default_value_t = BaseName::Bonded)]
     base: BaseName,
     /// Young's modulus of the half-space below, with --base half-space
@@ -43,10 +43,10 @@ pub struct Args {
     /// Poisson's ratio of the half-space below, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     base_poisson: Option<f64>,
-    /// Also displacement and stress at this height above the base of the slab
+    /// Compute displacement and stress, too, at this height above the base of the slab
     #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
     z: Option<f64>,
-    /// Also displacement and stress at this depth below the surface
+    /// Compute displacement and stress, too, at this depth below the surface
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     depth: Option<f64>,
 }
@@ -65,11 +65,10 @@ enum BaseName {
     HalfSpace,
 }
 
-/// A matrix as JSON has it: rows of pairs [re, im].
+/// A matrix in JSON: rows of pairs [re, im].
 type Rows = Vec<Vec<[f64; 2]>>;
 
-/// The result, as printed. Infinite entries (q = 0 where nothing holds the body, or where it is incompressible) are
-/// `null` in JSON.
+/// The result, as printed. Infinite entries (at q = 0 of a free or an incompressible body) are `null` in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Components: x, y, z, or x, z in 2-D.
@@ -84,17 +83,17 @@ pub struct Report {
     pub normal_compliance: f64,
     /// Frictionless normal stiffness 1/G_zz, in stress/length.
     pub normal_stiffness: f64,
-    /// Inside the body, where asked for.
+    /// Transfer matrices to the place given by `--z` or `--depth`.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub inside: Option<Inside>,
 }
 
-/// What a displacement of the surface causes inside the body.
+/// The displacement and the stress inside the body per displacement of the surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inside {
-    /// Displacement there per displacement of the surface.
+    /// Displacement per displacement of the surface.
     pub displacement_transfer: Rows,
-    /// Stress there per displacement of the surface, in stress/length.
+    /// Stress per displacement of the surface, in stress/length.
     pub stress_transfer: Rows,
     /// Names of the rows of `stress_transfer`.
     pub stress_components: Vec<&'static str>,
@@ -103,7 +102,7 @@ pub struct Inside {
 /// Evaluates the flags.
 ///
 /// # Errors
-/// A flag whose value cannot be used: one line with the flag, what was found and what is allowed.
+/// A flag out of its range.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
         if !value.is_finite() {
@@ -232,7 +231,7 @@ impl Display for Report {
     }
 }
 
-/// One row a line: its name, then real and imaginary part of each column.
+/// Writes each row as a line: its name, then the real and the imaginary part of each column.
 fn write_matrix(f: &mut fmt::Formatter, title: &str, names: &[&str], columns: &[&str], matrix: &Rows) -> fmt::Result {
     writeln!(f, "{title}")?;
     write!(f, "    ")?;

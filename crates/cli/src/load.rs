@@ -1,4 +1,4 @@
-//! What is recorded of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
+//! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
 use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_interface::State;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The scalars of one load. Units: those of the input (stress, length).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct LoadRecord {
     pub mean_pressure: f64,
     pub p_star: f64,
@@ -33,9 +33,9 @@ pub struct LoadRecord {
     pub law: Option<LawRecord>,
 }
 
-/// What a contact with a law that reaches across the gap has besides.
+/// The further scalars of a contact with a law that acts across the gap.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`LAW_SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`LAW_SCALARS` has the meanings, once for code and files")]
 pub struct LawRecord {
     pub interface_energy: f64,
     pub passed_instability: bool,
@@ -45,7 +45,7 @@ pub struct LawRecord {
 
 /// The four residuals (docs/interface.md).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct ResidualRecord {
     pub complementarity: f64,
     pub penetration: f64,
@@ -60,12 +60,12 @@ impl From<Residual> for ResidualRecord {
     }
 }
 
-/// A state of which a load can be recorded.
+/// A state that can be recorded as a load.
 pub trait Recorded: Fields {
-    /// Its residuals.
+    /// The residuals of the state.
     fn residual_record(&self) -> ResidualRecord;
 
-    /// The numbers of its law, if one reaches across the gap.
+    /// The scalars of the law, if one acts across the gap.
     fn law_record(&self) -> Option<LawRecord>;
 }
 
@@ -105,7 +105,7 @@ impl LoadRecord {
         Self { law: state.law_record(), ..wall }
     }
 
-    /// The record of a hard wall from its parts.
+    /// Makes the record for a hard wall from its parts.
     pub fn of(
         summary: &Summary,
         approach: f64,
@@ -140,7 +140,7 @@ impl LoadRecord {
     }
 }
 
-/// The scale of the stresses among the residuals of a law.
+/// Appends the scale of stress to the meaning of a residual that is a stress.
 macro_rules! per_stress {
     ($what:literal) => {
         concat!($what, " / the stress scale (the largest traction, or the softest stiffness times h_rms if more)")
@@ -156,7 +156,7 @@ pub const SCALARS: &[Column<LoadRecord>] = &[
     Column::new(
         "area_fraction_corrected",
         "1",
-        "contact area fraction less the pixels' excess along the perimeter (Yastrebov et al. 2017)",
+        "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)",
         |r| r.area_fraction_corrected,
     ),
     Column::new("kappa", "1", "area_fraction / p_star", |r| r.kappa),
@@ -199,10 +199,10 @@ pub const SCALARS: &[Column<LoadRecord>] = &[
     Column::new("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
 ];
 
-/// Wall time of a load: recorded, but not among the numbers that repeat.
+/// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
-/// The scalars of [`LawRecord`]; NaN of a hard wall alone.
+/// The scalars of [`LawRecord`]; NaN for a hard wall alone.
 pub const LAW_SCALARS: &[Column<LoadRecord>] = &[
     Column::new("interface_energy", "stress*length", "energy of the contact law per area of the surface", |r| {
         r.law.map_or(f64::NAN, |law| law.interface_energy)
@@ -216,23 +216,23 @@ pub const LAW_SCALARS: &[Column<LoadRecord>] = &[
     Column::new(
         "lowest_curvature",
         "1",
-        "lowest curvature that the last search for a step saw, over the elastic one",
+        "lowest curvature met in the last search for a step, over the elastic curvature",
         |r| r.law.map_or(f64::NAN, |law| law.lowest_curvature),
     ),
     Column::new(
         "residual_equilibrium",
         "1",
-        per_stress!("largest force per area that nothing balances, from the final fields,"),
+        per_stress!("largest unbalanced force per area, from the final fields,"),
         |r| r.law.map_or(f64::NAN, |law| law.residual_equilibrium),
     ),
 ];
 
-/// Meanings of scalars that differ where a law reaches across the gap. In contact are the points that are repelled: those
-/// that the wall presses, or all with a positive pressure where there is no wall.
+/// The scalars whose meaning is different if a law acts across the gap. In contact are then the points that are repelled:
+/// those under pressure of the wall, or all with a positive pressure if there is no wall.
 const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
     ("area_fraction", "contact area fraction, points that are repelled over all points"),
-    ("kappa", "area_fraction / p_star; NaN where attraction carries the load"),
-    ("kappa_corrected", "area_fraction_corrected / p_star; NaN where attraction carries the load"),
+    ("kappa", "area_fraction / p_star; NaN if attraction carries the load"),
+    ("kappa_corrected", "area_fraction_corrected / p_star; NaN if attraction carries the load"),
     ("contact_nodes", "number of points that are repelled"),
     ("boundary_links", "neighbouring pairs with one point repelled and one not"),
     ("max_pressure", "largest repulsive pressure"),
@@ -248,7 +248,7 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
     ("residual_load", per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
 ];
 
-/// The scalars of a load as they are archived: names and units are the same for all contacts, meanings say what acts
+/// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(with_law: bool) -> Vec<Column<LoadRecord>> {
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain([&SECONDS]).copied().collect();

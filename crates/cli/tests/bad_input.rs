@@ -1,4 +1,4 @@
-//! Unusable input: exit status 2 (or 1 where the disk refuses), one clear line that names what is wrong, nothing written.
+//! Unusable input: exit status 2 (1 if the disk refuses), one line that names the cause, nothing written.
 
 mod common;
 
@@ -7,7 +7,8 @@ use std::path::Path;
 use common::gfmd;
 use ndarray::{Array2, Array3};
 
-/// Runs, and checks the status, that stderr is one line with all `words`, that stdout is empty and no file appeared.
+/// Runs the program and checks its status, that stderr is one line with all `words`, that stdout is empty and that no file
+/// appeared.
 fn refused(folder: &Path, arguments: &str, status: i32, words: &[&str]) {
     let before = std::fs::read_dir(folder).unwrap().count();
     let output = gfmd(folder, &arguments.split_whitespace().collect::<Vec<_>>());
@@ -47,7 +48,7 @@ fn flags_out_of_range() {
     contact("--eps-f-inv 4 --pressure 1 --p-star 1", &["--pressure", "--p-star"]);
     contact("--eps-f-inv 64 --p-star 0.1", &["--n", "16", "wavelength"]);
     refused(folder.path(), "contact --n 3000000 --p-star 0.1", 2, &["3000000", "GiB"]);
-    // The bytes of 2³¹ points a side are beyond 64 bits.
+    // The number of bytes for 2³¹ points a side exceeds 64 bits.
     for line in ["contact --p-star 0.1", "path --displacement 0.1", "surface", "punch", "damping"] {
         refused(folder.path(), &format!("{line} --n 2147483648"), 2, &["2147483648"]);
     }

@@ -6,7 +6,7 @@ use gfmd_measure::{Scales, Summary};
 pub struct Pressed {
     /// Area, pressure, gap, energy.
     pub summary: Summary,
-    /// Rigid approach beyond first contact.
+    /// Rigid approach beyond first touch.
     pub approach: f64,
     /// Violation of each condition of the solution.
     pub residual: Residual,

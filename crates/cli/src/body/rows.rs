@@ -1,4 +1,4 @@
-//! Which points of a plane are kept: all, or a row of them.
+//! The points of a plane that are kept: all, or one row.
 
 use std::fmt;
 use std::str::FromStr;
@@ -44,16 +44,16 @@ impl Serialize for Slice {
 /// Some points of a plane, and the axes along which they lie.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// The row at the position of its points; none of a whole plane, or of a line.
+    /// The row, with the position of its points; `None` for a whole plane, or a line.
     pub(super) slice: Option<Slice>,
-    /// x is 0, y is 1.
+    /// The axes along which the points lie: 0 is x, 1 is y.
     pub(super) axes: Vec<usize>,
-    /// Their indices in a field.
+    /// The indices of the points in a field.
     pub(super) points: Vec<usize>,
 }
 
 impl Rows {
-    /// The row nearest to `slice`, or all points.
+    /// Selects the row nearest to `slice`, or all points.
     pub(super) fn new(slice: Option<Slice>, grid: &Grid) -> Result<Self, Failure> {
         let Some(slice) = slice else {
             let axes = if grid.is_line() { vec![0] } else { vec![0, 1] };
@@ -85,12 +85,12 @@ impl Rows {
         Self { slice: Some(Slice { axis, position }), axes: vec![1 - axis], points }
     }
 
-    /// Points kept along x and y.
+    /// The number of points kept along x and y.
     pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
         [0, 1].map(|axis| if self.axes.contains(&axis) { grid.points()[axis] } else { 1 })
     }
 
-    /// Where they begin along x and y.
+    /// The position of the first point along x and y.
     pub(super) fn origin(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.slice.filter(|slice| slice.axis == axis).map_or(0.0, |slice| slice.position))
     }

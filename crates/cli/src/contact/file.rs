@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::load::{LoadRecord, columns};
 use crate::session::Session;
 
-/// The surface at once, fields load by load, scalars at the end.
+/// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
 pub(super) struct ContactFile<'a> {
     archive: Archive<'a>,
     with_law: bool,
