@@ -352,19 +352,19 @@ mod tests {
             let message = made(line).unwrap_err().to_string();
             assert!(message.starts_with(words), "{message:?} is not {words:?}");
         };
-        says("--hurst 1.5", "--hurst: the Hurst exponent must be from 0 to 1, found 1.5");
+        says("--hurst 1.5", "--hurst: the Hurst exponent is 1.5; it must be between 0 and 1");
         says("--eps-t-inv 0.5", "--eps-t-inv: at least 1 is allowed, found 0.5");
         says("--eps-f-inv nan", "--eps-f-inv: at least 1 is allowed, found NaN");
         says(
             "--n 64 --eps-f-inv 32",
             "--n: 64 points with --eps-t-inv 2 and --eps-f-inv 32 leave 1 points per shortest wavelength, at least 2",
         );
-        says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c must be at least 2 and finite, found 1.9");
-        says("--eps-c-inv 2.51", "--eps-c-inv: 1/eps_t * 1/eps_f * 1/eps_c must be a whole number of points");
+        says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c is 1.9; it must be at least 2 and finite");
+        says("--eps-c-inv 2.51", "--eps-c-inv: 1/eps_t * 1/eps_f * 1/eps_c is 160.64");
         says("--n 512 --eps-c-inv 8", "--eps-c-inv: it follows from --n");
-        says("--rms-gradient 0", "--rms-gradient: the rms gradient must be positive and finite, found 0");
-        says("--rms-height -1", "--rms-height: the rms height must be positive and finite, found -1");
-        says("--roll-off 0.7", "--roll-off: the roll-off wavelength must be from 0.015625 to 0.5, found 0.7");
+        says("--rms-gradient 0", "--rms-gradient: the rms gradient is 0; it must be positive and finite");
+        says("--rms-height -1", "--rms-height: the rms height is -1; it must be positive and finite");
+        says("--roll-off 0.7", "--roll-off: the roll-off wavelength is 0.7; it must be between 0.015625 and 0.5");
         says("--method rmd --rms-gradient -1", "--rms-gradient: positive and finite is allowed, found -1");
         says("--method rmd --eps-t-inv 4", "--eps-t-inv: --method rmd has no cut-offs");
         says("--method sra --eps-c-inv 4", "--eps-c-inv: --method sra has no cut-offs");
@@ -372,9 +372,9 @@ mod tests {
         says("--n 1", "--n: at least 2 points are allowed, found 1");
         says("--n 64,64 --dim 2", "--n: N, or NX,NY of a surface, is allowed, found [64, 64]");
         says("--n 100000000", "--n: 100000000 x 100000000 points need");
-        says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: no wave vector of this cell");
+        says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to ");
         let length = |length: &[f64]| flags("").grid(length).unwrap_err().to_string();
-        assert!(length(&[-1.0]).starts_with("--length: cell lengths must be positive and finite"));
+        assert!(length(&[-1.0]).starts_with("--length: the cell lengths are "));
         assert!(length(&[1.0, 2.0, 3.0]).starts_with("--length: L or Lx,Ly is allowed"));
     }
 }

@@ -1,15 +1,16 @@
 //! The method that solves a contact, its tolerance and its patience, as flags.
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Budget, Solver};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
+
+use crate::choice::{by_name, parse_choice};
 
 /// How to solve.
 #[derive(Args, Clone, Copy, Debug, Serialize)]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
-    #[arg(long, value_parser = solvers(), default_value_t = Solver::Auto)]
+    #[arg(long, value_parser = parse_choice::<Solver>(), default_value_t = Solver::Auto)]
     #[serde(serialize_with = "by_name")]
     pub solver: Solver,
     /// Largest residual of a converged state
@@ -25,14 +26,4 @@ impl SolverArgs {
     pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
-}
-
-/// The value of a flag that names a solver.
-pub fn solvers() -> impl TypedValueParser<Value = Solver> {
-    let names = Solver::ALL.map(|solver| PossibleValue::new(solver.name()).help(solver.meaning()));
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<Solver>())
-}
-
-fn by_name<S: Serializer>(solver: &Solver, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(solver.name())
 }

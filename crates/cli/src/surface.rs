@@ -350,7 +350,10 @@ mod tests {
         says("--out h.txt", "--out: NAME.npy or NAME.h5 is allowed, found h.txt");
         says("--out no/such/folder/h.npy", "--out: ");
         says("--n 128 --fit-range 0.1", "--fit-range: LONGEST,SHORTEST is allowed, found [0.1]");
-        says("--n 128 --fit-range 0.1,0.2", "--fit-range: the wavelengths must satisfy 0 < shortest <= longest");
+        says(
+            "--n 128 --fit-range 0.1,0.2",
+            "--fit-range: the shortest wavelength is 0.2 and the longest 0.1; they must satisfy",
+        );
         let out = folder.path().join("h.npy");
         says(&format!("--hurst 3 --out {}", out.display()), "--hurst: ");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

@@ -1,7 +1,9 @@
 //! The names that most programs need: `use gfmd::prelude::*`.
 
 pub use gfmd_body::Interior;
-pub use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, SolveError, Solver};
+pub use gfmd_contact::{
+    Budget, Contact, Drive, Effort, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver, Watch,
+};
 pub use gfmd_field::Grid;
 pub use gfmd_green::{Body, Material};
 pub use gfmd_interface::{FrictionalContact, Interface};
