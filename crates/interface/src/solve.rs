@@ -9,7 +9,7 @@ use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::{Interface, State, dynamics, newton};
 
-/// Newton's method needs an energy; dynamics does not.
+/// The solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
 impl Equilibrium for Interface {
@@ -23,8 +23,9 @@ impl Equilibrium for Interface {
         self.frame(drive).map(drop)
     }
 
-    /// Goes downhill from `start` to a stable state. Without one, from the contact with a hard wall alone if the drive
-    /// presses, else from the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy, else FIRE 2.0.
+    /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard wall
+    /// alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy,
+    /// else FIRE 2.0.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -44,7 +45,7 @@ impl Equilibrium for Interface {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            None if is_pressed && !self.is_wall_alone() => Some(self.without_attraction(drive, budget, watch)?),
+            None if is_pressed && !self.is_wall_alone() => self.without_attraction(drive, budget, watch)?,
             _ => None,
         };
         let start = start.or(on_wall.as_ref());
@@ -96,15 +97,19 @@ impl Interface {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 
-    /// The contact before the law acts.
+    /// Solves the contact with a hard wall in place of the law, roughly. Returns `None` if a wall does not allow the drive: an
+    /// approach beyond full contact, which a law without a wall allows.
     fn without_attraction(
         &self,
         drive: Drive,
         budget: &Budget,
         watch: &mut dyn Watch,
-    ) -> Result<State, SolveError<State>> {
+    ) -> Result<Option<State>, SolveError<State>> {
         let wall = Interface { law: Arc::new(HardWall), ..self.clone() };
+        if wall.check(drive).is_err() {
+            return Ok(None);
+        }
         let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
-        wall.equilibrate(drive, Solver::Newton, &rough, None, watch)
+        wall.equilibrate(drive, Solver::Newton, &rough, None, watch).map(Some)
     }
 }

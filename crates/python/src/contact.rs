@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use gfmd_cli::equilibrium::{Problem as Loads, Rest};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::memory::Held;
-use gfmd_contact::{Budget, Load, Solver};
+use gfmd_contact::{Budget, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Height, Material};
 use gfmd_law::{Kind, Law};
@@ -18,6 +17,7 @@ use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::failure::{failed, refused};
+use crate::loads::{Loads, Rest};
 use crate::surface::grid;
 use crate::worker::{quick, run};
 
@@ -100,7 +100,7 @@ impl Problem {
     /// The rms height of the surface.
     #[getter]
     fn rms_height(&self) -> f64 {
-        self.loads.rms_height()
+        self.loads.surface().rms_height()
     }
 
     /// Brings the contact to rest under one load.
@@ -124,8 +124,9 @@ impl Problem {
         let budget = Budget { tolerance, max_iterations };
         let start = start.map(|state| &state.rest);
         let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
-            self.loads
-                .solve(load, &budget, &self.scales, start, &mut |iteration, residual| shared.see(iteration, residual))
+            self.loads.solve(load, &budget, &self.scales, start, &mut |now: &Progress| {
+                shared.see(now.iteration, now.residual)
+            })
         })?;
         // Without a state, the load was refused.
         let (mut rest, failure) = solved.map_err(|failure| refused(py, &failure))?;
@@ -165,9 +166,13 @@ impl Problem {
         held.check("the grid", grid.points())?;
         let statistics = Statistics::of(heights, &grid).map_err(|error| Failure::input("surface", error))?;
         let rms_gradient = statistics.moments.rms_gradient();
-        let response = Arc::new(NormalResponse::new(grid, body));
-        let loads = Loads::new(&response, heights, kind, law, solver, "surface")?;
-        let scales = Scales { contact_modulus: response.contact_modulus(), rms_gradient };
+        let response = NormalResponse::new(grid, body);
+        let refuse = |error: Refusal| match error {
+            Refusal::Solver { .. } => Failure::input("solver", error),
+            _ => Failure::input("surface", error),
+        };
+        let loads = Loads::new(response, heights, (kind, law), solver).map_err(refuse)?;
+        let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient };
         Ok(Self { loads, grid, scales, unit_pressure: body.material().contact_modulus() * rms_gradient })
     }
 }

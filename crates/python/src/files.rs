@@ -47,7 +47,7 @@ pub(crate) fn save(
         let with_law = records.iter().any(|record| record.law.is_some());
         let mut file = ContactFile::create(&output, &session.provenance(config), &surface, records.len(), with_law)?;
         for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
-            file.write(index, [pressure, displacement, gap])?;
+            file.write_fields(index, [pressure, displacement, gap].map(|field| field.view().into()))?;
         }
         file.finish(&records, records.len()).map(|_| ())
     })?;

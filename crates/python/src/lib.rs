@@ -7,6 +7,7 @@ mod command;
 mod contact;
 mod failure;
 mod files;
+mod loads;
 mod surface;
 mod worker;
 

@@ -1,0 +1,143 @@
+//! One contact of either kind, with a hard wall alone or with a law, behind one type that Python can hold.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use gfmd_cli::failure::Failure;
+use gfmd_cli::load::{LoadRecord, Recorded};
+use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch};
+use gfmd_interface::{Interface, State};
+use gfmd_law::{Kind, Law};
+use gfmd_measure::Scales;
+use gfmd_response::NormalResponse;
+use ndarray::{Array2, ArrayRef2};
+
+/// A contact, and the method.
+pub(crate) struct Loads {
+    contact: Kindred,
+    solver: Solver,
+}
+
+enum Kindred {
+    Wall(Contact),
+    Law(Interface),
+}
+
+/// A load at rest, or as far as it came.
+pub(crate) struct Rest {
+    pub(crate) record: LoadRecord,
+    pub(crate) pressure: Array2<f64>,
+    pub(crate) displacement: Array2<f64>,
+    pub(crate) gap: Array2<f64>,
+    /// The state that the next load starts from.
+    state: Reached,
+}
+
+enum Reached {
+    Wall(Solution),
+    Law(State),
+}
+
+impl Rest {
+    fn of<S: Recorded>(state: S, reached: fn(S) -> Reached, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
+        Self {
+            record: LoadRecord::measure(&state, scales, tolerance, seconds),
+            pressure: state.pressure().into_owned(),
+            displacement: state.displacement_z().to_owned(),
+            gap: state.gap().to_owned(),
+            state: reached(state),
+        }
+    }
+}
+
+impl Loads {
+    pub(crate) fn new(
+        response: NormalResponse,
+        heights: &ArrayRef2<f64>,
+        (kind, law): (Kind, &Arc<dyn Law>),
+        solver: Solver,
+    ) -> Result<Self, Refusal> {
+        let (contact, allowed) = if kind == Kind::HardWall {
+            let contact = Contact::on(response, heights)?;
+            let allowed = contact.solvers();
+            (Kindred::Wall(contact), allowed)
+        } else {
+            let interface = Interface::on(response, heights, Arc::clone(law))?;
+            if let Some(trapping) = interface.trapping() {
+                tracing::warn!("{trapping}");
+            }
+            let allowed = interface.solvers();
+            (Kindred::Law(interface), allowed)
+        };
+        if !allowed.contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed });
+        }
+        Ok(Self { contact, solver })
+    }
+
+    pub(crate) fn surface(&self) -> &RigidSurface {
+        match &self.contact {
+            Kindred::Wall(contact) => contact.surface(),
+            Kindred::Law(interface) => interface.surface(),
+        }
+    }
+
+    /// Brings one load to rest. With a failure, the state is as far as it came; without a state, the load was refused.
+    pub(crate) fn solve(
+        &self,
+        load: Load,
+        budget: &Budget,
+        scales: &Scales,
+        last: Option<&Rest>,
+        watch: &mut dyn Watch,
+    ) -> Result<(Rest, Option<Failure>), Failure> {
+        let started = Instant::now();
+        let last = last.map(|rest| &rest.state);
+        match &self.contact {
+            Kindred::Wall(contact) => {
+                let start = if let Some(Reached::Wall(start)) = last { Some(start) } else { None };
+                let (state, failure) = self.press(contact, load, budget, start, watch)?;
+                let seconds = started.elapsed().as_secs_f64();
+                Ok((Rest::of(state, Reached::Wall, scales, budget.tolerance, seconds), failure))
+            }
+            Kindred::Law(interface) => {
+                let start = if let Some(Reached::Law(start)) = last { Some(start) } else { None };
+                let (state, failure) = self.press(interface, load, budget, start, watch)?;
+                let seconds = started.elapsed().as_secs_f64();
+                Ok((Rest::of(state, Reached::Law, scales, budget.tolerance, seconds), failure))
+            }
+        }
+    }
+
+    fn press<E: Equilibrium>(
+        &self,
+        contact: &E,
+        load: Load,
+        budget: &Budget,
+        start: Option<&E::State>,
+        watch: &mut dyn Watch,
+    ) -> Result<(E::State, Option<Failure>), Failure> {
+        match contact.equilibrate(load.into(), self.solver, budget, start, watch) {
+            Ok(state) => Ok((state, None)),
+            Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
+            Err(SolveError::Refused(error @ Refusal::Approach { .. })) => Err(Failure::input("approach", error)),
+            Err(SolveError::Refused(error)) => Err(Failure::Input(error.to_string())),
+            Err(error) => {
+                let text = error.to_string();
+                match error.into_state() {
+                    Some(state) => Ok((state, Some(Failure::Computation(text)))),
+                    None => Err(Failure::Input(text)),
+                }
+            }
+        }
+    }
+
+    /// The state of a `pressure`, as of an earlier run, to start from. A contact with a law has none: its state is more.
+    pub(crate) fn certified(&self, pressure: &ArrayRef2<f64>, load: Load, scales: &Scales) -> Result<Rest, Failure> {
+        let Kindred::Wall(contact) = &self.contact else {
+            return Err(Failure::input("start", "the pressure alone is not the state of a contact with a law"));
+        };
+        let solution = contact.certify(pressure, load).map_err(|error| Failure::input("start", error))?;
+        Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+    }
+}
