@@ -8,8 +8,8 @@
 //! - Intervals come from a bootstrap over realisations: seeds are resampled, the data of one seed stay together
 //!   (common random numbers), and all parameters are refitted. Percentile intervals of few realisations are too narrow;
 //!   they are therefore stretched by Student's t and (n / (n - 1))^(1/2).
-//! - The intervals do not contain the misfit of the model. Check `chi_squared`, `kappa_tfc_without`, the profiles, and a
-//!   second fit with other exponents.
+//! - The intervals do not contain the misfit of the model. Check `chi_squared`, `kappa_tfc_without`, the profiles, and
+//!   a second fit with other exponents.
 //!
 //! ```
 //! use gfmd_fit::{Datum, Exponent, Model, Settings, fit};

@@ -200,8 +200,8 @@ impl Means {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each datum) of kappa_TFC, the coefficients, and the free exponents that are not at
-    /// a bound.
+    /// The rows d(parameter)/d(kappa of each datum) of kappa_TFC, the coefficients, and the free exponents that are not
+    /// at a bound.
     pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
             self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()
