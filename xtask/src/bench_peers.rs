@@ -17,9 +17,9 @@ mod tests;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_cli::choice::parse_choice;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
-use gfmd_cli::solver::solvers;
 use gfmd_contact::Solver;
 use gfmd_field::Grid;
 use gfmd_surface::{SelfAffine, Statistics};
@@ -57,7 +57,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
     pub tol: f64,
     /// Solvers of this program to run
-    #[arg(long, value_parser = solvers(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
+    #[arg(long, value_parser = parse_choice::<Solver>(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
     #[serde(serialize_with = "names")]
     pub solvers: Vec<Solver>,
     /// Peers (other programs) to run

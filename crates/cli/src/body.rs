@@ -41,49 +41,49 @@ use volume::{Planes, Volume};
   gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json")]
 pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
-    /// of the same shape; a contact's /fields/displacement_z gets the lateral displacement of a surface without friction
+    /// of this shape; to /fields/displacement_z of a contact, the lateral displacement without friction is added
     #[arg(long, value_name = "FILE")]
     surface: String,
-    /// Which load of a contact; the last one if not given
+    /// Number of the load in the file of a contact, from 0; default: the last one
     #[arg(long, value_name = "K")]
     load: Option<usize>,
-    /// Cell size L or Lx,Ly; of the coordinates beside the dataset if not given, else 1
+    /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
     #[arg(long, value_delimiter = ',', value_name = "L", num_args = 1..=2, allow_negative_numbers = true)]
     length: Vec<f64>,
     #[command(flatten)]
     body: RecordedBodyArgs,
     #[command(flatten)]
     place: PlaceArgs,
-    /// Depth of the lowest level; the height of the slab if not given
+    /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
     deepest: Option<f64>,
-    /// Only the row of points nearest to this position, an x-z or y-z slice
+    /// Compute only the row of points nearest to this position, an x-z or y-z slice
     #[arg(long, value_name = "y=Y|x=X")]
     slice: Option<Slice>,
-    /// What to compute
+    /// Quantities to compute
     #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL)]
     quantities: Vec<Quantity>,
     /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
     #[arg(long, value_name = "FILE.h5|FILE.vti")]
     out: Option<PathBuf>,
-    /// Draw displacement and stress on the slice (on the middle row if there is none): PREFIX-*.svg, .png (with --levels)
+    /// Draw displacement and stress on the slice, or on the middle row without --slice: PREFIX-*.svg, .png (with --levels)
     #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
     plots: Option<PathBuf>,
 }
 
-/// How deep: exactly one of the two.
+/// The flags of the depths, of which exactly one is given.
 #[derive(ClapArgs, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct PlaceArgs {
     /// Depths below the surface
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
     depths: Vec<f64>,
-    /// So many depths at equal distances, the surface and the base (or the deepest) among them
+    /// Number of depths at equal distances, from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
     levels: Option<usize>,
 }
 
-/// The configuration as it belongs into the record of a run: every default filled in.
+/// The configuration with every default filled in, for the record of a run.
 #[derive(Serialize)]
 struct Config<'a> {
     surface: &'a str,
@@ -105,7 +105,7 @@ pub struct Report {
     pub n: [usize; 2],
     pub length: [f64; 2],
     pub surface: String,
-    /// Position of the row, where one is asked for.
+    /// The row of points, with `--slice`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slice: Option<Slice>,
     pub levels: Vec<Level>,
@@ -114,10 +114,10 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// One depth, over all its points. Not a number, and `null` in JSON, where no quantity needs it.
+/// Numbers of all points at one depth. A number that none of the quantities needs is NaN, and `null` in JSON.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Level {
-    /// Below the surface.
+    /// Depth below the surface.
     pub depth: f64,
     /// Largest length of a displacement.
     pub max_displacement: f64,
@@ -213,7 +213,7 @@ fn height(body: &Body) -> Option<f64> {
     if let Height::Finite(height) = body.height() { Some(height) } else { None }
 }
 
-/// Depths inside the body, from the surface downwards where they come as levels.
+/// The depths inside the body; `--levels` gives them from the surface downwards.
 fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     let inside = |flag: &str, depth: f64| match body.at_depth(depth) {
         Ok(_) => Ok(depth),
@@ -223,17 +223,18 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
         return args.place.depths.iter().map(|&depth| inside("--depths", depth)).collect();
     };
     if levels < 2 {
-        return Err(Failure::input("--levels", format!("2 or more are allowed, found {levels}")));
+        return Err(Failure::value("--levels", levels, "at least 2"));
     }
     let deepest = args.deepest.or_else(|| height(body));
-    let deepest = deepest.ok_or_else(|| Failure::input("--deepest", "needed, since a half-space has no base"))?;
+    let missing = || Failure::Input("--deepest is missing; it is needed because a half-space has no base".into());
+    let deepest = deepest.ok_or_else(missing)?;
     if inside("--deepest", deepest)? == 0.0 {
-        return Err(Failure::input("--deepest", "a depth above 0 is allowed, found 0"));
+        return Err(Failure::value("--deepest", 0, "above 0"));
     }
     Ok(evenly_spaced(levels, deepest).collect())
 }
 
-/// From the surface to the deepest, which comes exactly: nothing lies below the base.
+/// Returns depths from the surface to `deepest`, which is not rounded: a larger number could lie below the base.
 fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
     let last = levels - 1;
     (0..levels).map(move |k| if k == last { deepest } else { deepest * k as f64 / last as f64 })

@@ -1,10 +1,11 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gfmd_contact::Solver;
 use gfmd_surface::{Amplitudes, Periodisation, RollOffShape};
 use serde::Serializer;
 
-/// A choice that a library names.
+/// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
     /// The values to choose from.
     fn all() -> &'static [Self];
@@ -17,10 +18,10 @@ pub trait Choice: Copy + Send + Sync + 'static {
 }
 
 macro_rules! choices {
-    ($($type:ty),+) => {$(
+    ($($type:ty: $all:expr;)+) => {$(
         impl Choice for $type {
             fn all() -> &'static [Self] {
-                Self::ALL
+                $all
             }
 
             fn name(self) -> &'static str {
@@ -34,7 +35,12 @@ macro_rules! choices {
     )+};
 }
 
-choices!(Amplitudes, Periodisation, RollOffShape);
+choices! {
+    Amplitudes: Self::ALL;
+    Periodisation: Self::ALL;
+    RollOffShape: Self::ALL;
+    Solver: &Self::ALL;
+}
 
 /// Parses the name of a choice; the help lists all names with their meanings.
 pub fn parse_choice<T: Choice>() -> impl TypedValueParser<Value = T> {

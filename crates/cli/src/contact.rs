@@ -7,22 +7,23 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::Load;
+use gfmd_contact::{Contact, Equilibrium, Fields, Load, Refusal, RigidSurface};
 use gfmd_files::Output;
 use gfmd_green::Body;
+use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
 use serde::Serialize;
 
 use crate::elastic::BodyArgs;
-use crate::equilibrium::{Problem, Rest};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
-use crate::load::LoadRecord;
+use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
@@ -64,7 +65,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// What presses: exactly one of the three.
+/// The flags of the loads, of which exactly one is given.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[group(required = true, multiple = false)]
 struct ControlArgs {
@@ -109,7 +110,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// Everything that can be refused is refused before the first solve.
+/// The input of the command, checked before the first solve.
 struct Prepared {
     surface: Surface,
     body: Body,
@@ -128,12 +129,12 @@ impl Prepared {
             ("--p-star", &args.control.p_star),
             ("--displacement", &args.control.displacement),
         ];
-        // Only what attracts can be pulled.
+        // Negative (tensile) loads need an attractive law.
         let pulls = args.law.law != Kind::HardWall;
-        let allowed = if pulls { "a finite number" } else { "a positive, finite number" };
+        let allowed = if pulls { "finite" } else { "positive and finite" };
         for (flag, values) in flags {
             if let Some(bad) = values.iter().find(|v| !(v.is_finite() && (pulls || **v > 0.0))) {
-                return Err(Failure::input(flag, format!("{allowed} is allowed, found {bad}")));
+                return Err(Failure::value(flag, bad, allowed));
             }
         }
         let surface = args.source.surface()?;
@@ -150,18 +151,42 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let name = args.source.name();
-        let response = Arc::new(NormalResponse::new(self.surface.grid, &self.body));
+        let refuse = |refusal: Refusal| Failure::input(&args.source.name(), refusal);
+        let response = NormalResponse::new(self.surface.grid, &self.body);
         let heights = &self.surface.heights;
-        let problem = Problem::new(&response, heights, args.law.law, &self.law, args.solver.solver, &name)?;
+        if args.law.law == Kind::HardWall {
+            // The solvers for a hard wall alone are faster than those for a law.
+            let contact = Contact::on(response, heights).map_err(refuse)?;
+            return self.press(&contact, contact.surface(), args, session);
+        }
+        let interface = Interface::on(response, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        if let Some(trapping) = interface.trapping() {
+            tracing::warn!("{trapping}");
+        }
+        self.press(&interface, interface.surface(), args, session)
+    }
+
+    /// Solves the loads in turn, each from the state of the load before, until one fails.
+    fn press<E: Equilibrium<State: Recorded>>(
+        &self,
+        contact: &E,
+        rigid: &RigidSurface,
+        args: &Args,
+        session: &Session,
+    ) -> Result<Outcome<Report>, Failure> {
+        let (solver, budget) = (args.solver.solver, args.solver.budget());
+        if !contact.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
+        }
+        self.controls.iter().try_for_each(|load| contact.check((*load).into()))?;
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             rms_gradient: self.surface.rms_gradient(),
-            rms_height: problem.rms_height(),
-            e_star: response.contact_modulus(),
+            rms_height: rigid.rms_height(),
+            e_star: self.body.material().contact_modulus(),
             loads: Vec::new(),
             peak_bytes: 0,
             out: None,
@@ -169,24 +194,26 @@ impl Prepared {
         };
         let file = self.output.as_ref().map(|output| ContactFile::create(output, self, args, session));
         let mut file = file.transpose()?;
-        let budget = args.solver.budget();
         let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
-        let mut last: Option<Rest> = None;
+        let mut last: Option<E::State> = None;
         let mut failure = None;
-        for (index, control) in self.controls.iter().enumerate() {
-            let mut watch = |iteration: u64, residual: f64| {
+        for (index, load) in self.controls.iter().enumerate() {
+            let started = Instant::now();
+            let mut watch = |now: &gfmd_contact::Progress| {
+                let gfmd_contact::Progress { iteration, residual } = now;
                 progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let (rest, stopped) = problem.solve(*control, &budget, &scales, last.as_ref(), &mut watch)?;
+            let press = contact.press(*load).solver(solver).budget(budget).starting_from(last.as_ref());
+            let (state, stopped) = reached(press.watch(&mut watch).solve())?;
+            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             if let Some(file) = &mut file {
-                file.write(index, [&rest.pressure, &rest.displacement, &rest.gap])?;
+                file.write(index, &state)?;
             }
-            let record = rest.record;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             report.loads.push(record);
-            last = Some(rest);
+            last = Some(state);
             if let Some(stopped) = stopped {
                 failure = Some(stopped.at(&format!("load {index}")));
                 break;
@@ -197,8 +224,8 @@ impl Prepared {
             report.out = Some(file.finish(&report.loads, self.controls.len())?);
         }
         report.peak_bytes = peak_bytes();
-        if let (None, Some(prefix), Some(rest)) = (&failure, &args.plots, &last) {
-            let pressure = rest.pressure.mapv(|p| p.max(0.0));
+        if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
+            let pressure = state.pressure().mapv(|p| p.max(0.0));
             report.plots = figures::draw(prefix, &report, &self.surface.grid, &pressure)?;
         }
         let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
@@ -234,8 +261,10 @@ impl fmt::Display for Report {
             "residual"
         )?;
         for load in &self.loads {
-            let r = load.residual;
-            let worst = r.complementarity.max(r.penetration).max(r.negative_pressure).max(r.load);
+            let ResidualRecord { complementarity, penetration, negative_pressure, load: residual_load } = load.residual;
+            let equilibrium = load.law.map_or(0.0, |law| law.residual_equilibrium);
+            let worst =
+                gfmd_relax::worst([complementarity, penetration, negative_pressure, residual_load, equilibrium]);
             writeln!(
                 f,
                 "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",

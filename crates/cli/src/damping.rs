@@ -1,4 +1,4 @@
-//! `damping`: what damping does to the relaxation of a free surface, predicted and measured.
+//! `damping`: the effect of damping on the relaxation of a free surface, predicted and measured.
 
 mod experiment;
 mod figures;
@@ -24,14 +24,12 @@ pub use experiment::{Optimal, Regime, Run};
 
 /// Flags of `damping`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
-#[command(
-    after_help = "A push at one point of the surface, in all components, is released from rest; nothing touches it.
+#[command(after_help = "One point of a free surface is displaced in all components and released from rest.
 Factor 1 damps the slowest mode critically.
 
 Examples:
   gfmd damping --plots figure
-  gfmd damping --dim 2 --n 128 --height 0.5 --poisson 0.45 --factors 0.5,1,2 --dt 0.5 --json --out damping.h5"
-)]
+  gfmd damping --dim 2 --n 128 --height 0.5 --poisson 0.45 --factors 0.5,1,2 --dt 0.5 --json --out damping.h5")]
 pub struct Args {
     /// 3: a surface, components x, y, z; 2: a line in plane strain, components x, z
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
@@ -60,7 +58,7 @@ pub struct Args {
     /// Time step over the stability limit without damping, 2/sqrt(k_max)
     #[arg(long, default_value_t = 0.25, value_name = "DT", allow_negative_numbers = true)]
     dt: f64,
-    /// Time steps; enough to see the asymptotic rates if absent
+    /// Number of time steps; default: enough for the asymptotic rates
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(FEWEST_STEPS as i64..))]
     steps: Option<u32>,
     /// Write histories and rates to this HDF5 file
@@ -78,7 +76,7 @@ pub struct Args {
 pub struct Report {
     /// Points of the grid.
     pub n: [usize; 2],
-    /// Components that move: x, y, z, or x, z.
+    /// The number of components: 3 for x, y, z, 2 for x, z.
     pub components: usize,
     /// Stiffness of the slowest mode and of the fastest, in stress/length.
     pub stiffness: [f64; 2],
@@ -86,18 +84,18 @@ pub struct Report {
     pub slowest_mode: [i64; 2],
     /// Time step at unit mass per area.
     pub dt: f64,
-    /// η that damps the slowest mode critically at this time step, in 1/time².
+    /// The η that damps the slowest mode critically at this time step, in 1/time².
     pub critical_eta: f64,
     /// The best single damping, with its own time step: theory.md, section 6.2.
     pub optimal: Optimal,
-    /// Time steps done.
+    /// The number of time steps of a run.
     pub steps: u32,
-    /// One for each factor.
+    /// One run for each factor.
     pub runs: Vec<Run>,
     /// The HDF5 file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
-    /// Figures drawn.
+    /// The figures.
     pub plots: Vec<PathBuf>,
 }
 
@@ -118,7 +116,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// The experiment that the flags describe.
+/// Prepares the experiment that the flags describe.
 fn experiment(args: &Args) -> Result<Experiment, Failure> {
     let material = Material::from_young(args.young, args.poisson);
     let body = material.and_then(|material| Body::slab(material, args.height)).map_err(|error| {
@@ -140,21 +138,19 @@ fn experiment(args: &Args) -> Result<Experiment, Failure> {
 
 fn unusable(args: &Args, error: Unusable) -> Failure {
     match error {
-        Unusable::Points => Failure::input("--n", format!("found {}, allowed: 2 or more", args.n)),
-        Unusable::TimeStep(found) => Failure::input("--dt", format!("found {found}, allowed: between 0 and 1")),
-        Unusable::Factor { found, largest } => Failure::input(
-            "--factors",
-            format!("found {found}, allowed at this time step: above 0 and below {largest}"),
-        ),
-        Unusable::Steps(enough) => Failure::input(
-            "--steps",
-            format!("found none; {enough:.0} would show the rates, {MOST_STEPS:.0} are done unasked"),
-        ),
+        Unusable::Points => Failure::value("--n", args.n, "at least 2"),
+        Unusable::TimeStep(found) => Failure::value("--dt", found, "above 0 and below 1"),
+        Unusable::Factor { found, largest } => {
+            Failure::value("--factors", found, format!("above 0 and below {largest} at this time step"))
+        }
+        Unusable::Steps(enough) => Failure::Input(format!(
+            "--steps is missing; it is needed because the rates take {enough:.0} steps, more than {MOST_STEPS:.0}"
+        )),
         Unusable::Method(error) => Failure::Computation(error.to_string()),
     }
 }
 
-/// One run for each factor.
+/// Computes one run for each factor.
 fn measure(experiment: &Experiment, session: &Session) -> Result<Vec<Run>, Failure> {
     let total = f64::from(experiment.steps) * experiment.verlets.len() as f64;
     let progress = Progress::new(&session.common, "damping", total);
@@ -241,7 +237,7 @@ impl fmt::Display for Report {
         let Optimal { dt, eta, rate } = self.optimal;
         writeln!(
             f,
-            "critical eta {:.6e}; best of all: eta {eta:.6e} with steps of {dt:.6e}, rate {rate:.6}\n",
+            "critical eta {:.6e}; optimal eta {eta:.6e} with steps of {dt:.6e}, rate {rate:.6}\n",
             self.critical_eta
         )?;
         writeln!(
@@ -287,7 +283,7 @@ mod tests {
         run(&command.args, &Session::silent(common))
     }
 
-    /// In the plane and in space, for slabs whose slowest mode is uniform and for one where it is not.
+    /// Slabs in plane strain and in space. The slowest mode of the last one is not uniform.
     #[test]
     fn measured_rates_agree_with_theory() {
         for flags in [
@@ -303,7 +299,7 @@ mod tests {
                 for measured in [run.mode_rate, run.point_rate] {
                     assert!((measured.ln() / predicted - 1.0).abs() < 0.05, "{flags}, {}: {measured}", run.factor);
                 }
-                // Step by step, as long as there are digits.
+                // The histories agree step by step, as long as their digits are significant.
                 for (step, (found, expected)) in run.mode.iter().zip(&run.predicted).enumerate().take(400) {
                     assert!((found - expected).abs() < 1e-9, "{flags}, {}, {step}: {found} {expected}", run.factor);
                 }
@@ -318,15 +314,15 @@ mod tests {
     #[test]
     fn unusable_flags_are_named_with_what_was_found_and_what_is_allowed() {
         for (flags, message) in [
-            ("--factors 1,-1", "--factors: found -1, allowed at this time step: above 0 and below "),
-            ("--factors 100", "--factors: found 100, allowed at this time step: above 0 and below "),
-            ("--factors 1e-6", "--steps: found none; 2321332963 would show"),
-            ("--dt 1", "--dt: found 1, allowed: between 0 and 1"),
+            ("--factors 1,-1", "--factors is -1; it must be above 0 and below "),
+            ("--factors 100", "--factors is 100; it must be above 0 and below "),
+            ("--factors 1e-6", "--steps is missing; it is needed because the rates take 2321332963 steps"),
+            ("--dt 1", "--dt is 1; it must be above 0 and below 1"),
             ("--height 0", "--height: "),
             ("--poisson 0.6", "--poisson: "),
             ("--young -1", "--young: "),
             ("--n 0", "--n: "),
-            ("--n 1", "--n: found 1, allowed: 2 or more"),
+            ("--n 1", "--n is 1; it must be at least 2"),
             ("--n 1000000", "--n: 1000000 x 1000000 points need "),
         ] {
             let error = evaluate(flags).unwrap_err().to_string();

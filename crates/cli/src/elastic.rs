@@ -26,7 +26,7 @@ pub struct BodyArgs {
 }
 
 impl BodyArgs {
-    /// The body.
+    /// Makes the body.
     ///
     /// # Errors
     /// A flag out of its range.
@@ -47,10 +47,11 @@ impl BodyArgs {
     }
 }
 
-/// The same for input that may say it itself: what no flag says is taken from the record of the run that made the file.
+/// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration that
+/// the file records.
 #[derive(Args, Clone, Debug)]
 pub struct RecordedBodyArgs {
-    /// Young's modulus, stress; of the input's record if not given
+    /// Young's modulus, stress; default, as of the flags below: the value that the input records
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     young: Option<f64>,
     /// Poisson's ratio, above -1 and up to 0.5
@@ -65,13 +66,15 @@ pub struct RecordedBodyArgs {
 }
 
 impl RecordedBodyArgs {
-    /// The body, each of its numbers from a flag or else from `record`, the configuration of a run.
+    /// Takes each property from its flag or else from `record`, the configuration of a run.
     ///
     /// # Errors
-    /// A number that neither has.
+    /// A property that neither has.
     pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Failure> {
         let recorded = |key: &str| record.get(key).and_then(|value| value.as_float());
-        let needed = |flag: &str| Failure::input(flag, "needed, since the input does not say it");
+        let needed = |flag: &str| {
+            Failure::Input(format!("{flag} is missing; it is needed because the input does not record it"))
+        };
         let height = match record.get("height").and_then(toml::Value::as_str) {
             Some("inf") => Some(Height::Infinite),
             _ => recorded("height").map(Height::Finite),
@@ -91,7 +94,7 @@ impl RecordedBodyArgs {
     }
 }
 
-/// A positive length, or `inf`.
+/// Parses a height: a length, or `inf`.
 ///
 /// # Errors
 /// Text that is neither.
@@ -99,13 +102,13 @@ pub fn parse_height(text: &str) -> Result<Height, String> {
     if text == "inf" {
         return Ok(Height::Infinite);
     }
-    text.parse().map(Height::Finite).map_err(|_| format!("a length or \"inf\" is allowed, found {text:?}"))
+    text.parse().map(Height::Finite).map_err(|_| "it must be a length or \"inf\"".into())
 }
 
-/// As TOML and JSON write it: a number, or the text `inf`.
+/// Writes a height to TOML or JSON: a number, or the text `inf`.
 ///
 /// # Errors
-/// What the serialiser reports.
+/// An error of the serialiser.
 pub fn serialize_height<S: serde::Serializer>(height: &Height, serializer: S) -> Result<S::Ok, S::Error> {
     match height {
         Height::Finite(height) => serializer.serialize_f64(*height),

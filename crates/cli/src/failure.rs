@@ -1,32 +1,39 @@
-//! How a command fails, and the exit status that goes with it.
+//! The failures of a command, and their exit status.
 
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::FileError;
 use gfmd_plot::PlotError;
 
-/// Why a command did not do what it was asked. Each is one clear line.
+/// Reasons why a command fails. Each message is one line.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The input cannot be used: the flag, field or file, what was found, what is allowed. Nothing was written.
+    /// Unusable input. The message states the flag, field or file, the value found and the values allowed. Nothing was
+    /// written.
     #[error("{0}")]
     Input(String),
-    /// The computation failed. What was computed so far is kept and named.
+    /// A computation that failed. The message names the file that keeps the results so far.
     #[error("{0}")]
     Computation(String),
-    /// Stopped by the user; the state is saved and named.
+    /// An interruption by the user. The message names the file that keeps the state.
     #[error("{0}")]
     Interrupted(String),
 }
 
 impl Failure {
-    /// An unusable value of a flag or field.
+    /// The failure of a value that is out of its range, "--dt is 2; it must be above 0 and below 1".
+    pub fn value(name: &str, found: impl Display, allowed: impl Display) -> Self {
+        Self::Input(format!("{name} is {found}; it must be {allowed}"))
+    }
+
+    /// The failure of a flag, field or file for a reason that a library states.
     pub fn input(name: &str, reason: impl Display) -> Self {
         Self::Input(format!("{name}: {reason}"))
     }
 
-    /// The same with a remark at its end, such as where the work done so far is kept. Unusable input left none.
+    /// Appends a remark, such as the file that keeps the results so far. Unusable input has no results and gets no remark.
     #[must_use]
     pub fn with(self, remark: &str) -> Self {
         match self {
@@ -36,7 +43,7 @@ impl Failure {
         }
     }
 
-    /// The same, with where it happened in front. Unusable input happens nowhere.
+    /// Puts the place of the failure in front. The message of unusable input names its place already.
     #[must_use]
     pub fn at(self, place: &str) -> Self {
         match self {
@@ -58,10 +65,46 @@ impl Failure {
 
 /// The report of a command that may end early, and the reason if it did.
 pub struct Outcome<R> {
-    /// All that was computed; the last part of it has not converged if there is a failure.
+    /// The results so far. If there is a failure, their last part has not converged.
     pub report: R,
     /// A part that did not converge, or an interruption.
     pub failure: Option<Failure>,
+}
+
+/// Returns the state that a solve has reached, and the failure if it did not converge.
+///
+/// # Errors
+/// Unusable input, for which there is no state.
+pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>) -> Result<(S, Option<Failure>), Failure> {
+    match outcome {
+        Ok(state) => Ok((state, None)),
+        Err(SolveError::Refused(refusal)) => Err(refusal.into()),
+        Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
+        Err(error) => {
+            let failure = Failure::Computation(error.to_string());
+            match error.into_state() {
+                Some(state) => Ok((state, Some(failure))),
+                None => Err(failure),
+            }
+        }
+    }
+}
+
+impl From<Refusal> for Failure {
+    /// Puts the flag to which the refusal applies in front.
+    fn from(refusal: Refusal) -> Self {
+        let flag = match &refusal {
+            Refusal::Tolerance(_) => "--tol",
+            Refusal::MeanPressure { .. } | Refusal::NotPressed { what: "mean pressure", .. } => "--pressure",
+            Refusal::Approach { .. } | Refusal::NoApproach | Refusal::NotPressed { .. } => "--displacement",
+            Refusal::NotFinite { what: "lateral displacement", .. } => "--lateral",
+            Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",
+            Refusal::Law(_) => "--param",
+            Refusal::Search(_) => return Self::Computation(refusal.to_string()),
+            _ => "--surface",
+        };
+        Self::input(flag, refusal)
+    }
 }
 
 impl From<FileError> for Failure {

@@ -1,4 +1,4 @@
-//! The parts that the figures of several commands have in common.
+//! The parts of figures that several commands have in common.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use ndarray::Array2;
 
 use crate::failure::Failure;
 
-/// A prefix of figures, in a folder that exists.
+/// Parses a prefix of figures, whose folder must exist.
 ///
 /// # Errors
-/// The folder that does not.
+/// A folder that does not exist.
 pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     let prefix = PathBuf::from(text);
     let folder = gfmd_files::folder(&prefix);
@@ -25,7 +25,7 @@ pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
     stem.with_file_name(format!("{name}-{what}"))
 }
 
-/// Contact area against reduced pressure.
+/// A chart of the contact area against the reduced pressure.
 pub(crate) fn area_chart(series: Vec<Series>) -> Chart {
     Chart::new(vec![Panel {
         x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
@@ -35,7 +35,7 @@ pub(crate) fn area_chart(series: Vec<Series>) -> Chart {
     }])
 }
 
-/// Area of Persson's theory, and the straight line of Bush, Gibson and Thomas where it is below one.
+/// The area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
 pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
@@ -44,10 +44,10 @@ pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     [Series::line("Persson", 5, persson), Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) }]
 }
 
-/// Values along a line beyond this number are thinned for the figure.
+/// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
-/// A map of the pressure, or its profile for a line contact.
+/// Draws a map of the pressure, or its profile for a line contact.
 pub(crate) fn draw_pressure(
     stem: &Path,
     grid: &Grid,

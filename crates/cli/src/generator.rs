@@ -1,4 +1,4 @@
-//! A surface from flags: the numbers of a self-affine spectrum and a seed in, heights out.
+//! Generated surfaces: heights from flags that describe a self-affine spectrum, and a seed.
 
 use std::fmt;
 
@@ -15,22 +15,22 @@ use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::memory::Held;
 
-/// Points of a generated surface along one side, unless a flag says otherwise.
+/// The default number of points along one side.
 const POINTS: usize = 256;
 
-/// 1/eps_t unless a flag says otherwise.
+/// The default of 1/eps_t.
 const EPS_T_INV: f64 = 2.0;
 
-/// 1/eps_f with --eps-c-inv and without --n, unless a flag says otherwise.
+/// The default of 1/eps_f with --eps-c-inv and without --n.
 const EPS_F_INV: f64 = 32.0;
 
-/// 1/eps_c that --n leaves room for unless a flag says otherwise.
+/// The value of 1/eps_c to which the default of 1/eps_f leads.
 const EPS_C_INV: f64 = 4.0;
 
-/// Flags that describe a generated surface. Without any: 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
+/// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
 pub struct GeneratorArgs {
-    /// Points along a side, or NX,NY; or give --eps-c-inv [default: 256]
+    /// Points along a side, or NX,NY; an alternative is --eps-c-inv [default: 256]
     #[arg(long, value_delimiter = ',', value_name = "N")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<usize>,
@@ -41,39 +41,39 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_t_inv: Option<f64>,
-    /// Longest over shortest wavelength, at least 1 [default: what leaves 4 points of --n per shortest wavelength]
+    /// Longest over shortest wavelength, at least 1 [default: the ratio that gives 4 points per shortest wavelength]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_f_inv: Option<f64>,
-    /// Grid points per shortest wavelength, at least 2: another way to give --n [default: follows from --n]
+    /// Grid points per shortest wavelength, at least 2; an alternative to --n [default: follows from --n]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_c_inv: Option<f64>,
-    /// Root-mean-square of the full gradient, spectral, that every surface is scaled to
+    /// Root-mean-square of the full gradient (spectral) to which the surface is scaled
     #[arg(long, default_value_t = 0.1, value_name = "G", allow_negative_numbers = true)]
     pub rms_gradient: f64,
-    /// Root-mean-square height to scale to instead, length
+    /// Root-mean-square height to which the surface is scaled instead, length
     #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<f64>,
-    /// Names the realisation: the same seed and cell give the same surface on any grid
+    /// Number of the realisation; seed and cell determine the surface on any grid
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// 3: a surface; 2: a profile, for plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     pub dim: u8,
-    /// How: by spectrum (psd), or by subdivision, neither periodic nor isotropic nor with cut-offs (sra, rmd)
+    /// Method: by spectrum (psd), or by subdivision (sra, rmd), which is not periodic or isotropic and has no cut-offs
     #[arg(long, value_enum, default_value_t = Method::Psd)]
     pub method: Method,
-    /// Roll-off wavelength, length: beyond it the spectrum is flat
+    /// Roll-off wavelength, length; at longer wavelengths the spectrum is flat
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roll_off: Option<f64>,
-    /// How the spectrum goes from power law to flat
+    /// Shape of the transition from the power law to the flat part of the spectrum
     #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value = "plateau", requires = "roll_off")]
     #[serde(serialize_with = "by_name")]
     pub roll_off_shape: RollOffShape,
-    /// How large each mode is: drawn, or as expected with a random phase only
+    /// Amplitudes of the modes: random, or the expected ones with random phases
     #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value = "gaussian")]
     #[serde(serialize_with = "by_name")]
     pub amplitudes: Amplitudes,
@@ -93,7 +93,7 @@ pub enum Method {
 }
 
 impl GeneratorArgs {
-    /// These flags with every default filled in, as they belong into the record of a run.
+    /// Returns the flags with every default filled in, for the record of a run.
     ///
     /// # Errors
     /// Numbers that make no grid.
@@ -109,8 +109,7 @@ impl GeneratorArgs {
         Ok(whole)
     }
 
-    /// The grid in a cell of `length`: L, or Lx and Ly, or nothing for 1. One length is that along x; the points are as
-    /// far apart along y.
+    /// Makes the grid in a cell of `length`: Lx and Ly, or Lx with equal spacings along x and y, or nothing for Lx = 1.
     ///
     /// # Errors
     /// Numbers that make no grid, lengths that make no cell, more points than fit into memory.
@@ -120,10 +119,10 @@ impl GeneratorArgs {
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),
-            (2, _) => return Err(Failure::input("--length", format!("a profile has one length, found {length:?}"))),
+            (2, _) => return Err(Failure::value("--length", format!("{length:?}"), "one length for a profile")),
             (_, [lx, ly]) => Grid::new([nx, ny], [*lx, *ly]),
             (_, [] | [_]) => Grid::new([nx, ny], [along_x, along_x * ny as f64 / nx as f64]),
-            _ => return Err(Failure::input("--length", format!("L or Lx,Ly is allowed, found {length:?}"))),
+            _ => return Err(Failure::value("--length", format!("{length:?}"), "L or LX,LY")),
         };
         grid.map_err(|error| Failure::input("--length", error))
     }
@@ -140,13 +139,13 @@ impl GeneratorArgs {
         }
     }
 
-    /// Number of points along x and y.
+    /// The number of points along x and y.
     fn points(&self) -> Result<[usize; 2], Failure> {
-        let allowed = || Failure::input("--n", format!("N, or NX,NY of a surface, is allowed, found {:?}", self.n));
+        let allowed = || Failure::value("--n", format!("{:?}", self.n), "N, or NX,NY for a surface");
         let [nx, ny] = match (&self.n[..], self.eps_c_inv) {
             (_, Some(_)) if self.method != Method::Psd => return Err(self.no_cut_offs("--eps-c-inv")),
             ([_, ..], Some(_)) => {
-                return Err(Failure::input("--eps-c-inv", "it follows from --n: give one of the two"));
+                return Err(Failure::Input("--eps-c-inv follows from --n; give one of the two".into()));
             }
             ([], Some(eps_c_inv)) => {
                 let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
@@ -160,12 +159,12 @@ impl GeneratorArgs {
             _ => return Err(allowed()),
         };
         if nx < 2 || ny < 2 {
-            return Err(Failure::input("--n", format!("at least 2 points are allowed, found {}", nx.min(ny))));
+            return Err(Failure::value("--n", nx.min(ny), "at least 2"));
         }
         Ok([nx, if self.dim == 2 { 1 } else { ny }])
     }
 
-    /// The spectrum that `--method psd` follows; the discretisation numbers count from the shorter side of the cell.
+    /// The spectrum of `--method psd`; the discretisation numbers refer to the shorter side of the cell.
     ///
     /// # Errors
     /// A number out of its range, or a grid too coarse for the shortest wavelength.
@@ -177,7 +176,7 @@ impl GeneratorArgs {
         let eps_f_inv = self.eps_f_inv_on(smaller(grid.lengths()) / larger(grid.spacing()));
         for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
             if !(found.is_finite() && found >= 1.0) {
-                return Err(Failure::input(flag, format!("at least 1 is allowed, found {found}")));
+                return Err(Failure::value(flag, found, "at least 1 and finite"));
             }
         }
         let longest = smaller(grid.lengths()) / eps_t_inv;
@@ -186,13 +185,10 @@ impl GeneratorArgs {
         if per_wave < 2.0 * (1.0 - 1e-12) {
             let n = self.n.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
             let n = if n.is_empty() { POINTS.to_string() } else { n };
-            return Err(Failure::input(
-                "--n",
-                format!(
-                    "{n} points with --eps-t-inv {eps_t_inv} and --eps-f-inv {eps_f_inv} leave {per_wave} points per \
-                     shortest wavelength, at least 2 are allowed"
-                ),
-            ));
+            return Err(Failure::Input(format!(
+                "--n is {n}; with --eps-t-inv {eps_t_inv} and --eps-f-inv {eps_f_inv} the shortest wavelength has \
+                 {per_wave} points, and it must have at least 2"
+            )));
         }
         let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape: self.roll_off_shape });
         Ok(SelfAffine {
@@ -206,25 +202,26 @@ impl GeneratorArgs {
         })
     }
 
-    /// 1/eps_f, by default what leaves four points of `side` to the shortest wavelength.
+    /// 1/eps_f; by default the value that gives four points per shortest wavelength on a side of so many points.
     fn eps_f_inv_on(&self, side: f64) -> f64 {
         let room = side / (self.eps_t_inv.unwrap_or(EPS_T_INV) * self.eps_c_inv.unwrap_or(EPS_C_INV));
         self.eps_f_inv.unwrap_or_else(|| room.max(1.0))
     }
 
-    /// What the heights are scaled to.
+    /// The property to which the heights are scaled.
     pub fn normalisation(&self) -> Normalisation {
         self.rms_height.map_or(Normalisation::RmsGradient(self.rms_gradient), Normalisation::RmsHeight)
     }
 
-    /// The first points of a subdivision that has enough of them, without their mean, scaled to the size asked for.
+    /// Makes heights by subdivision on at least as many points as the grid has, cuts them to the grid, subtracts their mean
+    /// and scales them.
     fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Failure> {
         let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
             return Err(self.no_cut_offs(flag));
         }
         if self.amplitudes == Amplitudes::Fixed {
-            return Err(Failure::input("--amplitudes", "fixed ones belong to --method psd"));
+            return Err(Failure::value("--amplitudes", "fixed", format!("gaussian with --method {}", self.method)));
         }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
@@ -241,22 +238,22 @@ impl GeneratorArgs {
             Normalisation::RmsHeight(asked) => ("--rms-height", moments.rms_height(), asked),
         };
         if !(asked.is_finite() && asked > 0.0) {
-            return Err(Failure::input(flag, format!("positive and finite is allowed, found {asked}")));
+            return Err(Failure::value(flag, asked, "positive and finite"));
         }
         if found == 0.0 {
-            return Err(Failure::input("--n", format!("{nx} by {ny} points make a flat surface")));
+            return Err(Failure::input("--n", format!("{nx} x {ny} points make a flat surface; more are needed")));
         }
         heights *= asked / found;
         Ok(heights)
     }
 
     fn no_cut_offs(&self, flag: &str) -> Failure {
-        Failure::input(flag, format!("--method {} has no cut-offs, --method psd has", self.method))
+        Failure::input(flag, format!("--method {} has no cut-offs; only --method psd has them", self.method))
     }
 }
 
 impl fmt::Display for GeneratorArgs {
-    /// What kind of surface, in words.
+    /// Writes the kind of surface in words.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let what = if self.dim == 2 { "profile" } else { "surface" };
         write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst, self.seed)
@@ -273,7 +270,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// The error of the library under the flag that it comes from.
+/// The error of the library under the name of its flag.
 fn flagged(error: &SurfaceError) -> Failure {
     let flag = match error {
         SurfaceError::Hurst(_) => "--hurst",
@@ -306,7 +303,7 @@ mod tests {
         Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().generator
     }
 
-    /// The heights that a line of flags makes in a cell of length 1, and their grid.
+    /// The heights of a line of flags in a cell of length 1, and their grid.
     fn made(line: &str) -> Result<(Array2<f64>, Grid), Failure> {
         let generator = flags(line);
         let grid = generator.grid(&[])?;
@@ -352,29 +349,29 @@ mod tests {
             let message = made(line).unwrap_err().to_string();
             assert!(message.starts_with(words), "{message:?} is not {words:?}");
         };
-        says("--hurst 1.5", "--hurst: the Hurst exponent must be from 0 to 1, found 1.5");
-        says("--eps-t-inv 0.5", "--eps-t-inv: at least 1 is allowed, found 0.5");
-        says("--eps-f-inv nan", "--eps-f-inv: at least 1 is allowed, found NaN");
+        says("--hurst 1.5", "--hurst: the Hurst exponent is 1.5; it must be between 0 and 1");
+        says("--eps-t-inv 0.5", "--eps-t-inv is 0.5; it must be at least 1 and finite");
+        says("--eps-f-inv nan", "--eps-f-inv is NaN; it must be at least 1 and finite");
         says(
             "--n 64 --eps-f-inv 32",
-            "--n: 64 points with --eps-t-inv 2 and --eps-f-inv 32 leave 1 points per shortest wavelength, at least 2",
+            "--n is 64; with --eps-t-inv 2 and --eps-f-inv 32 the shortest wavelength has 1 points, and it must have",
         );
-        says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c must be at least 2 and finite, found 1.9");
-        says("--eps-c-inv 2.51", "--eps-c-inv: 1/eps_t * 1/eps_f * 1/eps_c must be a whole number of points");
-        says("--n 512 --eps-c-inv 8", "--eps-c-inv: it follows from --n");
-        says("--rms-gradient 0", "--rms-gradient: the rms gradient must be positive and finite, found 0");
-        says("--rms-height -1", "--rms-height: the rms height must be positive and finite, found -1");
-        says("--roll-off 0.7", "--roll-off: the roll-off wavelength must be from 0.015625 to 0.5, found 0.7");
-        says("--method rmd --rms-gradient -1", "--rms-gradient: positive and finite is allowed, found -1");
+        says("--eps-c-inv 1.9", "--eps-c-inv: 1/eps_c is 1.9; it must be at least 2 and finite");
+        says("--eps-c-inv 2.51", "--eps-c-inv: 1/eps_t * 1/eps_f * 1/eps_c is 160.6");
+        says("--n 512 --eps-c-inv 8", "--eps-c-inv follows from --n; give one of the two");
+        says("--rms-gradient 0", "--rms-gradient: the rms gradient is 0; it must be positive and finite");
+        says("--rms-height -1", "--rms-height: the rms height is -1; it must be positive and finite");
+        says("--roll-off 0.7", "--roll-off: the roll-off wavelength is 0.7; it must be between 0.015625 and 0.5");
+        says("--method rmd --rms-gradient -1", "--rms-gradient is -1; it must be positive and finite");
         says("--method rmd --eps-t-inv 4", "--eps-t-inv: --method rmd has no cut-offs");
         says("--method sra --eps-c-inv 4", "--eps-c-inv: --method sra has no cut-offs");
-        says("--method sra --amplitudes fixed", "--amplitudes: fixed ones belong to --method psd");
-        says("--n 1", "--n: at least 2 points are allowed, found 1");
-        says("--n 64,64 --dim 2", "--n: N, or NX,NY of a surface, is allowed, found [64, 64]");
+        says("--method sra --amplitudes fixed", "--amplitudes is fixed; it must be gaussian with --method sra");
+        says("--n 1", "--n is 1; it must be at least 2");
+        says("--n 64,64 --dim 2", "--n is [64, 64]; it must be N, or NX,NY for a surface");
         says("--n 100000000", "--n: 100000000 x 100000000 points need");
-        says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: no wave vector of this cell");
+        says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to");
         let length = |length: &[f64]| flags("").grid(length).unwrap_err().to_string();
-        assert!(length(&[-1.0]).starts_with("--length: cell lengths must be positive and finite"));
-        assert!(length(&[1.0, 2.0, 3.0]).starts_with("--length: L or Lx,Ly is allowed"));
+        assert!(length(&[-1.0]).starts_with("--length: the cell lengths are [-1.0, -1.0]; they must be positive"));
+        assert!(length(&[1.0, 2.0, 3.0]).starts_with("--length is [1.0, 2.0, 3.0]; it must be L or LX,LY"));
     }
 }

@@ -1,4 +1,4 @@
-//! `green`: look up the elasticity of one wave vector.
+//! `green`: stiffness, compliance and transfer matrices of one wave vector.
 
 use std::fmt::{self, Display};
 
@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use gfmd_green::{Base, Body, Complex64, GreenError, Height, Material, Section};
 use serde::Serialize;
 
+use crate::elastic::parse_height;
 use crate::failure::Failure;
 
 /// Flags of `green`.
@@ -25,7 +26,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.0, value_name = "QY", allow_negative_numbers = true)]
     qy: f64,
     /// Height of the slab, or inf for a half-space
-    #[arg(long, default_value = "inf", value_name = "ZM", value_parser = height, allow_negative_numbers = true)]
+    #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     height: Height,
     /// Young's modulus, stress
     #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
@@ -33,7 +34,7 @@ pub struct Args {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
-    /// What a slab stands on
+    /// Base of the slab
     #[arg(long, value_enum, default_value_t = BaseName::Bonded)]
     base: BaseName,
     /// Young's modulus of the half-space below, with --base half-space
@@ -42,10 +43,10 @@ pub struct Args {
     /// Poisson's ratio of the half-space below, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     base_poisson: Option<f64>,
-    /// Also displacement and stress at this height above the base of the slab
+    /// Compute displacement and stress, too, at this height above the base of the slab
     #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
     z: Option<f64>,
-    /// Also displacement and stress at this depth below the surface
+    /// Compute displacement and stress, too, at this depth below the surface
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     depth: Option<f64>,
 }
@@ -64,11 +65,10 @@ enum BaseName {
     HalfSpace,
 }
 
-/// A matrix as JSON has it: rows of pairs [re, im].
+/// A matrix in JSON: rows of pairs [re, im].
 type Rows = Vec<Vec<[f64; 2]>>;
 
-/// The result, as printed. Infinite entries (q = 0 where nothing holds the body, or where it is incompressible) are
-/// `null` in JSON.
+/// The result, as printed. Infinite entries (at q = 0 of a free or an incompressible body) are `null` in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Components: x, y, z, or x, z in 2-D.
@@ -83,17 +83,17 @@ pub struct Report {
     pub normal_compliance: f64,
     /// Frictionless normal stiffness 1/G_zz, in stress/length.
     pub normal_stiffness: f64,
-    /// Inside the body, where asked for.
+    /// Transfer matrices to the place given by `--z` or `--depth`.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub inside: Option<Inside>,
 }
 
-/// What a displacement of the surface causes inside the body.
+/// The displacement and the stress inside the body per displacement of the surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inside {
-    /// Displacement there per displacement of the surface.
+    /// Displacement per displacement of the surface.
     pub displacement_transfer: Rows,
-    /// Stress there per displacement of the surface, in stress/length.
+    /// Stress per displacement of the surface, in stress/length.
     pub stress_transfer: Rows,
     /// Names of the rows of `stress_transfer`.
     pub stress_components: Vec<&'static str>,
@@ -102,15 +102,15 @@ pub struct Inside {
 /// Evaluates the flags.
 ///
 /// # Errors
-/// A flag whose value cannot be used: one line with the flag, what was found and what is allowed.
+/// A flag out of its range.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
         if !value.is_finite() {
-            return Err(invalid(flag, value, "a finite number"));
+            return Err(Failure::value(flag, value, "finite"));
         }
     }
     if args.dim == 2 && args.qy != 0.0 {
-        return Err(invalid("--qy", args.qy, "0 with --dim 2"));
+        return Err(Failure::value("--qy", args.qy, "0 with --dim 2"));
     }
     let body = body(args)?;
     let section = section(args, &body)?;
@@ -144,13 +144,15 @@ fn body(args: &Args) -> Result<Body, Failure> {
     let material = material(["--young", "--poisson"], args.young, args.poisson)?;
     let body = match (args.height, Body::new(material, args.height)) {
         (_, Ok(body)) => body,
-        (Height::Finite(height), Err(_)) => return Err(invalid("--height", height, "a positive length, or inf")),
+        (Height::Finite(height), Err(_)) => {
+            return Err(Failure::value("--height", height, "a positive length, or inf"));
+        }
         (Height::Infinite, Err(error)) => return Err(Failure::Input(error.to_string())),
     };
     if args.base != BaseName::HalfSpace {
         for (flag, value) in [("--base-young", args.base_young), ("--base-poisson", args.base_poisson)] {
             if let Some(value) = value {
-                return Err(invalid(flag, value, "nothing without --base half-space"));
+                return Err(Failure::value(flag, value, "left out without --base half-space"));
             }
         }
     }
@@ -159,22 +161,21 @@ fn body(args: &Args) -> Result<Body, Failure> {
         BaseName::Sliding => Base::Sliding,
         BaseName::Free => Base::Free,
         BaseName::HalfSpace => {
-            let young =
-                args.base_young.ok_or_else(|| invalid("--base-young", "nothing", "Young's modulus of the base"))?;
-            let poisson =
-                args.base_poisson.ok_or_else(|| invalid("--base-poisson", "nothing", "Poisson's ratio of the base"))?;
+            let missing = |flag| Failure::Input(format!("{flag} is missing; it is needed with --base half-space"));
+            let young = args.base_young.ok_or_else(|| missing("--base-young"))?;
+            let poisson = args.base_poisson.ok_or_else(|| missing("--base-poisson"))?;
             let material = self::material(["--base-young", "--base-poisson"], young, poisson)?;
             Base::Elastic(Box::new(Body::half_space(material)))
         }
     };
     let name = args.base.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-    body.on(base).map_err(|_| invalid("--base", name, "bonded with --height inf (a half-space has no base)"))
+    body.on(base).map_err(|_| Failure::value("--base", name, "bonded with --height inf: a half-space has no base"))
 }
 
 fn material(flags: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
     Material::from_young(young, poisson).map_err(|error| match error {
-        GreenError::Young(found) => invalid(flags[0], found, "a positive, finite number"),
-        GreenError::Poisson(found) => invalid(flags[1], found, "above -1 and up to 0.5"),
+        GreenError::Young(found) => Failure::value(flags[0], found, "positive and finite"),
+        GreenError::Poisson(found) => Failure::value(flags[1], found, "above -1 and at most 0.5"),
         other => Failure::Input(other.to_string()),
     })
 }
@@ -186,24 +187,15 @@ fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failu
         (None, None) => return Ok(None),
     };
     section.map(Some).map_err(|error| match error {
-        GreenError::Outside { largest, .. } if largest.is_finite() => invalid(flag, place, format!("0 to {largest}")),
-        GreenError::Outside { .. } => invalid(flag, place, "a finite depth of 0 or more"),
-        GreenError::HalfSpaceHeight(_) => invalid(flag, place, "a finite --height, or --depth in a half-space"),
+        GreenError::Outside { largest, .. } if largest.is_finite() => {
+            Failure::value(flag, place, format!("between 0 and {largest}"))
+        }
+        GreenError::Outside { .. } => Failure::value(flag, place, "at least 0 and finite"),
+        GreenError::HalfSpaceHeight(_) => {
+            Failure::Input(format!("{flag} is {place}; it needs a finite --height, a half-space takes --depth"))
+        }
         other => Failure::Input(other.to_string()),
     })
-}
-
-/// An unusable value of a flag.
-fn invalid(flag: &str, found: impl Display, allowed: impl Display) -> Failure {
-    Failure::input(flag, format!("found {found}, allowed: {allowed}"))
-}
-
-/// A length, or `inf`.
-fn height(text: &str) -> Result<Height, String> {
-    match text {
-        "inf" => Ok(Height::Infinite),
-        _ => text.parse().map(Height::Finite).map_err(|_| "allowed: a length, or inf".into()),
-    }
 }
 
 fn rows<const ROWS: usize, const COLUMNS: usize>(matrix: &[[Complex64; COLUMNS]; ROWS]) -> Rows {
@@ -239,7 +231,7 @@ impl Display for Report {
     }
 }
 
-/// One row a line: its name, then real and imaginary part of each column.
+/// Writes each row as a line: its name, then the real and the imaginary part of each column.
 fn write_matrix(f: &mut fmt::Formatter, title: &str, names: &[&str], columns: &[&str], matrix: &Rows) -> fmt::Result {
     writeln!(f, "{title}")?;
     write!(f, "    ")?;
@@ -317,20 +309,17 @@ mod tests {
     #[test]
     fn unusable_flags_are_named_with_what_was_found_and_what_is_allowed() {
         for (flags, message) in [
-            ("--qx nan", "--qx: found NaN, allowed: a finite number"),
-            ("--dim 2 --qx 1 --qy 2", "--qy: found 2, allowed: 0 with --dim 2"),
-            ("--qx 1 --young 0", "--young: found 0, allowed: a positive, finite number"),
-            ("--qx 1 --poisson 0.6", "--poisson: found 0.6, allowed: above -1 and up to 0.5"),
-            ("--qx 1 --height -1", "--height: found -1, allowed: a positive length, or inf"),
-            ("--qx 1 --base free", "--base: found free, allowed: bonded with --height inf (a half-space has no base)"),
-            (
-                "--qx 1 --height 1 --base half-space",
-                "--base-young: found nothing, allowed: Young's modulus of the base",
-            ),
-            ("--qx 1 --base-young 2", "--base-young: found 2, allowed: nothing without --base half-space"),
-            ("--qx 1 --height 1 --z 1.5", "--z: found 1.5, allowed: 0 to 1"),
-            ("--qx 1 --z 0.5", "--z: found 0.5, allowed: a finite --height, or --depth in a half-space"),
-            ("--qx 1 --depth -0.5", "--depth: found -0.5, allowed: a finite depth of 0 or more"),
+            ("--qx nan", "--qx is NaN; it must be finite"),
+            ("--dim 2 --qx 1 --qy 2", "--qy is 2; it must be 0 with --dim 2"),
+            ("--qx 1 --young 0", "--young is 0; it must be positive and finite"),
+            ("--qx 1 --poisson 0.6", "--poisson is 0.6; it must be above -1 and at most 0.5"),
+            ("--qx 1 --height -1", "--height is -1; it must be a positive length, or inf"),
+            ("--qx 1 --base free", "--base is free; it must be bonded with --height inf: a half-space has no base"),
+            ("--qx 1 --height 1 --base half-space", "--base-young is missing; it is needed with --base half-space"),
+            ("--qx 1 --base-young 2", "--base-young is 2; it must be left out without --base half-space"),
+            ("--qx 1 --height 1 --z 1.5", "--z is 1.5; it must be between 0 and 1"),
+            ("--qx 1 --z 0.5", "--z is 0.5; it needs a finite --height, a half-space takes --depth"),
+            ("--qx 1 --depth -0.5", "--depth is -0.5; it must be at least 0 and finite"),
         ] {
             assert_eq!(evaluate(flags).unwrap_err().to_string(), message);
         }

@@ -13,10 +13,10 @@ impl Formatter for SeventeenDigits {
     }
 }
 
-/// One JSON object on one line. Values that are not finite become `null`.
+/// Writes one JSON object on one line. Values that are not finite become `null`.
 ///
 /// # Errors
-/// What the value's own serialisation reports.
+/// An error of the serialisation of the value.
 pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
     let mut text = Vec::new();
     value.serialize(&mut Serializer::with_formatter(&mut text, SeventeenDigits(CompactFormatter)))?;

@@ -1,4 +1,4 @@
-//! `kappa-sweep`: many contacts, one kappa in the thermodynamic, fractal and continuum limit.
+//! `kappa-sweep`: kappa in the thermodynamic, fractal and continuum limit, from many contacts.
 
 mod calibration;
 mod config;
@@ -34,13 +34,13 @@ use journal::{Finished, Journal, Size};
   gfmd kappa-sweep --preset thesis --dry-run
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
 pub struct Args {
-    /// A sweep with a name
+    /// Sweep to compute, by name
     #[arg(long, default_value = Preset::Default.name(), value_parser = preset(), conflicts_with = "config")]
     pub preset: Preset,
-    /// A sweep of your own, in TOML (docs/interface.md); what it leaves out is as in the preset "default"
+    /// Configuration of a sweep in TOML (docs/interface.md); missing fields are those of the preset "default"
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// The file to write; plots go beside it
+    /// Write the results to this file, and plots beside it
     #[arg(long, default_value = "kappa.h5", value_name = "FILE.h5")]
     pub out: PathBuf,
     /// Continue a sweep that was interrupted or killed
@@ -49,7 +49,7 @@ pub struct Args {
     /// Print every point, its memory and the expected time, and compute nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Print the configuration as TOML, to start a file of your own from, and compute nothing
+    /// Print the configuration as TOML, as a template for --config, and compute nothing
     #[arg(long, conflicts_with = "dry_run")]
     pub show_config: bool,
 }

@@ -1,4 +1,4 @@
-//! `law`: evaluate a contact law, and the flags that name one.
+//! `law`: tractions, Jacobian and energy of a contact law; the flags that choose a law.
 
 mod figures;
 
@@ -12,25 +12,25 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 
-/// Flags that name a law.
+/// Flags that choose a law.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 pub struct LawArgs {
-    /// What acts across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential, harmonic-cosine,
-    /// dugdale (docs/laws)
+    /// Law of the tractions across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential,
+    /// harmonic-cosine, dugdale (docs/laws)
     #[arg(long, default_value = "hard-wall", value_parser = parse_kind, value_name = "NAME")]
     #[serde(serialize_with = "serialize_kind")]
     pub law: Kind,
-    /// A parameter of the law, NAME=VALUE; once for each
+    /// Parameter of the law, NAME=VALUE; give the flag once for each parameter
     #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
 }
 
 impl LawArgs {
-    /// The law.
+    /// Makes the law.
     ///
     /// # Errors
-    /// Parameters that it does not know, needs, or cannot use.
+    /// A parameter that is unknown, missing or out of its range.
     pub fn build(&self) -> Result<Box<dyn Law>, Failure> {
         self.law.with(&self.param).map_err(|error| Failure::input("--param", error))
     }
@@ -41,7 +41,7 @@ fn parse_kind(name: &str) -> Result<Kind, LawError> {
 }
 
 fn parse_parameter(text: &str) -> Result<(String, f64), String> {
-    let wrong = || format!("NAME=VALUE is allowed, found {text:?}");
+    let wrong = || "it must be NAME=VALUE".to_owned();
     let (name, value) = text.split_once('=').ok_or_else(wrong)?;
     Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
 }
@@ -67,8 +67,8 @@ pub struct Args {
     /// Tangential separations along one direction, one for each normal one; default 0
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
     tangential: Vec<f64>,
-    /// Draw T_n over the span of --normal and T_t over that of --tangential, one curve for each value of the other:
-    /// PREFIX.svg, .png
+    /// Draw T_n against the normal separation, one curve for each value of --tangential, and T_t against the tangential
+    /// separation, one curve for each value of --normal: PREFIX.svg, .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     plot: Option<PathBuf>,
 }
@@ -78,13 +78,13 @@ pub struct Args {
 pub struct Report {
     /// Name of the law.
     pub law: &'static str,
-    /// Whether penetration is forbidden.
+    /// True if penetration is forbidden.
     pub wall: bool,
-    /// The requirements R1 to R6 of docs/theory.md, section 8; `null` of a law without tangential traction.
+    /// The requirements R1 to R6 of docs/theory.md, section 8; `null` for a law without tangential traction.
     pub mixed_mode: Option<MixedModeRecord>,
-    /// One for each separation.
+    /// One point for each separation.
     pub points: Vec<Point>,
-    /// Names of the figures.
+    /// The figures.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plots: Vec<PathBuf>,
 }
@@ -126,33 +126,31 @@ pub struct Point {
     pub traction: [f64; 2],
     /// Derivatives of T_n, T_t (rows) by the normal and tangential separation (columns).
     pub jacobian: [[f64; 2]; 2],
-    /// Energy per area, where there is one.
+    /// Energy per area, if the law has a potential.
     pub energy: Option<f64>,
 }
 
 /// Evaluates the flags.
 ///
 /// # Errors
-/// A flag whose value cannot be used; figures that cannot be written.
+/// A flag out of its range; figures that cannot be written.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     let law = args.law.build()?;
     let zeros = vec![0.0; args.normal.len()];
     let tangential = if args.tangential.is_empty() { &zeros } else { &args.tangential };
     if tangential.len() != args.normal.len() {
         let (found, wanted) = (tangential.len(), args.normal.len());
-        return Err(Failure::input(
-            "--tangential",
-            format!("found {found} values, allowed: as many as --normal, {wanted}"),
-        ));
+        let reason = format!("--tangential has {found} values; it must have as many as --normal, {wanted}");
+        return Err(Failure::Input(reason));
     }
     for (flag, values) in [("--normal", &args.normal), ("--tangential", tangential)] {
         if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
-            return Err(Failure::input(flag, format!("found {bad}, allowed: finite numbers")));
+            return Err(Failure::value(flag, bad, "finite"));
         }
     }
     if let Some(bad) = args.normal.iter().find(|normal| law.has_wall() && **normal < 0.0) {
         let name = args.law.law.name();
-        return Err(Failure::input("--normal", format!("found {bad}, allowed: 0 or more ({name} has a hard wall)")));
+        return Err(Failure::value("--normal", bad, format!("at least 0, since {name} has a hard wall")));
     }
     let points = args.normal.iter().zip(tangential).map(|(&normal, &tangential)| {
         let response = law.response(normal, tangential);

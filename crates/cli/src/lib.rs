@@ -1,5 +1,5 @@
-//! The commands of the program `gfmd`, as a library. One module per command: flags in, one function, a report out that
-//! prints itself as a table or as JSON (docs/interface.md).
+//! The commands of the program `gfmd`, as a library. Each command is a module whose function `run` takes the flags and
+//! returns a report, to be printed as a table or as JSON (docs/interface.md).
 //!
 //! ```
 //! use clap::Parser;
@@ -22,7 +22,6 @@ pub mod choice;
 pub mod contact;
 pub mod damping;
 pub mod elastic;
-pub mod equilibrium;
 pub mod failure;
 pub mod figures;
 pub mod generator;

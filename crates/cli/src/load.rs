@@ -1,13 +1,13 @@
-//! What is recorded of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
+//! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
 use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_interface::State;
-use gfmd_measure::{Scales, Summary};
+use gfmd_measure::{Column, Scales, Summary};
 use serde::{Deserialize, Serialize};
 
 /// The scalars of one load. Units: those of the input (stress, length).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct LoadRecord {
     pub mean_pressure: f64,
     pub p_star: f64,
@@ -33,9 +33,9 @@ pub struct LoadRecord {
     pub law: Option<LawRecord>,
 }
 
-/// What a contact with a law that reaches across the gap has besides.
+/// The further scalars of a contact with a law that acts across the gap.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`LAW_SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`LAW_SCALARS` has the meanings, once for code and files")]
 pub struct LawRecord {
     pub interface_energy: f64,
     pub passed_instability: bool,
@@ -45,7 +45,7 @@ pub struct LawRecord {
 
 /// The four residuals (docs/interface.md).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct ResidualRecord {
     pub complementarity: f64,
     pub penetration: f64,
@@ -60,16 +60,53 @@ impl From<Residual> for ResidualRecord {
     }
 }
 
-impl LoadRecord {
-    /// Measures the state of a hard wall. `rms_gradient` is the spectral one of the whole surface.
-    pub fn measure(solution: &Solution, contact_modulus: f64, rms_gradient: f64, tolerance: f64, seconds: f64) -> Self {
-        let summary = solution.summary_in(&Scales { contact_modulus, rms_gradient });
-        let converged = solution.worst() <= tolerance;
-        Self::of(&summary, solution.approach, solution.effort, solution.residual.into(), converged, seconds)
+/// A state that can be recorded as a load.
+pub trait Recorded: Fields {
+    /// The residuals of the state.
+    fn residual_record(&self) -> ResidualRecord;
+
+    /// The scalars of the law, if one acts across the gap.
+    fn law_record(&self) -> Option<LawRecord>;
+}
+
+impl Recorded for Solution {
+    fn residual_record(&self) -> ResidualRecord {
+        self.residual.into()
     }
 
-    /// The record of a hard wall from its parts.
-    pub(crate) fn of(
+    fn law_record(&self) -> Option<LawRecord> {
+        None
+    }
+}
+
+impl Recorded for State {
+    fn residual_record(&self) -> ResidualRecord {
+        let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
+        ResidualRecord { complementarity, penetration, negative_pressure: wall_tension, load }
+    }
+
+    fn law_record(&self) -> Option<LawRecord> {
+        Some(LawRecord {
+            interface_energy: self.interface_energy,
+            passed_instability: self.passed_instability,
+            lowest_curvature: self.lowest_curvature,
+            residual_equilibrium: self.residual.equilibrium,
+        })
+    }
+}
+
+impl LoadRecord {
+    /// Measures a state in units of `scales`.
+    pub fn measure<S: Recorded>(state: &S, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
+        let summary = state.summary_in(scales);
+        let converged = state.worst() <= tolerance;
+        let residual = state.residual_record();
+        let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
+        Self { law: state.law_record(), ..wall }
+    }
+
+    /// Makes the record for a hard wall from its parts.
+    pub fn of(
         summary: &Summary,
         approach: f64,
         effort: Effort,
@@ -101,118 +138,146 @@ impl LoadRecord {
             law: None,
         }
     }
-
-    /// Measures the state of a law that reaches across the gap.
-    pub fn of_state(state: &State, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
-        let residual = ResidualRecord {
-            complementarity: state.residual.complementarity,
-            penetration: state.residual.penetration,
-            negative_pressure: state.residual.wall_tension,
-            load: state.residual.load,
-        };
-        let converged = state.worst() <= tolerance;
-        let law = LawRecord {
-            interface_energy: state.interface_energy,
-            passed_instability: state.passed_instability,
-            lowest_curvature: state.lowest_curvature,
-            residual_equilibrium: state.residual.equilibrium,
-        };
-        let summary = state.summary_in(scales);
-        Self { law: Some(law), ..Self::of(&summary, state.approach, state.effort, residual, converged, seconds) }
-    }
 }
 
-/// One scalar of [`LoadRecord`] as a variable of a file.
-pub struct Scalar {
-    /// Name of the variable.
-    pub name: &'static str,
-    /// Kind of quantity.
-    pub units: &'static str,
-    /// Meaning.
-    pub long_name: &'static str,
-    /// The value.
-    pub value: fn(&LoadRecord) -> f64,
-}
-
-const fn scalar(
-    name: &'static str,
-    units: &'static str,
-    long_name: &'static str,
-    value: fn(&LoadRecord) -> f64,
-) -> Scalar {
-    Scalar { name, units, long_name, value }
+/// Appends the scale of stress to the meaning of a residual that is a stress.
+macro_rules! per_stress {
+    ($what:literal) => {
+        concat!($what, " / the stress scale (the largest traction, or the softest stiffness times h_rms if more)")
+    };
 }
 
 /// All scalars, in the order of the files.
-pub const SCALARS: &[Scalar] = &[
-    scalar("mean_pressure", "stress", "mean pressure over the whole surface", |r| r.mean_pressure),
-    scalar("p_star", "1", "reduced pressure p/(E* g)", |r| r.p_star),
-    scalar("displacement", "length", "rigid approach beyond first touch", |r| r.displacement),
-    scalar("area_fraction", "1", "contact area fraction, points in contact over all points", |r| r.area_fraction),
-    scalar(
+pub const SCALARS: &[Column<LoadRecord>] = &[
+    Column::new("mean_pressure", "stress", "mean pressure over the whole surface", |r| r.mean_pressure),
+    Column::new("p_star", "1", "reduced pressure p/(E* g)", |r| r.p_star),
+    Column::new("displacement", "length", "rigid approach beyond first touch", |r| r.displacement),
+    Column::new("area_fraction", "1", "contact area fraction, points in contact over all points", |r| r.area_fraction),
+    Column::new(
         "area_fraction_corrected",
         "1",
-        "contact area fraction less the pixels' excess along the perimeter (Yastrebov et al. 2017)",
+        "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)",
         |r| r.area_fraction_corrected,
     ),
-    scalar("kappa", "1", "area_fraction / p_star", |r| r.kappa),
-    scalar("kappa_corrected", "1", "area_fraction_corrected / p_star", |r| r.kappa_corrected),
-    scalar("contact_nodes", "1", "number of points in contact", |r| r.contact_nodes as f64),
-    scalar("boundary_links", "1", "neighbouring pairs with one point in contact and one not", |r| {
+    Column::new("kappa", "1", "area_fraction / p_star", |r| r.kappa),
+    Column::new("kappa_corrected", "1", "area_fraction_corrected / p_star", |r| r.kappa_corrected),
+    Column::new("contact_nodes", "1", "number of points in contact", |r| r.contact_nodes as f64),
+    Column::new("boundary_links", "1", "neighbouring pairs with one point in contact and one not", |r| {
         r.boundary_links as f64
     }),
-    scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
-    scalar("max_pressure", "stress", "largest pressure", |r| r.max_pressure),
-    scalar("mean_pressure_in_contact", "stress", "mean pressure over the points in contact", |r| {
+    Column::new("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
+    Column::new("max_pressure", "stress", "largest pressure", |r| r.max_pressure),
+    Column::new("mean_pressure_in_contact", "stress", "mean pressure over the points in contact", |r| {
         r.mean_pressure_in_contact
     }),
-    scalar(
+    Column::new(
         "pressure_deviation_in_contact",
         "stress",
         "standard deviation of the pressure over the points in contact",
         |r| r.pressure_deviation_in_contact,
     ),
-    scalar("pressure_moment_2", "stress^2", "mean square pressure over the whole surface", |r| r.pressure_moment_2),
-    scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
-    scalar("iterations", "1", "iterations or time steps of the solver", |r| r.iterations as f64),
-    scalar("transform_pairs", "1", "forward and inverse real transforms of the full grid, in pairs", |r| {
+    Column::new("pressure_moment_2", "stress^2", "mean square pressure over the whole surface", |r| {
+        r.pressure_moment_2
+    }),
+    Column::new("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
+    Column::new("iterations", "1", "iterations or time steps of the solver", |r| r.iterations as f64),
+    Column::new("transform_pairs", "1", "forward and inverse real transforms of the full grid, in pairs", |r| {
         r.transform_pairs
     }),
-    scalar("converged", "1", "1 if all four residuals are at most the tolerance", |r| f64::from(u8::from(r.converged))),
-    scalar("residual_complementarity", "1", "sum(p gap) / (sum(p) h_rms), from the final fields", |r| {
+    Column::new("converged", "1", "1 if all four residuals are at most the tolerance", |r| {
+        f64::from(u8::from(r.converged))
+    }),
+    Column::new("residual_complementarity", "1", "sum(p gap) / (sum(p) h_rms), from the final fields", |r| {
         r.residual.complementarity
     }),
-    scalar("residual_penetration", "1", "max(0, -min gap) / h_rms, from the final fields", |r| r.residual.penetration),
-    scalar("residual_negative_pressure", "1", "max(0, -min p) / mean p, from the final fields", |r| {
+    Column::new("residual_penetration", "1", "max(0, -min gap) / h_rms, from the final fields", |r| {
+        r.residual.penetration
+    }),
+    Column::new("residual_negative_pressure", "1", "max(0, -min p) / mean p, from the final fields", |r| {
         r.residual.negative_pressure
     }),
-    scalar("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
+    Column::new("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
 ];
 
-/// Wall time of a load: recorded, but not among the numbers that repeat.
-pub const SECONDS: Scalar = scalar("seconds", "s", "wall time of the solve", |r| r.seconds);
+/// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
+pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
-/// The scalars of [`LawRecord`]; NaN of a hard wall alone.
-pub const LAW_SCALARS: &[Scalar] = &[
-    scalar("interface_energy", "stress*length", "energy of the contact law per area of the surface", |r| {
+/// The scalars of [`LawRecord`]; NaN for a hard wall alone.
+pub const LAW_SCALARS: &[Column<LoadRecord>] = &[
+    Column::new("interface_energy", "stress*length", "energy of the contact law per area of the surface", |r| {
         r.law.map_or(f64::NAN, |law| law.interface_energy)
     }),
-    scalar(
+    Column::new(
         "passed_instability",
         "1",
         "1 if directions of negative curvature were met on the way from the last load",
         |r| r.law.map_or(f64::NAN, |law| f64::from(u8::from(law.passed_instability))),
     ),
-    scalar(
+    Column::new(
         "lowest_curvature",
         "1",
-        "lowest curvature that the last search for a step saw, over the elastic one",
+        "lowest curvature met in the last search for a step, over the elastic curvature",
         |r| r.law.map_or(f64::NAN, |law| law.lowest_curvature),
     ),
-    scalar(
+    Column::new(
         "residual_equilibrium",
         "1",
-        "largest force per area that nothing balances, over the largest traction",
+        per_stress!("largest unbalanced force per area, from the final fields,"),
         |r| r.law.map_or(f64::NAN, |law| law.residual_equilibrium),
     ),
 ];
+
+/// The scalars whose meaning is different if a law acts across the gap. In contact are then the points that are repelled:
+/// those under pressure of the wall, or all with a positive pressure if there is no wall.
+const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
+    ("area_fraction", "contact area fraction, points that are repelled over all points"),
+    ("kappa", "area_fraction / p_star; NaN if attraction carries the load"),
+    ("kappa_corrected", "area_fraction_corrected / p_star; NaN if attraction carries the load"),
+    ("contact_nodes", "number of points that are repelled"),
+    ("boundary_links", "neighbouring pairs with one point repelled and one not"),
+    ("max_pressure", "largest repulsive pressure"),
+    ("mean_pressure_in_contact", "mean repulsive pressure over the points that are repelled"),
+    ("pressure_deviation_in_contact", "standard deviation of the repulsive pressure over the points that are repelled"),
+    ("pressure_moment_2", "mean square repulsive pressure over the whole surface"),
+    ("converged", "1 if all five residuals are at most the tolerance"),
+    ("residual_complementarity", "sum(p gap) / (sum(p) h_rms) with p the pressure of the wall, from the final fields"),
+    (
+        "residual_negative_pressure",
+        per_stress!("largest tension that the wall would have to hold, from the final fields,"),
+    ),
+    ("residual_load", per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
+];
+
+/// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
+/// between the surfaces.
+pub fn columns(with_law: bool) -> Vec<Column<LoadRecord>> {
+    let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain([&SECONDS]).copied().collect();
+    if with_law {
+        for column in &mut columns {
+            if let Some((_, meaning)) = MEANINGS_WITH_LAW.iter().find(|(name, _)| *name == column.name) {
+                column.long_name = meaning;
+            }
+        }
+        columns.extend_from_slice(LAW_SCALARS);
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_has_the_same_names_with_meanings_of_its_own() {
+        let (wall, law) = (columns(false), columns(true));
+        let meaning = |columns: &[Column<LoadRecord>], name: &str| {
+            columns.iter().find(|column| column.name == name).map(|column| column.long_name)
+        };
+        for (name, own) in MEANINGS_WITH_LAW {
+            assert_eq!(meaning(&law, name), Some(*own));
+            assert!(meaning(&wall, name).is_some_and(|of_wall| of_wall != *own), "{name}");
+        }
+        let names = wall.iter().zip(&law).all(|(a, b)| (a.name, a.units) == (b.name, b.units));
+        assert!(names && law.len() == wall.len() + LAW_SCALARS.len());
+    }
+}

@@ -1,38 +1,38 @@
-//! Memory: the need of each problem, which is refused if it does not fit, and the use of this process.
+//! Memory: the need of each problem, and the use of this process.
 
 use crate::failure::Failure;
 
-/// Held of doubles, one component each, that a problem holds at its peak, with some room.
+/// The number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held(u64);
 
 impl Held {
-    /// The synthesis of a surface: heights, half spectrum, work of the transform.
+    /// The synthesis of a surface: heights, half spectrum, workspace of the transform.
     pub const SURFACE: Self = Self(5);
     /// A contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
-    /// A contact with a law that reaches across the gap.
+    /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
-    /// A path of u_z alone, with the states on either side of a jump.
+    /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(36);
     /// A path that moves all components.
     pub const ALL_COMPONENTS: Self = Self(92);
     /// A punch.
     pub const PUNCH: Self = Self(48);
-    /// Held below a surface: spectra of the surface and of a plane, its fields, and the values written.
+    /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
     pub const BODY: Self = Self(36);
     /// The relaxation of a free surface.
     pub const DAMPING: Self = Self(40);
 
-    /// Bytes on a grid of so many points; the largest number there is if there is no such number.
+    /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
     pub fn bytes(self, points: [usize; 2]) -> u64 {
         points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))
     }
 
-    /// Refuses a grid that does not fit into memory, under the name of its flag or source.
+    /// Refuses a grid that does not fit into memory; the message begins with `name`, its flag or file.
     ///
     /// # Errors
-    /// More memory needed than available.
+    /// A need of more memory than is available.
     pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
         let needed = self.bytes(points);
         let Some(available) = available_bytes().filter(|available| needed > *available) else { return Ok(()) };
@@ -43,7 +43,7 @@ impl Held {
     }
 }
 
-/// Memory that a computation may use, in bytes, as the system reports it; `None` where it does not.
+/// The memory that a computation may use, in bytes; `None` if the system does not report it.
 fn available_bytes() -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
@@ -53,7 +53,7 @@ fn available_bytes() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
-/// Largest resident memory of this process so far, in bytes; 0 where the system does not report it.
+/// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
     #[cfg(unix)]
     {

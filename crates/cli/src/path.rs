@@ -53,11 +53,11 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
-    /// Coulomb friction behind a hard wall, with this coefficient
+    /// Coulomb friction with this coefficient, at a hard wall
     #[arg(long, value_name = "MU", conflicts_with_all = ["law", "shear_strength"], allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
-    /// Friction of this shear strength (Tresca) behind a hard wall, stress
+    /// Friction with this shear strength (Tresca), stress, at a hard wall
     #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     shear_strength: Option<f64>,
@@ -70,13 +70,13 @@ pub struct Args {
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     tol: f64,
-    /// Iterations after which a step is given up
+    /// Largest number of iterations for one step
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
-    /// Error of the dissipated energy, of laws that have an energy: largest share of the work done in a step
+    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
-    /// Most further solves for each step, on the average, that it may take to find the dissipated energy; 0 for none
+    /// Largest number of further solves per step, on average, to find the dissipated energy; 0 for none
     #[arg(long, default_value_t = Refinement::default().solves_per_step, value_name = "N")]
     energy_solves: u64,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
@@ -103,13 +103,13 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// What acts between the surfaces.
+/// The interaction between the surfaces.
 enum Action {
     Law(Arc<dyn Law>),
     Friction(Limit),
 }
 
-/// Everything that can be refused is refused before the first solve.
+/// The input of the command, checked before the first solve.
 struct Prepared {
     surface: Surface,
     body: Body,
@@ -123,10 +123,7 @@ impl Prepared {
         let body = args.body.body()?;
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(1e-9..=0.1).contains(&args.energy_tol) {
-            return Err(Failure::input(
-                "--energy-tol",
-                format!("the tolerance is {:e}; it must be between 1e-9 and 0.1", args.energy_tol),
-            ));
+            return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
         }
         let limit = (args.friction.map(Limit::Coulomb)).or(args.shear_strength.map(Limit::Tresca));
         let action = match limit {
@@ -174,7 +171,7 @@ impl Prepared {
         matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty()
     }
 
-    /// Takes the problem through all drives, as far as it goes.
+    /// Solves the problem along all drives, until a step fails.
     fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
     where
         P::State: Recorded,
@@ -250,12 +247,12 @@ impl Prepared {
     }
 }
 
-/// What is kept of the steps while they are made.
+/// The records of the steps so far.
 struct Log<'a> {
     steps: Vec<StepRecord>,
     steps_of_leg: usize,
     file: Option<PathFile<'a>>,
-    /// The largest contact area, and the pressure there, compression alone.
+    /// The largest contact area, and its field of compressive pressure.
     widest: Option<(f64, Array2<f64>)>,
     unit_pressure: f64,
     tolerance: f64,

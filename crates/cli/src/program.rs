@@ -1,4 +1,4 @@
-//! The program: parses the command line, runs the command, prints, and maps failures to exit codes.
+//! The program: it parses the command line, runs the command, prints its report, and maps failures to exit codes.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is where results and errors are printed")]
 
 use std::fmt::Display;
@@ -27,15 +27,15 @@ struct Line<C: Subcommand> {
 pub enum Command {
     /// Press a rough surface on an elastic body, at one or more loads
     Contact(Box<contact::Args>),
-    /// The main job: kappa in the thermodynamic, fractal and continuum limit, with its uncertainty
+    /// Extrapolate kappa to the thermodynamic, fractal and continuum limit, with its uncertainty
     KappaSweep(Box<kappa_sweep::Args>),
     /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
     Punch(Box<punch::Args>),
-    /// Displacement, strain and stress below a surface, from its displacement
+    /// Compute displacement, strain and stress below a surface from its displacement
     Body(Box<body::Args>),
     /// Make a rough surface, or measure one
     Surface(Box<surface::Args>),
-    /// What damping does to the relaxation of a surface, predicted and measured
+    /// Relax a free surface with several dampings; compare prediction and measurement
     Damping(Box<damping::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
@@ -62,12 +62,12 @@ pub fn start<C: Subcommand>(name: &'static str, run: impl FnOnce(&C, &Session) -
     }
 }
 
-/// One solve after the other takes and frees the same fields. Handed back to the system each time, and asked for again page
-/// by page, they cost a tenth of the time on one thread, and more of two. Other systems keep their ways.
+/// Keeps freed memory in the process, on Linux with glibc. Each solve allocates and frees fields of equal size. Returning
+/// them to the system each time costs a tenth of the computing time on one thread, and more on two.
 fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
-    // SAFETY: there is no other thread yet, and both are settings that any value suits.
+    // SAFETY: no other thread exists yet, and both settings accept any value.
     unsafe {
         use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
         mallopt(M_MMAP_MAX, 0);
@@ -75,7 +75,7 @@ fn keep_freed_memory() {
     }
 }
 
-/// The help of a program under the name that it is called by; the examples are written for `gfmd`.
+/// Puts the name by which the program is called into its help, whose examples are written for `gfmd`.
 fn named(command: clap::Command, name: &'static str) -> clap::Command {
     let examples = |command: clap::Command| match command.get_after_help() {
         Some(text) => {
@@ -139,7 +139,7 @@ fn write(text: &str) -> Result<(), Failure> {
     written.map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
 }
 
-/// Help and version are results; everything else that clap says is one line of unusable input.
+/// Prints help and version as results, and any other message of clap as one line of unusable input.
 fn refuse(error: &clap::Error) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {

@@ -8,14 +8,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::session::Common;
 
-/// Work shorter than this shows nothing.
+/// Time before the first plain line.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Time between two plain lines.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Progress through work of known total size. The size of a piece is its expected cost, so that the time left is honest
-/// when pieces differ.
+/// Progress through work of known total size. The size of a piece is its expected cost, so that the estimate of the time
+/// left is right when pieces differ.
 pub struct Progress {
     bar: Option<ProgressBar>,
     plain: Option<Mutex<Plain>>,
@@ -48,7 +48,7 @@ impl Progress {
         Self { bar, plain, total }
     }
 
-    /// A piece is done; `note` says where the work stands.
+    /// Counts a finished piece; `note` describes the state of the work.
     pub fn advance(&self, piece: f64, note: &str) {
         if let Some(bar) = &self.bar {
             bar.set_message(note.to_owned());

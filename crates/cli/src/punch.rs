@@ -36,10 +36,10 @@ pub use report::Report;
 /// Flags of `punch`. The defaults are the case of the source: lengths in micrometres, stress in GPa.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(
-    after_help = "Which points the punch holds: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < \
-(1 + f)/2 along x and, with --dim 3, y. A point on its edge belongs to it with --nodes inclusive, not with strict. N \
-points in a row act as a sharp-edged punch of about N - 1/3 spacings (effective_width), so that either way the \
-force differs from that of the continuum by the first order of the spacing; --refine takes that out.
+    after_help = "Points under the punch: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < (1 + f)/2 \
+along x and, with --dim 3, y. Points on its edge count with --nodes inclusive, not with strict. N points in a row act \
+as a sharp-edged punch with a width of about N - 1/3 spacings (effective_width). With either choice the error of the \
+force is of first order in the spacing; --refine extrapolates to zero spacing.
 
 Examples:
   gfmd punch --nodes inclusive --out punch.h5 --plots punch
@@ -70,13 +70,13 @@ pub struct Args {
     /// Width of the punch over that of the cell
     #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true)]
     punch_fraction: f64,
-    /// How deep the punch is pressed, length; on a half-space below the mean level of the surface
+    /// Depth to which the punch is pressed, length; on a half-space, below the mean level of the surface
     #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true)]
     depth: f64,
-    /// What holds under the punch
+    /// Condition under the punch
     #[arg(long, value_enum, default_value_t = ContactName::Sticking)]
     contact: ContactName,
-    /// Whether points on the edge of the punch belong to it
+    /// Points on the edge of the punch, excluded or included
     #[arg(long, value_enum, default_value_t = Nodes::Strict)]
     nodes: Nodes,
     /// The method (docs/solvers.md)
@@ -85,14 +85,14 @@ pub struct Args {
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     tol: f64,
-    /// Iterations, or time steps, after which the search is given up
+    /// Largest number of iterations, or time steps
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
     refine: u8,
-    /// Compare the displacement with this one: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or FILE.h5[:/dataset] of
-    /// another run; if m is another number of points than N, on the points that both grids have
+    /// Compare the displacement with that of a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
+    /// FILE.h5[:/dataset] of another run; if m differs from N, on the points that both grids have
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     compare: Option<String>,
@@ -106,7 +106,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// What holds under the punch.
+/// The conditions under the punch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactName {
@@ -116,13 +116,13 @@ pub enum ContactName {
     Frictionless,
 }
 
-/// Which points belong to the punch.
+/// The choices of the points that belong to the punch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Nodes {
-    /// Those strictly inside
+    /// Points inside, without the edge
     Strict,
-    /// Those on its edge, too
+    /// Points inside and on the edge
     Inclusive,
 }
 
@@ -130,7 +130,7 @@ pub enum Nodes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolverName {
-    /// The fastest that is safe: cg
+    /// The fastest reliable method: cg
     Auto,
     /// Preconditioned conjugate gradients on the traction
     Cg,
@@ -166,7 +166,7 @@ impl Args {
     }
 }
 
-/// Deeper than this part of the punch's width, or of the height of the slab, strain is not small.
+/// The ratio of the depth to the width of the punch, or to the height of the slab, above which strain is not small.
 const SMALL: f64 = 0.1;
 
 /// Runs the command.
@@ -177,7 +177,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args)?.run(args, session)
 }
 
-/// Everything that can be refused is refused before the first solve.
+/// The input of the command, checked before the first solve.
 struct Prepared {
     body: Body,
     height: Height,
@@ -191,11 +191,12 @@ impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(args.depth.is_finite() && args.depth > 0.0) {
-            let reason = format!("a positive, finite length is allowed, found {}", args.depth);
-            return Err(Failure::input("--depth", reason));
+            return Err(Failure::value("--depth", args.depth, "positive and finite"));
         }
         let finest = args.n.saturating_mul(1 << (args.refine - 1));
-        Held::PUNCH.check("--n", [finest, if args.dim == 2 { 1 } else { finest }])?;
+        for (flag, n) in [("--n", args.n), ("--refine", finest)] {
+            Held::PUNCH.check(flag, [n, if args.dim == 2 { 1 } else { n }])?;
+        }
         let grids = (0..args.refine)
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
@@ -386,7 +387,7 @@ impl Prepared {
 
 fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
-        return Err(Failure::input("--n", format!("at least 2 points are needed, found {n}")));
+        return Err(Failure::value("--n", n, "at least 2"));
     }
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
     grid.map_err(|error| Failure::input("--length", error))
@@ -396,7 +397,7 @@ fn names(components: Components) -> Vec<&'static str> {
     components.axes().iter().map(|axis| ["x", "y", "z"][*axis]).collect()
 }
 
-/// `[x, y, component]`, row-major.
+/// Returns the values `[x, y, component]` in row-major order.
 fn by_point(field: &Array3<f64>) -> Vec<f64> {
     field.view().permuted_axes([1, 2, 0]).iter().copied().collect()
 }

@@ -1,4 +1,4 @@
-//! One run of the program: what the user asked of all commands alike, and what the machine is.
+//! One run of the program: the flags that all commands have in common, interruption, and the machine.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -22,10 +22,10 @@ pub struct Common {
     /// Number of threads; 0 takes all cores. Results do not depend on it
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     pub threads: usize,
-    /// No progress, no notes; errors only
+    /// Print errors only: no progress, no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// More to read on stderr; twice for more still
+    /// Print details on stderr; give it twice for still more
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
 }
@@ -42,7 +42,7 @@ impl Session {
     /// Sets up threads, log and the handler of Ctrl-C, once for the process.
     ///
     /// # Errors
-    /// More threads than can be had.
+    /// More threads than the system can start.
     pub fn start(common: Common) -> Result<Self, Failure> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(common.threads)
@@ -78,12 +78,12 @@ impl Session {
         Self { common, interrupted: Arc::new(AtomicBool::new(false)) }
     }
 
-    /// Whether the user asked to stop.
+    /// Returns true if the user asked to stop.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
 
-    /// Where a file written now comes from; `config` is the resolved configuration.
+    /// The provenance of a file written now; `config` is the resolved configuration.
     pub fn provenance(&self, config: String) -> Provenance {
         Provenance {
             program: "gfmd".into(),
@@ -98,7 +98,7 @@ impl Session {
     }
 }
 
-/// The end of a printed report: what was written and drawn, a line each.
+/// Writes the end of a printed report: the files written and drawn, one line each.
 pub(crate) fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[PathBuf]) -> fmt::Result {
     if let Some(out) = out {
         writeln!(f, "\nwritten: {}", out.display())?;
@@ -106,7 +106,7 @@ pub(crate) fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[Pa
     plots.iter().try_for_each(|plot| writeln!(f, "drawn:   {}", plot.display()))
 }
 
-/// Processor, cores and operating system in words.
+/// The processor, the number of cores and the operating system in words.
 pub fn machine() -> String {
     let about = if cfg!(target_os = "linux") { std::fs::read_to_string("/proc/cpuinfo").ok() } else { None };
     let processor = about.and_then(|text| {

@@ -1,4 +1,4 @@
-//! Where the rigid surface of a contact comes from: a file, prepared for a periodic cell, or the generator.
+//! The rigid surface of a contact: read from a file and prepared for a periodic cell, or generated.
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
@@ -23,14 +23,14 @@ pub struct SourceArgs {
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub length: Vec<f64>,
-    /// What to take away from the heights of a file first
+    /// Trend to subtract from the heights of a file
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
-    /// How to make a file's heights periodic
+    /// Method to make the heights of a file periodic
     #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value = "as-is")]
     #[serde(serialize_with = "by_name")]
     pub periodise: Periodisation,
-    /// The file's heights point away from the body: turn them over
+    /// Change the sign of the heights of a file, if its peaks point away from the body
     #[arg(long)]
     pub flip: bool,
     /// The generator.
@@ -39,7 +39,7 @@ pub struct SourceArgs {
     pub generator: GeneratorArgs,
 }
 
-/// What to take away from measured heights.
+/// The trends that can be subtracted from measured heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detrend {
@@ -47,7 +47,7 @@ pub enum Detrend {
     None,
     /// The least-squares plane
     Plane,
-    /// The plane of the mean slope, which joins opposite edges on average
+    /// The plane of the mean slope; without it opposite edges fit together on average
     Slope,
     /// The least-squares paraboloid
     Quadratic,
@@ -58,13 +58,13 @@ pub enum Detrend {
 pub struct Surface {
     /// Heights `[x, y]`, peaks towards the body.
     pub heights: Array2<f64>,
-    /// Their points and the cell.
+    /// The grid of the heights on the cell.
     pub grid: Grid,
     /// Unit of heights and lengths, if known.
     pub unit: Option<String>,
-    /// Numbers of the heights.
+    /// Statistics of the heights.
     pub statistics: Statistics,
-    /// Where it comes from and what was done to it.
+    /// The origin of the heights and the operations on them.
     pub description: String,
 }
 
@@ -74,7 +74,7 @@ impl Surface {
         self.statistics.moments.rms_gradient()
     }
 
-    /// The unit of heights and lengths; `length` of an unknown one.
+    /// The unit of heights and lengths; `length` if it is unknown.
     pub fn unit(&self) -> &str {
         self.unit.as_deref().unwrap_or("length")
     }
@@ -93,16 +93,16 @@ impl Surface {
     }
 }
 
-/// Steps across the periodic seam beyond this multiple of those inside are worth a warning.
+/// The ratio of the steps across the periodic seam to those inside above which a warning is given.
 const ROUGH_SEAM: f64 = 2.0;
 
 impl SourceArgs {
-    /// The flag that an error about the heights belongs to.
+    /// The name of the surface in messages: its file, or `the generated surface`.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())
     }
 
-    /// The same flags as they belong into the record of a run: every default filled in.
+    /// Returns the flags with every default filled in, for the record of a run.
     ///
     /// # Errors
     /// Numbers that make no grid.
@@ -147,7 +147,7 @@ impl SourceArgs {
         let lengths = match (&self.length[..], topography.lengths) {
             ([], Some(lengths)) => lengths,
             ([], None) => [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }],
-            // A single length is that along x; the points are as far apart along y.
+            // A single length is the length along x; the spacing along y is equal to that along x.
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };

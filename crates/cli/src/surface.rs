@@ -28,18 +28,18 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     source: SourceArgs,
-    /// Wavelengths between which the Hurst exponent is fitted, length [default: those asked for; of a file, from half
-    /// of the cell to 4 grid spacings]
+    /// Wavelengths between which the Hurst exponent is fitted, length [default: the cut-offs of a generated surface; for
+    /// a file, half of the cell and 4 grid spacings]
     #[arg(long, value_delimiter = ',', value_name = "LONGEST,SHORTEST", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fit_range: Vec<f64>,
-    /// Write the heights to this file, .npy or .h5; the latter with statistics and radially averaged spectrum
+    /// Write the heights to this file, .npy or .h5; a .h5 file also has statistics and radially averaged spectrum
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     out: Option<PathBuf>,
 }
 
-/// What was made or measured, as printed. Lengths in the unit of the heights.
+/// The statistics of a surface, as printed. Lengths are in the unit of the heights.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -72,7 +72,7 @@ pub struct Report {
     pub out: Option<PathBuf>,
 }
 
-/// What a generated surface was asked to be; the numbers of the same names in the report are what it is.
+/// The numbers that were asked of a generated surface; the report has the measured numbers under equal names.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Asked {
@@ -106,7 +106,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         [] => range,
         [longest, shortest] => [longest, shortest],
         ref found => {
-            return Err(Failure::input("--fit-range", format!("LONGEST,SHORTEST is allowed, found {found:?}")));
+            return Err(Failure::value("--fit-range", format!("{found:?}"), "LONGEST,SHORTEST"));
         }
     };
     let fit = spectrum.fit_hurst(range[0], range[1]);
@@ -127,7 +127,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 }
 
 impl Args {
-    /// What the generator was asked for, and the wavelengths between which its spectrum is a power law.
+    /// Returns the numbers asked of the generator, and the wavelengths between which its spectrum is a power law.
     fn asked(&self, grid: &Grid) -> Result<(Option<Asked>, [f64; 2]), Failure> {
         let generator = &self.source.generator;
         let spectrum = match generator.method {
@@ -160,7 +160,7 @@ impl Args {
     }
 }
 
-/// From half of the (shorter) side to four (larger) grid spacings: away from both ends of what a grid can hold.
+/// The wavelengths from half of the (shorter) side to four (larger) grid spacings, away from both limits of the grid.
 fn whole_band(grid: &Grid) -> [f64; 2] {
     let sides = if grid.is_line() { 1 } else { 2 };
     let (lengths, spacing) = (grid.lengths(), grid.spacing());
@@ -204,7 +204,7 @@ impl Report {
         }
     }
 
-    /// The single numbers: name, value, kind of quantity as a power of length, meaning.
+    /// The scalars: name, value, unit as a power of length, meaning.
     fn scalars(&self) -> [(&'static str, Option<f64>, i32, &'static str); 17] {
         [
             ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean"),
@@ -212,9 +212,14 @@ impl Report {
             ("lowest", Some(self.lowest), 1, "lowest height"),
             ("highest", Some(self.highest), 1, "highest height"),
             ("rms_gradient", Some(self.rms_gradient), 0, "rms of the full gradient, spectral"),
-            ("rms_gradient_central", Some(self.rms_gradient_central), 0, "the same by central differences"),
-            ("rms_gradient_forward", Some(self.rms_gradient_forward), 0, "the same by forward differences"),
-            ("rms_gradient_inside", Some(self.rms_gradient_inside), 0, "forward, without the periodic seam"),
+            ("rms_gradient_central", Some(self.rms_gradient_central), 0, "rms gradient by central differences"),
+            ("rms_gradient_forward", Some(self.rms_gradient_forward), 0, "rms gradient by forward differences"),
+            (
+                "rms_gradient_inside",
+                Some(self.rms_gradient_inside),
+                0,
+                "by forward differences, without the periodic seam",
+            ),
             ("rms_curvature", Some(self.rms_curvature), -1, "rms of the mean curvature (h'' of a profile)"),
             ("rms_laplacian", Some(self.rms_laplacian), -1, "rms of the Laplacian"),
             ("m0", Some(self.m0), 2, "zeroth profile moment"),
@@ -347,10 +352,10 @@ mod tests {
             let failure = run_line(line).unwrap_err();
             assert!(matches!(failure, Failure::Input(_)) && failure.to_string().contains(words), "{failure}");
         };
-        says("--out h.txt", "--out: NAME.npy or NAME.h5 is allowed, found h.txt");
+        says("--out h.txt", "--out is h.txt; it must be NAME.npy or NAME.h5");
         says("--out no/such/folder/h.npy", "--out: ");
-        says("--n 128 --fit-range 0.1", "--fit-range: LONGEST,SHORTEST is allowed, found [0.1]");
-        says("--n 128 --fit-range 0.1,0.2", "--fit-range: the wavelengths must satisfy 0 < shortest <= longest");
+        says("--n 128 --fit-range 0.1", "--fit-range is [0.1]; it must be LONGEST,SHORTEST");
+        says("--n 128 --fit-range 0.1,0.2", "--fit-range: the shortest wavelength is 0.2 and the longest 0.1");
         let out = folder.path().join("h.npy");
         says(&format!("--hurst 3 --out {}", out.display()), "--hurst: ");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

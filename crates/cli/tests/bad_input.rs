@@ -1,4 +1,4 @@
-//! Unusable input: exit status 2 (or 1 where the disk refuses), one clear line that names what is wrong, nothing written.
+//! Unusable input: exit status 2 (1 if the disk refuses), one line that names the cause, nothing written.
 
 mod common;
 
@@ -7,7 +7,8 @@ use std::path::Path;
 use common::gfmd;
 use ndarray::{Array2, Array3};
 
-/// Runs, and checks the status, that stderr is one line with all `words`, that stdout is empty and no file appeared.
+/// Runs the program and checks its status, that stderr is one line with all `words`, that stdout is empty and that no file
+/// appeared.
 fn refused(folder: &Path, arguments: &str, status: i32, words: &[&str]) {
     let before = std::fs::read_dir(folder).unwrap().count();
     let output = gfmd(folder, &arguments.split_whitespace().collect::<Vec<_>>());
@@ -47,7 +48,7 @@ fn flags_out_of_range() {
     contact("--eps-f-inv 4 --pressure 1 --p-star 1", &["--pressure", "--p-star"]);
     contact("--eps-f-inv 64 --p-star 0.1", &["--n", "16", "wavelength"]);
     refused(folder.path(), "contact --n 3000000 --p-star 0.1", 2, &["3000000", "GiB"]);
-    // The bytes of 2³¹ points a side are beyond 64 bits.
+    // The number of bytes for 2³¹ points a side exceeds 64 bits.
     for line in ["contact --p-star 0.1", "path --displacement 0.1", "surface", "punch", "damping"] {
         refused(folder.path(), &format!("{line} --n 2147483648"), 2, &["2147483648"]);
     }
@@ -97,7 +98,9 @@ fn punches_that_cannot_be_pressed() {
     refused(folder.path(), "punch --n 15 --punch-fraction 0.05", 2, &["--punch-fraction", "no point of 15", "0.05"]);
     refused(folder.path(), "punch --n 1", 2, &["--n", "at least 2"]);
     refused(folder.path(), "punch --n 1000000000", 2, &["1000000000", "GiB"]);
-    refused(folder.path(), "punch --n 2000000 --refine 2", 2, &["--n", "2000000", "GiB"]);
+    // The flag named is the one that asks for the grid that does not fit.
+    refused(folder.path(), "punch --n 2000000 --refine 2", 2, &["--n:", "2000000 x 2000000", "GiB"]);
+    refused(folder.path(), "punch --n 1024 --refine 8", 2, &["--refine:", "131072 x 131072", "GiB"]);
     punch("--depth 0", &["--depth", "positive", "0"]);
     punch("--depth -0.005", &["--depth", "-0.005"]);
     punch("--depth nan", &["--depth", "NaN"]);

@@ -65,7 +65,7 @@ fn a_contact_says_its_body_and_its_pressure_is_met_again() {
     assert!(error.fold(0.0, f64::max) < 0.02 * largest);
     let mean: f64 = stress.chunks_exact(6).map(|stress| stress[2]).sum::<f64>() / 1024.0;
     assert!((mean + pressure.iter().sum::<f64>() / 1024.0).abs() < 1e-12 * largest);
-    // The last load is the default, and pressed harder.
+    // The default is the last load, which has a higher pressure.
     let last = json(
         folder.path(),
         &words("body --surface c.h5 --depths 0 --quantities displacement,displacement --out u.h5 --json"),

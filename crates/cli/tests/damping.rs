@@ -33,6 +33,6 @@ fn unusable_input_is_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let output = gfmd(folder.path(), &["damping", "--factors", "1,0", "--out", "d.h5"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: --factors: found 0, allowed"));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: --factors is 0; it must be"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

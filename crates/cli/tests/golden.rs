@@ -17,10 +17,10 @@ use serde_json::{Value, json as value};
 /// residuals of 1e-8.
 const TOLERANCE: f64 = 1e-6;
 
-/// Not numbers of the problem: time, memory, threads.
+/// Keys of numbers that differ between identical runs: time, memory, threads.
 const VOLATILE: [&str; 3] = ["seconds", "peak_bytes", "threads"];
 
-/// Numbers of steps and residuals: they repeat on one kind of processor only.
+/// Keys of step counts and residuals, which repeat on one kind of processor only.
 const EFFORT: [&str; 8] =
     ["iterations", "transform_pairs", "residual", "lowest_curvature", "residual_", "steps_to_1e8", "error", "seed"];
 
@@ -54,7 +54,7 @@ impl Numbers {
         format!("{hash:016x}")
     }
 
-    /// Numbers that move little when the values do: how many are finite, their sum, root mean square, and first moment.
+    /// Numbers that depend smoothly on the values: the number of finite ones, their sum, root mean square and first moment.
     fn summary(&self) -> [f64; 4] {
         let finite: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
         let count = finite.len() as f64;
@@ -108,7 +108,8 @@ fn recorded(case: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(case).with_extension("json")
 }
 
-/// What decides how the last bit is rounded: the instructions that transforms and elementary functions choose from.
+/// The properties of the processor that decide the last bit: transforms and elementary functions choose among its
+/// instructions.
 fn processor() -> String {
     #[cfg(target_arch = "x86_64")]
     let vectors = format!("avx {}, fma {}", is_x86_feature_detected!("avx2"), is_x86_feature_detected!("fma"));
@@ -117,7 +118,7 @@ fn processor() -> String {
     format!("{}, {}, {vectors}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
-/// Runs the command in `folder` and compares its report, and the files it wrote, with what is recorded.
+/// Runs the command in `folder` and compares its report and its files with the recorded numbers.
 fn check(folder: &Path, case: &str, arguments: &str) {
     let mut all: Vec<&str> = arguments.split_whitespace().collect();
     all.extend(["--json", "-q"]);

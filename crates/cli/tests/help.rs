@@ -1,4 +1,4 @@
-//! The help of the program, which names it as it was called.
+//! The help of the program, with the name by which it was called.
 
 mod common;
 

@@ -53,7 +53,7 @@ fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
         assert!(number(load, "residual_equilibrium") <= 1e-8 && number(load, "lowest_curvature") > 0.0);
     }
     assert!(number(&loads[1], "area_fraction") > 0.0, "adhesion holds without a load");
-    // Without it, less is in contact.
+    // Without adhesion the contact area is smaller.
     let wall = run(folder.path(), "contact --n 64 --eps-f-inv 8 --pressure 0.005");
     assert!(number(&wall["loads"][0], "area_fraction") < number(&loads[0], "area_fraction"));
     assert!(wall["loads"][0]["interface_energy"].is_null());
@@ -63,7 +63,7 @@ fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
     let energy: Vec<f64> = file.values("/loads/interface_energy").unwrap();
     assert_eq!(energy[0].to_bits(), number(&loads[0], "interface_energy").to_bits());
     assert!(folder.path().join("a-map.png").exists());
-    // Dynamics comes to the same state.
+    // Dynamics reaches this state, too.
     let slow = run(folder.path(), &flags.replace(" --pressure 0.005,0,-0.0001", " --pressure 0.005 --solver fire"));
     let [a, b] = [&slow["loads"][0], &loads[0]].map(|load| number(load, "mean_gap"));
     assert!((a - b).abs() < 1e-7 * b, "{a} {b}");
@@ -79,7 +79,7 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("load 1: the surfaces part"));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["loads"][0]["converged"], true);
-    // On a path it is an event, and the end.
+    // On a path, separation is no failure but ends the path.
     let path = run(
         folder.path(),
         "path --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-5,range=3e-3 --pressure 0.001,-1 --steps 4",
@@ -168,7 +168,7 @@ fn a_path_of_friction_sticks_slips_and_turns() {
     let stick = |step: &Value| number(step, "stick_fraction");
     assert!(stick(&steps[4]) < stick(&steps[1]) && stick(&steps[5]) > stick(&steps[4]));
     assert!(number(&report, "dissipated") > 0.0);
-    // Both legs begin as stiff as each other but for what sticks, and the way back slides in the end.
+    // The stiffness of a leg is that of its first step; the second leg slides at its end.
     let sliding = report["sliding"].as_array().unwrap();
     assert_eq!([&sliding[0]["leg"], &sliding[1]["leg"]], [1, 2]);
     let first = shear[1] - shear[0];
@@ -213,7 +213,7 @@ fn unusable_flags_are_refused_in_one_line() {
         ("law --law morse --param gamma=1,rho=2 --normal 0", &["--param", "rho", "gamma", "range"]),
         ("law --law morse --param gamma=0,range=1 --normal 0", &["--param", "gamma is 0", "positive"]),
         ("law --law morse --param gamma --normal 0", &["--param", "NAME=VALUE", "gamma"]),
-        ("law --law exponential --param gamma=1,range=1 --normal=-1", &["--normal", "-1", "0 or more"]),
+        ("law --law exponential --param gamma=1,range=1 --normal=-1", &["--normal", "-1", "at least 0"]),
         ("law --law hard-wall --normal 1,2 --tangential 1", &["--tangential", "1", "2"]),
         ("law --normal nan", &["--normal", "NaN", "finite"]),
         ("law", &["--normal"]),

@@ -28,7 +28,7 @@ fn write_config(folder: &Path) {
     std::fs::write(folder.join("sweep.toml"), SMALL).unwrap();
 }
 
-/// Everything in a file that must repeat.
+/// All variables of a file that must be equal after a repetition.
 fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = Reader::open(path).unwrap();
     let mut all = Vec::new();
@@ -64,7 +64,7 @@ fn a_sweep_ends_with_a_result_a_file_and_plots() {
     let file = Reader::open(folder.path().join("s.h5")).unwrap();
     let worst = file.values::<f64>("/runs/residual_penetration").unwrap().into_iter().fold(0.0, f64::max);
     assert!(worst <= 1e-8, "{worst:e}");
-    // The file repeats itself: its configuration is a sweep with the same numbers.
+    // The configuration in a file is that of a sweep with identical numbers.
     std::fs::write(folder.path().join("again.toml"), file.text("/", "config").unwrap()).unwrap();
     json(
         folder.path(),
@@ -84,7 +84,7 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
     let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
     let mut resumed = arguments("cut.h5").to_vec();
     resumed.push("--resume");
-    // The first line is the head: a kill before the first run is finished, and after some more of them each time.
+    // The first line is the head. The process is killed before the first run is finished, then each time after a few more.
     for enough in [1, 2, 5, 9] {
         let before = std::fs::read_to_string(&journal).unwrap_or_default();
         let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
@@ -102,7 +102,7 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
         let mut text = std::fs::read_to_string(&journal).unwrap();
         let whole = before.rfind('\n').map_or(0, |last| last + 1);
         assert!(text.starts_with(&before[..whole]), "finished runs were lost");
-        // As if the kill had come in the middle of a line.
+        // Simulates a kill in the middle of a line.
         text.push_str("{\"run\":3,\"loads\":[{\"mean_pre");
         std::fs::write(&journal, text).unwrap();
     }

@@ -6,7 +6,8 @@ use gfmd_relax::{Ending, RelaxError, ToleranceError, Why};
 use crate::{Fields, Refusal};
 
 /// The reason why a contact was not brought to rest. The state reached is kept where there is one.
-#[derive(Debug)]
+///
+/// `Debug` prints the message that `Display` prints: `main` and `unwrap` show it, and the fields of a state are long.
 pub enum SolveError<S> {
     /// Unusable input: nothing was tried.
     Refused(Refusal),
@@ -95,7 +96,13 @@ impl<S: Fields> fmt::Display for SolveError<S> {
     }
 }
 
-impl<S: Fields + fmt::Debug> Error for SolveError<S> {
+impl<S: Fields> fmt::Debug for SolveError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl<S: Fields> Error for SolveError<S> {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         match self {
             Self::Refused(refusal) => refusal.source(),

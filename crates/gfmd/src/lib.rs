@@ -1,53 +1,124 @@
-//! Green's function molecular dynamics of rough contact: the physics crates of the workspace under one name.
+//! Contact mechanics of rough surfaces by Green's function molecular dynamics: how much two rough solids really touch, at
+//! which pressure, and how far apart they are elsewhere.
 //!
-//! | module       | what                                                        |
-//! |--------------|-------------------------------------------------------------|
-//! | [`field`]    | periodic grids, half spectra, transforms                    |
-//! | [`green`]    | elastic half-spaces, slabs and stacks, per wave vector      |
-//! | [`surface`]  | self-affine surfaces and their statistics                   |
-//! | [`relax`]    | minimisers without physics                                  |
-//! | [`response`] | stiffness and compliance of a body, applied to whole fields |
-//! | [`body`]     | displacement, strain and stress below the surface           |
-//! | [`contact`]  | hard-wall contact: problem, solvers, certified solution     |
-//! | [`mixed`]    | displacement prescribed here, traction there                |
-//! | [`law`]      | cohesive zones, adhesion, friction, point by point          |
-//! | [`interface`] | adhesive, cohesive and frictional contact                  |
-//! | [`measure`]  | area, kappa, pressure statistics, comparison theories       |
-//! | [`theory`]   | derivations of the formulas, cited as (theory.md, section N) |
+//! The elastic response of a body is condensed onto its surface, one matrix for each wave vector. The surface is pressed
+//! against a rigid rough one and brought to rest, by damped dynamics or by faster solvers of the same problem. Every result
+//! is certified: its residuals are recomputed from the final fields, and a state that does not meet the tolerance is an
+//! error that carries the state.
+//!
+//! # A first contact
+//!
+//! A self-affine surface on a slab, at four loads, each started from the state before:
 //!
 //! ```
-//! use gfmd::contact::{Contact, Equilibrium, Load};
-//! use gfmd::green::{Body, Material};
-//! use gfmd::measure::{contact_area, kappa};
-//! use gfmd::{field::Grid, surface::{Discretisation, SelfAffine}};
+//! use gfmd::prelude::*;
 //!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let grid = Grid::square(128, 1.0)?; // 128² points, cell of length 1
+//!     let rough = SelfAffine {
+//!         hurst: 0.8,
+//!         longest_wavelength: 0.5,
+//!         shortest_wavelength: 1.0 / 16.0,
+//!         ..SelfAffine::with_rms_gradient(0.1)
+//!     };
+//!     let heights = rough.heights(&grid, 1)?; // Array2<f64>, seed 1
+//!     let body = Body::slab(Material::from_young(70e9, 0.33)?, 0.5)?;
+//!     let contact = Contact::new(&body, &grid, &heights)?; // owns what it needs: Send + Sync + 'static
+//!     let unit = contact.reduced_pressure_unit(); // E* times the rms gradient
+//!     let mut last = None;
+//!     for p_star in [0.005, 0.01, 0.02, 0.05] {
+//!         let load = Load::MeanPressure(p_star * unit);
+//!         let solution = contact.press(load).tolerance(1e-8).starting_from(last.as_ref()).solve()?;
+//!         let summary = solution.summary();
+//!         println!("{p_star:6.3}  a = {:.5}  kappa = {:.4}  {}", summary.area_fraction, summary.kappa, solution.effort);
+//!         # assert!((1.5..3.0).contains(&summary.kappa), "{}", summary.kappa);
+//!         last = Some(solution);
+//!     }
+//!     Ok(())
+//! }
+//! ```
+//!
+//! With adhesion one line differs, and loads may pull:
+//!
+//! ```
+//! # use gfmd::prelude::*;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let discretisation = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 8.0 };
-//! let grid = Grid::square(discretisation.points()?, 1.0)?;
-//! let (rms_gradient, p_star) = (0.1, 0.02);
-//! let rough = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(rms_gradient) };
-//! let heights = discretisation.self_affine(1.0, rough).heights(&grid, 1)?;
-//!
-//! let body = Body::half_space(Material::from_young(1.0, 0.3)?);
-//! let contact = Contact::new(&body, &grid, &heights)?;
-//! let solution = contact.press(Load::MeanPressure(p_star * contact.reduced_pressure_unit())).solve()?;
-//!
-//! let kappa = kappa(contact_area(solution.pressure.view()).fraction, p_star);
-//! assert!((1.6..3.5).contains(&kappa), "{kappa}");
+//! # let grid = Grid::square(32, 1.0)?;
+//! # let rough = SelfAffine {
+//! #     hurst: 0.8, longest_wavelength: 0.5, shortest_wavelength: 0.25, ..SelfAffine::with_rms_gradient(0.05)
+//! # };
+//! # let heights = rough.heights(&grid, 1)?;
+//! # let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+//! let contact = Interface::new(&body, &grid, &heights, Exponential::new(4e-6, 1e-3)?)?;
+//! let pressed = contact.press(Load::Approach(0.004)).solve()?;
+//! let pulled = contact.press(Load::Approach(-0.001)).starting_from(Some(&pressed)).solve()?;
+//! println!("{:.1e} after {:.1e}", pulled.mean_pressure, pressed.mean_pressure);
+//! # assert!(pulled.mean_pressure < 0.0 && pressed.mean_pressure > 0.0, "{} {}", pulled.mean_pressure, pressed.mean_pressure);
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Conventions
+//!
+//! - Any consistent units. A modulus and the pressures have one unit of stress, heights and displacements one of length.
+//! - Arrays are `[x, y]`. A line contact in plane strain has one point along y ([`Grid::line`](field::Grid::line)).
+//! - Heights `h` are those of the rigid surface, with peaks that point at the body: the highest touches first.
+//! - Pressure is positive in compression. `u_z < 0` presses the body down. The cell is periodic.
+//! - E* = E/(1 − ν²), ḡ is the root mean square of |∇h| over the whole surface, and p* = p̄/(E* ḡ).
+//!
+//! # When a solve fails
+//!
+//! [`SolveError`](contact::SolveError) tells unusable input ([`Refusal`](contact::Refusal), with the value found and
+//! those allowed) from a search that did not converge, was interrupted, or came apart; the last three carry the state
+//! reached ([`into_state`](contact::SolveError::into_state)).
+//!
+//! # The crates
+//!
+//! Each can be used alone; this one re-exports them.
+//!
+//! | to ...                                                        | module        | start at |
+//! |---------------------------------------------------------------|---------------|----------|
+//! | make a rough surface, or prepare a measured one               | [`surface`]   | [`SelfAffine`](surface::SelfAffine), [`Statistics`](surface::Statistics) |
+//! | describe an elastic body                                      | [`green`]     | [`Body`](green::Body), [`Material`](green::Material) |
+//! | press the surface on the body                                 | [`contact`]   | [`Contact`](contact::Contact), [`Equilibrium`](contact::Equilibrium) |
+//! | add adhesion, cohesion or friction; follow a path of loads    | [`interface`] | [`Interface`](interface::Interface), [`FrictionalContact`](interface::FrictionalContact), [`Path`](interface::Path) |
+//! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
+//! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
+//! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
+//! | see displacement, strain and stress below the surface         | [`body`]      | [`Interior`](body::Interior) |
+//! | apply stiffness and compliance of a body to whole fields      | [`response`]  | [`NormalResponse`](response::NormalResponse) |
+//! | minimise something else                                       | [`relax`]     | [`Landscape`](relax::Landscape), [`Quadratic`](relax::Quadratic) |
+//! | transform periodic fields                                     | [`field`]     | [`Grid`](field::Grid), [`Transform`](field::Transform) |
+//! | look a formula up                                             | [`theory`]    | |
+//!
+//! Studies of many contacts (`gfmd-sweep`), extrapolation (`gfmd-fit`), pictures (`gfmd-plot`) and files (`gfmd-files`) are
+//! crates beside this one, and `gfmd-cli` is the program.
 
+#[doc(inline)]
 pub use gfmd_body as body;
+#[doc(inline)]
 pub use gfmd_contact as contact;
+#[doc(inline)]
 pub use gfmd_field as field;
+#[doc(inline)]
 pub use gfmd_green as green;
+#[doc(inline)]
 pub use gfmd_interface as interface;
+#[doc(inline)]
 pub use gfmd_law as law;
+#[doc(inline)]
 pub use gfmd_measure as measure;
+#[doc(inline)]
 pub use gfmd_mixed as mixed;
+#[doc(inline)]
 pub use gfmd_relax as relax;
+#[doc(inline)]
 pub use gfmd_response as response;
+#[doc(inline)]
 pub use gfmd_surface as surface;
+/// The arrays of all fields, in the version that this crate takes and returns.
+#[doc(no_inline)]
+pub use ndarray;
 
+pub mod prelude;
 pub mod theory;

@@ -47,8 +47,8 @@ impl NormalResponse {
         self.transform.grid()
     }
 
-    /// The planned transforms of the grid.
-    pub fn transform(&self) -> &Transform {
+    /// The planned transforms of the grid, behind [`NormalTransforms`](crate::NormalTransforms).
+    pub(crate) fn transform(&self) -> &Transform {
         &self.transform
     }
 

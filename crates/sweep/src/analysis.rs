@@ -1,4 +1,4 @@
-//! The kappa of every point and load, and its extrapolation to the limit.
+//! kappa of every point and load, and its extrapolation to the limit.
 
 use std::collections::BTreeMap;
 
@@ -11,9 +11,9 @@ use crate::{Plan, Pressed, SweepError};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Area {
-    /// Points in contact over all points.
+    /// The number of points in contact over the number of all points.
     Raw,
-    /// Points in contact less the pixels' excess along the perimeter.
+    /// The raw area less the excess of the pixels along the perimeter.
     Corrected,
 }
 
@@ -60,13 +60,13 @@ pub struct Extrapolation {
     pub fit: Fit,
 }
 
-/// Everything that is derived from the runs.
+/// The results that are derived from all runs.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// kappa by seed; the corrected area for surfaces only.
+    /// kappa by seed. There are data of the corrected area for surfaces only.
     pub data: BTreeMap<Key, Datum>,
-    /// One for each Hurst exponent, load and way of counting. The first one is the result: first Hurst exponent, load of
-    /// the configuration's `fit.p_star`, raw area.
+    /// The extrapolations, one for each Hurst exponent, load and way of counting. The first one is the result: first Hurst
+    /// exponent, load `fit.p_star` of the configuration, raw area.
     pub extrapolations: Vec<Extrapolation>,
 }
 
@@ -77,7 +77,7 @@ impl Analysis {
     /// A model that the points cannot determine.
     pub fn new(plan: &Plan, runs: &[Vec<Pressed>]) -> Result<Self, SweepError> {
         let config = &plan.config;
-        // No correction is known for the ends of line contacts.
+        // The correction counts the perimeter of patches; none is known for the ends of line contacts.
         let areas = if config.surface.dim == 2 { &[Area::Raw][..] } else { &[Area::Raw, Area::Corrected] };
         let loads = || config.loads.p_star.iter().copied().enumerate();
         let mut data = BTreeMap::new();
@@ -122,7 +122,7 @@ impl Analysis {
 
 fn settings(plan: &Plan, area: Area) -> Settings {
     let mut model = plan.config.model();
-    // The part of the perimeter term that the correction leaves is too small to say with which power it vanishes.
+    // The part of the perimeter term that the correction leaves is too small to fit its exponent.
     if area == Area::Corrected && matches!(model.c, Some(Exponent::Free { .. })) {
         model.c = Some(Exponent::Fixed(1.0));
     }

@@ -1,4 +1,4 @@
-//! The configuration of a sweep, and the sweeps that have a name.
+//! The configuration of a sweep, and presets by name.
 
 use std::fmt::Debug;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::SweepError;
 use crate::words::{height, solver};
 
-/// The configuration of a sweep. Every field has a default: that of the preset `default`.
+/// The configuration of a sweep. The default of every field is its value in the preset `default`.
 ///
 /// ```
 /// use gfmd_sweep::{Alpha, Config};
@@ -75,7 +75,7 @@ pub struct BodyConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PointsConfig {
-    /// How the lists combine.
+    /// The way in which the lists are combined.
     pub design: Design,
     /// Longest wavelengths per cell.
     pub eps_t_inv: Vec<f64>,
@@ -85,15 +85,15 @@ pub struct PointsConfig {
     pub eps_c_inv: Vec<f64>,
     /// The middle of a star: eps_t_inv, eps_f_inv, eps_c_inv.
     pub centre: [f64; 3],
-    /// Leaves out points with more grid points along one axis than this; 0 for no limit.
+    /// The largest number of grid points along one axis; larger grids are left out. 0 means no limit.
     pub largest_n: usize,
 }
 
-/// How the lists of the three axes combine.
+/// The ways to combine the lists of the three axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Design {
-    /// Every combination.
+    /// All combinations.
     Grid,
     /// One axis at a time, the other two at the centre.
     Star,
@@ -111,13 +111,13 @@ pub struct LoadsConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatisticsConfig {
-    /// Surfaces per point, where eps_t_inv is that of the centre (of a grid: its first one).
+    /// Number of surfaces at points with the eps_t_inv of the centre (for the design `grid`: the first eps_t_inv).
     pub realisations: u64,
-    /// If true, points of larger cells get fewer surfaces, and points of smaller cells more, so that all sample the same
-    /// area and are equally certain; between 4 and 4 times `realisations`.
+    /// If true, points of larger cells get fewer surfaces and points of smaller cells more, so that each point samples about
+    /// equal area and has about equal statistical error; between 4 and 4 times `realisations`.
     pub equal_area: bool,
-    /// First seed. Points that differ only in eps_c share their seeds, so their surfaces; points that differ in
-    /// anything else have independent ones.
+    /// First seed. Points that differ only in eps_c have their seeds, and thus their surfaces, in common; all other points
+    /// have independent surfaces.
     pub seed: u64,
 }
 
@@ -130,7 +130,7 @@ pub struct SolverConfig {
     pub method: Solver,
     /// Largest residual of a converged state.
     pub tol: f64,
-    /// Iterations after which a load is given up.
+    /// Largest number of iterations for one load.
     pub max_iter: u64,
 }
 
@@ -138,27 +138,28 @@ pub struct SolverConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FitConfig {
-    /// The load of the result that is printed large; all loads are fitted.
+    /// The load of the main result; all loads are fitted.
     pub p_star: f64,
-    /// Exponent of the term in eps_t. A cell is a finite sample of roughness: its bias, like its variance, falls with the
-    /// area, so 2 for surfaces and 1 for profiles.
+    /// Exponent of the term in eps_t. The bias of a finite cell falls with its area, as its variance does: 2 for surfaces, 1
+    /// for profiles.
     pub alpha_t: Alpha,
     /// Exponent of the term in eps_f.
     pub alpha_f: Alpha,
-    /// Exponent of the term in eps_c. Area counted in points errs by the perimeter times part of a spacing: 1.
+    /// Exponent of the term in eps_c. The error of an area counted in points is the perimeter times a part of the grid
+    /// spacing: 1.
     pub alpha_c: Alpha,
-    /// Bootstrap resamples.
+    /// Number of bootstrap resamples.
     pub resamples: usize,
 }
 
-/// The exponent of one term: a number, `"free"`, or `"none"` for no such term.
+/// The exponent of one term: a number, `"free"` for a fitted exponent, or `"none"` for no such term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// Held at this value.
+    /// An exponent held at this value.
     Fixed(f64),
-    /// Fitted.
+    /// A fitted exponent.
     Free,
-    /// No term.
+    /// No term along this axis.
     Without,
 }
 
@@ -217,18 +218,18 @@ impl Default for FitConfig {
     }
 }
 
-/// A sweep with a name.
+/// The sweeps that have a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
-    /// Seconds.
+    /// A test of a few seconds.
     Smoke,
-    /// Minutes: the defaults of every field.
+    /// The default of every field; takes minutes.
     Default,
-    /// Hours.
+    /// The study of the thesis; takes hours.
     Thesis,
-    /// Hours.
+    /// A study after Prodanov, Dapp and Müser; takes hours.
     Prodanov,
-    /// Profiles.
+    /// Profiles in plane strain.
     Line,
 }
 
@@ -247,13 +248,13 @@ impl Preset {
         }
     }
 
-    /// One line that says what the sweep is for.
+    /// The purpose of the sweep in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Smoke => "Seconds: shows that everything works, not a result",
-            Self::Default => "A few minutes on two cores: H = 0.8, a believable kappa",
-            Self::Thesis => "The source's study: H = 0, slab as high as the cell, up to 8192 x 8192 points",
-            Self::Prodanov => "In the spirit of Prodanov, Dapp and Mueser (2014): H = 0, 0.3, 0.8, eps_c_inv up to 8",
+            Self::Smoke => "Seconds: a test that everything works; its kappa is no result",
+            Self::Default => "A few minutes on two cores: H = 0.8, a reliable kappa",
+            Self::Thesis => "The study of the thesis: H = 0, slab as high as the cell, up to 8192 x 8192 points",
+            Self::Prodanov => "After Prodanov, Dapp and Mueser (2014): H = 0, 0.3, 0.8, eps_c_inv up to 8",
             Self::Line => "Profiles in plane strain",
         }
     }
@@ -331,16 +332,16 @@ impl FromStr for Preset {
     }
 }
 
-/// The error of a field that holds `found`.
+/// The error of a field whose value is `found`.
 pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
     SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
 }
 
 impl Config {
-    /// Refuses values that no sweep can use.
+    /// Checks that every value can be used.
     ///
     /// # Errors
-    /// The first such field, its value, and the values allowed.
+    /// The first field that cannot, its value, and the values allowed.
     pub fn check(&self) -> Result<(), SweepError> {
         let check = |good: bool, field, found: &dyn Debug, allowed: &str| match good {
             true => Ok(()),
@@ -415,10 +416,10 @@ impl Config {
         Model { t: alpha_t.exponent(), f: alpha_f.exponent(), c: alpha_c.exponent() }
     }
 
-    /// The discretisations with their number of points along one axis, each once, small ones first.
+    /// The discretisations with their number of points along one axis, without repetition, small grids first.
     ///
     /// # Errors
-    /// A combination that is no grid; none at all.
+    /// A combination that is no grid; no combination at all.
     pub(crate) fn discretisations(&self) -> Result<Vec<(Discretisation, usize)>, SweepError> {
         let PointsConfig { design, eps_t_inv, eps_f_inv, eps_c_inv, centre, largest_n } = &self.points;
         let mut all: Vec<[f64; 3]> = Vec::new();

@@ -7,11 +7,11 @@ use gfmd_fit::FitError;
 use gfmd_green::GreenError;
 use gfmd_surface::{Discretisation, SurfaceError};
 
-/// Why a sweep ended without a result.
+/// Reasons why a sweep ends without a result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// A field of the configuration that no sweep can use.
+    /// A field of the configuration that is out of its range.
     #[error("{field} is {found}; it must be {allowed}")]
     Field {
         /// Its name: `surface.hurst`, `loads.p_star`, ...
@@ -21,7 +21,7 @@ pub enum SweepError {
         /// The values that are allowed.
         allowed: String,
     },
-    /// A number that makes no elastic body.
+    /// A property that no elastic body can have.
     #[error("{field}: {source}")]
     Body {
         /// Its name.
@@ -29,10 +29,10 @@ pub enum SweepError {
         /// The reason.
         source: GreenError,
     },
-    /// Discretisations that are no grids.
+    /// Discretisation numbers that give no whole number of points.
     #[error("points: {0}")]
     Points(#[source] SurfaceError),
-    /// A point without a grid.
+    /// A number of points that no grid can have.
     #[error("points: {0}")]
     Grid(#[source] GridError),
     /// A surface that cannot be generated.
@@ -51,7 +51,7 @@ pub enum SweepError {
         /// The reason.
         source: Box<SolveError<Solution>>,
     },
-    /// The caller asked to stop. Runs that were finished by then have been kept.
+    /// A request of the caller to stop. Runs that were finished before have been kept.
     #[error("interrupted at {0}")]
     Interrupted(Place),
     /// A finished run that could not be kept.
@@ -62,7 +62,7 @@ pub enum SweepError {
     Fit(#[source] FitError),
 }
 
-/// A contact of a sweep, to name it in messages.
+/// The contact of a sweep that a message is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Hurst exponent of the surface.

@@ -1,12 +1,12 @@
 //! A study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to 11).
 //!
-//! | step | what it makes |
+//! | step | contents |
 //! |---|---|
 //! | [`Config`] | the values that a user chooses; presets by name |
 //! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
 //! | [`run()`] | the loads of every run, [`Pressed`]; [`run_one`] computes a single run |
 //! | [`Analysis`] | kappa of every point and load, and the extrapolations |
-//! | [`Study`] | all of them, in one call |
+//! | [`Study`] | all of these steps, in one call |
 //!
 //! ```
 //! use gfmd_sweep::{Config, Plan, PointsConfig, StatisticsConfig, Study};
@@ -30,8 +30,9 @@
 //! # }
 //! ```
 //!
-//! Start at [`Study`]. The same configuration gives the same bits for any number of threads, in one piece or continued from
-//! runs that were kept ([`Keep`]). Not here: files, clocks and the terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
+//! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on whether
+//! the study was computed in one piece or continued from runs that were kept ([`Keep`]). Not here: files, clocks and the
+//! terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
 
 mod analysis;
 mod config;

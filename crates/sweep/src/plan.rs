@@ -1,4 +1,4 @@
-//! The contacts of a sweep, their order, and the work that they are.
+//! The contacts of a sweep, their order, and their expected work.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ pub struct Point {
     pub discretisation: Discretisation,
     /// The grid, on a cell of length 1.
     pub grid: Grid,
-    /// Seed of its first realisation; the next ones follow.
+    /// Seed of its first realisation; the seeds of a point are consecutive.
     pub first_seed: u64,
 }
 
@@ -39,7 +39,7 @@ pub struct Run {
     pub seed: u64,
 }
 
-/// A configuration spelt out: points, and runs of each point. A run is known by its index in [`Plan::runs`].
+/// The points of a configuration and the runs of each point. A run is identified by its index in [`Plan::runs`].
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The configuration.
@@ -53,19 +53,19 @@ pub struct Plan {
 /// Distance between the first seeds of two groups of realisations.
 const SEEDS_PER_GROUP: u64 = 1_000_000;
 
-/// Transform pairs of one load, measured: 22 to 34 for any size. Passes over memory between two transforms take about as
-/// long again.
+/// The work of one load in transform pairs. Between 22 and 34 pairs were measured, for any size; the passes over memory
+/// between them take about as long as the transforms, hence the factor 2.
 const PAIRS: f64 = 2.0 * 30.0;
 
 impl Plan {
-    /// The plan of a configuration.
+    /// Makes the plan of a configuration.
     ///
     /// # Errors
     /// A configuration that cannot be computed.
     pub fn new(config: Config) -> Result<Self, SweepError> {
         config.check()?;
         let cells = config.discretisations()?;
-        // Points of one group differ in eps_c only and have their surfaces in common.
+        // The points of a group differ in eps_c only and have their surfaces in common.
         let group_of = |at: &Discretisation| [at.eps_t_inv, at.eps_f_inv];
         let mut groups: Vec<[f64; 2]> = cells.iter().map(|(at, _)| group_of(at)).collect();
         groups.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -101,12 +101,12 @@ impl Plan {
         start..self.runs.partition_point(|run| run.point <= point)
     }
 
-    /// Expected work of one run at a point, in transform pairs of a million points: times the seconds that such a pair
-    /// takes on a machine it is the time of a run.
+    /// The expected work of one run at a point, in transform pairs of a million points. The time of the run is this number
+    /// times the seconds that such a pair takes.
     pub fn work(&self, point: &Point) -> f64 {
         const MILLION: f64 = 1_048_576.0;
         let size = point.grid.len() as f64;
-        // A point of a line costs twice as much as one of a square.
+        // A point of a line costs twice as much as a point of a square.
         let sides = if point.grid.is_line() { 2.0 } else { 1.0 };
         let pair = size / MILLION * size.log2() / MILLION.log2();
         PAIRS * sides * self.config.loads.p_star.len() as f64 * pair
@@ -119,7 +119,7 @@ impl Plan {
     }
 }
 
-/// The first seed of a group. All its seeds are exact in files, whose integers have a sign.
+/// Returns the first seed of a group, if all seeds of the group fit into the signed integers of a file.
 fn first_seed(seed: u64, offset: u64) -> Result<u64, SweepError> {
     const LARGEST: u64 = i64::MAX as u64 - SEEDS_PER_GROUP;
     let first = seed.checked_add(offset).filter(|first| *first <= LARGEST);

@@ -1,14 +1,14 @@
 use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_measure::{Scales, Summary};
 
-/// The numbers of one equilibrated load of a run. The unit of length is the cell, that of stress as of Young's modulus.
+/// The numbers of one equilibrated load of a run. The unit of length is the cell, the unit of stress that of Young's modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressed {
     /// Area, pressure, gap, energy.
     pub summary: Summary,
     /// Rigid approach beyond first touch.
     pub approach: f64,
-    /// Distance from the exact solution.
+    /// Violation of each condition of the solution.
     pub residual: Residual,
     /// Effort of the solve.
     pub effort: Effort,

@@ -1,4 +1,4 @@
-//! The computation: contacts of all runs, side by side where the grids are small.
+//! The computation of the runs of a sweep. Runs on small grids are computed in parallel.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -14,15 +14,15 @@ use rayon::prelude::*;
 use crate::config::refusal;
 use crate::{Plan, Point, Pressed, Run, SweepError};
 
-/// Keeps the finished runs of a sweep, so that it can be continued, and says when to stop. Every method is called from
-/// several threads. `()` keeps nothing and never stops.
+/// A store of the finished runs of a sweep, from which the sweep can be continued, and a request to stop. Every method is
+/// called from several threads. `()` keeps nothing and never stops.
 pub trait Keep: Sync {
-    /// The loads of a run that was finished earlier; `None` if the run must be computed. Asked once for each run.
+    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run.
     fn recall(&self, _run: usize) -> Option<Vec<Pressed>> {
         None
     }
 
-    /// Takes a run that has just been finished.
+    /// Stores a run that has just been finished.
     ///
     /// # Errors
     /// A run that cannot be kept; the sweep then ends.
@@ -30,7 +30,7 @@ pub trait Keep: Sync {
         Ok(())
     }
 
-    /// Returns true if the sweep is to end now.
+    /// Returns true if the sweep must end now.
     fn is_interrupted(&self) -> bool {
         false
     }
@@ -38,7 +38,8 @@ pub trait Keep: Sync {
 
 impl Keep for () {}
 
-/// Points along one axis of a square up to which realisations run side by side; larger grids use all threads for one.
+/// The largest number of points along one axis of a square for which realisations are computed in parallel. On larger grids
+/// all threads work on one realisation.
 const SIDE_BY_SIDE: usize = 512;
 
 /// Computes the runs that `keep` does not recall, point by point. Returns the loads of every run, in the order of
@@ -72,17 +73,17 @@ pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError
     Ok(all)
 }
 
-/// Computes one run by itself, whatever has been computed before: the piece of work of one machine of many.
+/// Computes one run and recalls nothing, so that a sweep can be distributed over many machines.
 ///
 /// # Errors
-/// A number of a run that is not in the plan, a contact that did not converge, an interruption.
+/// A run number that is not in the plan, a contact that did not converge, an interruption.
 pub fn run_one(plan: &Plan, run: usize, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
     let allowed = || refusal("run", &run, format!("below {}", plan.runs.len()));
     let run = plan.runs.get(run).ok_or_else(allowed)?;
     Bench::new(plan, &plan.points[run.point])?.press(run, keep)
 }
 
-/// A contact to look at: the first realisation at the load of the result, on the largest grid of moderate size.
+/// One contact with its fields: the first realisation at the load of the result, on the largest grid of moderate size.
 #[derive(Clone, Debug)]
 pub struct Example {
     /// Its point.
@@ -95,7 +96,7 @@ pub struct Example {
     pub heights: Array2<f64>,
 }
 
-/// Points along one axis of a square up to which a contact is computed once more as an example.
+/// The largest number of points along one axis of a square on which the example is computed.
 const EXAMPLE_POINTS: usize = 1024;
 
 impl Example {
@@ -116,7 +117,7 @@ impl Example {
     }
 }
 
-/// The response of the grid of one point, shared by its realisations, and the scales of their numbers.
+/// The response on the grid of one point, which its realisations share, and the scales of their results.
 struct Bench<'a> {
     plan: &'a Plan,
     response: Arc<NormalResponse>,
@@ -138,7 +139,7 @@ impl<'a> Bench<'a> {
         heights.map_err(|source| SweepError::Surface { place: self.plan.place(run, None), source })
     }
 
-    /// Presses one realisation with all loads, each started from the one before.
+    /// Presses one realisation with all loads; each load starts from the solution of the load before.
     fn press(&self, run: &Run, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
         let contact = self.contact(run, &self.heights(run)?)?;
         let mut last: Option<Solution> = None;

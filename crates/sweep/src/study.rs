@@ -1,6 +1,6 @@
 use crate::{Analysis, Example, Keep, Plan, Pressed, SweepError, run};
 
-/// A sweep that has been computed.
+/// The results of a sweep.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// The plan that was carried out.
@@ -9,7 +9,7 @@ pub struct Study {
     pub runs: Vec<Vec<Pressed>>,
     /// kappa of every point, and the extrapolations.
     pub analysis: Analysis,
-    /// A contact to look at.
+    /// One contact with its fields, as an example.
     pub example: Example,
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Alpha;
 
-/// Accepts a number, or one of `words`.
+/// A visitor that accepts a number or one of `words`.
 struct NumberOr<T: 'static> {
     words: &'static [(&'static str, T)],
     number: fn(f64) -> T,
@@ -54,7 +54,7 @@ impl Serialize for Alpha {
     }
 }
 
-/// The height of a body: a number or `"inf"`.
+/// The format of the height of a body: a number or `"inf"`.
 pub(crate) mod height {
     use super::*;
 
@@ -70,7 +70,7 @@ pub(crate) mod height {
     }
 }
 
-/// The name of a solver.
+/// The format of a solver: its name.
 pub(crate) mod solver {
     use super::*;
 

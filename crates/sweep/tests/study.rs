@@ -24,7 +24,7 @@ fn plan() -> Plan {
     Plan::new(config).unwrap()
 }
 
-/// Keeps `room` runs, then refuses to.
+/// A store that keeps `room` runs and then fails.
 #[derive(Default)]
 struct Shelf {
     kept: Mutex<BTreeMap<usize, Vec<Pressed>>>,
@@ -49,7 +49,7 @@ impl Keep for Shelf {
     }
 }
 
-/// Stops at once.
+/// A store that asks the sweep to stop at once.
 struct Stopped;
 
 impl Keep for Stopped {
@@ -110,7 +110,7 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     refused("solver.tol = 1e-20", &["solver.tol is 1e-20", "between 1e-15 and 0.1"]);
     refused("solver.method = \"newton\"", &["solver.method is \"newton\"", "auto, cg"]);
     refused("solver.method = \"magic\"", &["magic", "auto, cg"]);
-    // Larger cells are sampled by fewer realisations, smaller ones by more: these would overlap with the next group.
+    // Smaller cells have more realisations, here so many that their seeds would overlap with those of the next group.
     refused("statistics.realisations = 600000", &["statistics.realisations is 600000", "1000000"]);
     refused("statistics.seed = 9223372036854775807", &["statistics.seed is 9223372036854775807", "at most"]);
 }

@@ -5,16 +5,16 @@ use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
 
 use crate::failure::Failure;
 
-/// Which components a file has.
+/// The components that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// x, y, z, or x, z on a line.
     Full,
-    /// z alone, of a surface without friction.
+    /// Only z, of a frictionless surface.
     Normal,
 }
 
-/// A displacement of a surface.
+/// The displacement of a surface, and the run that made it.
 #[derive(Debug)]
 pub(super) struct Surface {
     pub(super) grid: Grid,
@@ -28,11 +28,11 @@ pub(super) struct Surface {
     pub(super) description: String,
 }
 
-/// The places in our own files, in the order of preference.
+/// The datasets in files of gfmd, in the order of preference.
 const FULL: &str = "/fields/displacement";
 const NORMAL: &str = "/fields/displacement_z";
 
-/// An array of a file as it is, before it is told what it means.
+/// An array of a file with its description, before its shape is checked.
 struct Found {
     shape: Vec<usize>,
     values: Vec<f64>,
@@ -54,17 +54,17 @@ impl Surface {
         if let (Some(_), None) = (load, found.load) {
             return Err(Failure::input("--load", format!("{name} has no loads")));
         }
-        let allowed = "the shape [nx, ny, 3], or [n, 2] of a line, is allowed";
+        let allowed = "it must be [nx, ny, 3], or [n, 2] for a line";
         let (points, components) = match (found.kind, &found.shape[..]) {
             (Kind::Normal, &[nx, ny]) => ([nx, ny], 1),
             (Kind::Full, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
             (Kind::Full, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
-            (_, shape) => return Err(refuse(format!("{allowed}, found {shape:?}"))),
+            (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
         };
         let [nx, ny] = points;
         let lengths = match (length, found.lengths) {
             ([], lengths) => lengths.unwrap_or([1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]),
-            // A single length is that along x; the points are as far apart along y.
+            // A single length is the length along x; the spacing along y is equal to that along x.
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
@@ -113,7 +113,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
             let loads = shape.remove(0);
             let load = load.unwrap_or(loads.saturating_sub(1));
             if load >= loads {
-                return Err(format!("--load: 0 to {} is allowed, found {load}", loads.saturating_sub(1)));
+                return Err(format!("--load is {load}; it must be below {loads}, the number of loads"));
             }
             (reader.slab(dataset, load).map_err(words)?, Some(load))
         }

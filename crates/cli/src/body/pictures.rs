@@ -1,4 +1,4 @@
-//! What is drawn of a section: each value on a row of points, from the deepest level up.
+//! Maps of a section: values on a row of points, from the deepest level upwards.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::rows::Rows;
 use crate::failure::Failure;
 use crate::figures::named;
 
-/// The maps of one section while they fill.
+/// The maps of one section, filled level by level.
 pub(super) struct Pictures {
     rows: Rows,
     levels: usize,
@@ -55,14 +55,14 @@ const ALONG: [&[Picture]; 2] = [
 ];
 
 impl Pictures {
-    /// Of the quantities asked for, on a row along one axis.
+    /// Allocates the maps of the quantities on a row along one axis.
     pub(super) fn new(quantities: &[Quantity], rows: Rows, levels: usize) -> Self {
         let drawn = ALONG[rows.axes[0]].iter().filter(|picture| quantities.contains(&picture.quantity));
         let maps = drawn.map(|picture| (*picture, vec![0.0; rows.points.len() * levels])).collect();
         Self { rows, levels, maps, buffer: Vec::new() }
     }
 
-    /// The values at depth number `level`.
+    /// Takes the values at depth number `level`.
     pub(super) fn take(&mut self, family: Family, level: usize, fields: &Fields) {
         for (picture, map) in self.maps.iter_mut().filter(|(picture, _)| picture.quantity.family() == family) {
             fields.values(picture.quantity, &[picture.component], &self.rows.points, &mut self.buffer);
@@ -106,8 +106,8 @@ pub fn draw_middle(
     pictures.draw(prefix, interior.grid(), deepest, unit)
 }
 
-/// The range of all but two per mille at either end, where it is much narrower than the whole: a field with singular
-/// edges has a few values far from the rest.
+/// The range of the values without two per mille at either end, if it is much narrower than the full range: near singular
+/// edges a few values are far from all others.
 fn central(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What can be computed at a point, and its components.
+//! The quantities that can be computed, and their components.
 
 use clap::ValueEnum;
 use gfmd_body::{Deformation, Interior, InteriorError, State, Workspace};
@@ -14,29 +14,29 @@ pub enum Quantity {
     Strain,
     /// Stress, tension positive
     Stress,
-    /// Von Mises' equivalent stress
+    /// Equivalent stress of von Mises
     VonMises,
     /// Elastic energy per volume
     EnergyDensity,
 }
 
-/// What is computed together.
+/// The families of quantities that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Displacement,
     Deformation,
 }
 
-/// Axes of a vector, and those of them that a line has.
+/// The axes of a vector, and the indices of the axes of a line.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const AXES_OF_A_LINE: [usize; 2] = [0, 2];
 
-/// Components of a tensor, and those of them that do not vanish in plane strain.
+/// The components of a tensor, and the indices of the components that do not vanish in plane strain.
 pub(super) const TENSOR: [&str; 6] = ["xx", "yy", "zz", "yz", "xz", "xy"];
 pub(super) const TENSOR_OF_A_LINE: [usize; 4] = [0, 1, 2, 4];
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 5] = [Self::Displacement, Self::Strain, Self::Stress, Self::VonMises, Self::EnergyDensity];
 
     pub(super) fn family(self) -> Family {
@@ -58,9 +58,9 @@ impl Quantity {
     pub(super) fn long_name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement, z upwards",
-            Self::Strain => "strain, of shear the engineering strain",
+            Self::Strain => "strain, with engineering shear strains",
             Self::Stress => "stress, tension positive",
-            Self::VonMises => "von Mises' equivalent stress",
+            Self::VonMises => "equivalent stress of von Mises",
             Self::EnergyDensity => "elastic energy per volume",
         }
     }
@@ -86,7 +86,7 @@ impl Displacement<'_> {
     }
 }
 
-/// What is known of one plane at a time.
+/// The fields of one family on one plane.
 pub(super) enum Fields<'w> {
     Displacement(Displacement<'w>),
     Deformation(Deformation<'w>),
@@ -108,8 +108,8 @@ impl<'w> Fields<'w> {
         })
     }
 
-    /// Some components of a quantity at some points, point by point; a scalar is its own component 0. Nothing of a quantity of
-    /// the other family.
+    /// Writes the given components of a quantity at the given points, point by point; a scalar is its own component 0.
+    /// A quantity of another family has no values here.
     pub(super) fn values(&self, quantity: Quantity, components: &[usize], points: &[usize], out: &mut Vec<f64>) {
         out.clear();
         match self {

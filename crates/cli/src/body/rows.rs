@@ -1,4 +1,4 @@
-//! Which points of a plane are kept: all, or a row of them.
+//! The points of a plane that are kept: all, or one row.
 
 use std::fmt;
 use std::str::FromStr;
@@ -25,7 +25,7 @@ impl FromStr for Slice {
             let axis = AXES.iter().position(|axis| *axis == name)?;
             Some(Self { axis, position: position.parse().ok()? })
         });
-        parts.ok_or_else(|| format!("x=POSITION or y=POSITION is allowed, found {text:?}"))
+        parts.ok_or_else(|| "it must be x=POSITION or y=POSITION".into())
     }
 }
 
@@ -44,16 +44,16 @@ impl Serialize for Slice {
 /// Some points of a plane, and the axes along which they lie.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// The row at the position of its points; none of a whole plane, or of a line.
+    /// The row, with the position of its points; `None` for a whole plane, or a line.
     pub(super) slice: Option<Slice>,
-    /// x is 0, y is 1.
+    /// The axes along which the points lie: 0 is x, 1 is y.
     pub(super) axes: Vec<usize>,
-    /// Their indices in a field.
+    /// The indices of the points in a field.
     pub(super) points: Vec<usize>,
 }
 
 impl Rows {
-    /// The row nearest to `slice`, or all points.
+    /// Selects the row nearest to `slice`, or all points.
     pub(super) fn new(slice: Option<Slice>, grid: &Grid) -> Result<Self, Failure> {
         let Some(slice) = slice else {
             let axes = if grid.is_line() { vec![0] } else { vec![0, 1] };
@@ -61,11 +61,10 @@ impl Rows {
         };
         let (name, length) = (AXES[slice.axis], grid.lengths()[slice.axis]);
         if grid.is_line() {
-            return Err(Failure::input("--slice", "a line is a slice already, and has no y"));
+            return Err(Failure::Input(format!("--slice is {slice}; it must be left out for a line")));
         }
         if !(0.0..length).contains(&slice.position) {
-            let reason = format!("{name} from 0 to below {length} is allowed, found {}", slice.position);
-            return Err(Failure::input("--slice", reason));
+            return Err(Failure::Input(format!("--slice is {slice}; {name} must be at least 0 and below {length}")));
         }
         let count = grid.points()[slice.axis];
         let index = (slice.position / grid.spacing()[slice.axis]).round() as usize % count;
@@ -86,12 +85,12 @@ impl Rows {
         Self { slice: Some(Slice { axis, position }), axes: vec![1 - axis], points }
     }
 
-    /// Points kept along x and y.
+    /// The number of points kept along x and y.
     pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
         [0, 1].map(|axis| if self.axes.contains(&axis) { grid.points()[axis] } else { 1 })
     }
 
-    /// Where they begin along x and y.
+    /// The position of the first point along x and y.
     pub(super) fn origin(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.slice.filter(|slice| slice.axis == axis).map_or(0.0, |slice| slice.position))
     }

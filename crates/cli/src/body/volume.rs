@@ -1,4 +1,4 @@
-//! The file that takes the fields, plane by plane.
+//! The file of the fields, written plane by plane.
 
 use std::path::PathBuf;
 
@@ -10,19 +10,19 @@ use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_
 use super::rows::Rows;
 use crate::failure::Failure;
 
-/// Where the values lie.
+/// The positions of the values.
 pub(super) struct Planes<'a> {
     pub(super) grid: &'a Grid,
     pub(super) rows: &'a Rows,
     pub(super) depths: &'a [f64],
-    /// Whether the depths are evenly spaced, from the surface downwards.
+    /// True if the depths are evenly spaced, from the surface downwards.
     pub(super) even: bool,
-    /// Of a slab.
+    /// The height of a slab.
     pub(super) height: Option<f64>,
     pub(super) unit: &'a str,
 }
 
-/// A file of fields being written: HDF5 by depth, or VTK image data upwards.
+/// A file of fields that is being written: HDF5 by depth, or VTK image data by height.
 pub(super) struct Volume<'a> {
     sink: Sink<'a>,
     arrays: Vec<(Quantity, &'static [usize])>,
@@ -46,7 +46,7 @@ impl<'a> Volume<'a> {
         let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("vti") => image(output, planes, quantities)?,
             Some("h5" | "hdf5") => archive(output, planes, quantities, provenance)?,
-            _ => return Err(Failure::input("--out", "a name that ends with .h5 or .vti is allowed")),
+            _ => return Err(Failure::value("--out", output.path().display(), "NAME.h5 or NAME.vti")),
         };
         let components = |quantity| match sink {
             Sink::Archive(_) => archive_components(quantity, planes.grid.is_line()),
@@ -89,7 +89,7 @@ fn archive_components(quantity: Quantity, line: bool) -> &'static [usize] {
     }
 }
 
-/// `/fields/<quantity>[depth, x, y, component]`, with `/fields/z[depth]` of a slab.
+/// Creates `/fields/<quantity>[depth, x, y, component]`, and `/fields/z[depth]` for a slab.
 fn archive<'a>(
     output: &'a Output,
     planes: &Planes,
@@ -129,7 +129,7 @@ fn archive<'a>(
     Ok(Sink::Archive(archive))
 }
 
-/// In the order of ParaView's symmetric tensors.
+/// The components of a quantity, for tensors in the order of ParaView.
 fn image_components(quantity: Quantity) -> &'static [usize] {
     match quantity {
         Quantity::Displacement => &[0, 1, 2],
@@ -138,10 +138,10 @@ fn image_components(quantity: Quantity) -> &'static [usize] {
     }
 }
 
-/// z is the height above the base of a slab; of a half-space, the surface is at zero.
+/// Creates image data. z is the height above the base of a slab, or above the surface of a half-space.
 fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Result<Sink<'a>, Failure> {
     let &[first, second, ..] = planes.depths else {
-        return Err(Failure::input("--out", "image data needs two depths or more"));
+        return Err(Failure::input("--out", "image data needs at least two depths"));
     };
     if !planes.even {
         return Err(Failure::input("--out", "image data needs evenly spaced depths: --levels instead of --depths"));

@@ -10,8 +10,7 @@ use super::Report;
 use crate::failure::Failure;
 use crate::figures::{area_chart, draw_pressure, named, theories};
 
-/// The figures of one contact: `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads
-/// of a hard wall.
+/// Draws `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads of a hard wall.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,

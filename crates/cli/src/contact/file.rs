@@ -2,16 +2,17 @@
 
 use std::path::PathBuf;
 
-use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
+use gfmd_contact::Fields;
+use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_law::Kind;
-use ndarray::Array2;
+use gfmd_measure::Column;
 
 use super::{Args, Prepared};
 use crate::failure::Failure;
-use crate::load::{LAW_SCALARS, LoadRecord, SCALARS, SECONDS};
+use crate::load::{LoadRecord, columns};
 use crate::session::Session;
 
-/// The surface at once, fields load by load, scalars at the end.
+/// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
 pub(super) struct ContactFile<'a> {
     archive: Archive<'a>,
     with_law: bool,
@@ -44,21 +45,23 @@ impl<'a> ContactFile<'a> {
         Ok(Self { archive, with_law: args.law.law != Kind::HardWall })
     }
 
-    pub(super) fn write(&mut self, index: usize, fields: [&Array2<f64>; 3]) -> Result<(), Failure> {
+    pub(super) fn write(&mut self, index: usize, state: &impl Fields) -> Result<(), Failure> {
+        let fields = [state.pressure(), state.displacement_z().into(), state.gap().into()];
         for ((path, ..), field) in FIELDS.iter().zip(fields) {
-            self.archive.write_slab(path, index, &contiguous(field))?;
+            self.archive.write_slab(path, index, field.as_standard_layout().as_slice().unwrap_or_default())?;
         }
         Ok(())
     }
 
     pub(super) fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
-        let scalars = SCALARS.iter().chain([&SECONDS]).chain(if self.with_law { LAW_SCALARS } else { &[] });
-        for scalar in scalars {
-            let values: Vec<f64> =
-                (0..count).map(|i| loads.get(i).map_or(f64::NAN, |record| (scalar.value)(record))).collect();
-            let variable = Variable { dimensions: &[&load], units: scalar.units, long_name: scalar.long_name };
-            self.archive.write(&format!("/loads/{}", scalar.name), &variable, &values)?;
+        for Column { name, units, long_name, value } in columns(self.with_law) {
+            let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
+            self.archive.write(
+                &format!("/loads/{name}"),
+                &Variable { dimensions: &[&load], units, long_name },
+                &values,
+            )?;
         }
         Ok(self.archive.finish()?)
     }

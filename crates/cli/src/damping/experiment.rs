@@ -1,5 +1,5 @@
-//! The relaxation of a free surface from a push at one point, for several dampings, beside the theory of its modes
-//! (theory.md, sections 6.1 and 6.2).
+//! The relaxation of a free surface that is displaced at one point, for several dampings, compared with the theory of its
+//! modes (theory.md, sections 6.1 and 6.2).
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -11,13 +11,14 @@ use gfmd_relax::{Damping, Harmonic, Landscape, Method, Motion, RelaxError, Verle
 use gfmd_response::{Components, FullResponse, Hermitian};
 use serde::Serialize;
 
-/// Powers of e by which the slowest run shrinks: rates then have settled to a few per cent.
+/// The factor by which the slowest run shrinks is e to the power of this number; its rate is then accurate to a few per
+/// cent.
 const DECAY: f64 = 70.0;
 
-/// Histories are kept in memory.
+/// The largest number of steps that is chosen without `--steps`: histories are kept in memory.
 pub(super) const MOST_STEPS: f64 = 1e6;
 
-/// A rate needs two windows of some steps each.
+/// The smallest number of steps: a rate is measured from two windows of several steps.
 pub(super) const FEWEST_STEPS: u32 = 40;
 
 /// The best single damping of the band.
@@ -31,16 +32,16 @@ pub struct Optimal {
     pub rate: f64,
 }
 
-/// Relaxation with one damping. A rate is the factor per step by which an amplitude shrinks in the long run.
+/// The relaxation with one damping. A rate is the factor per step by which an amplitude shrinks in the long run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Run {
     /// η over the critical one.
     pub factor: f64,
     /// η, in 1/time².
     pub eta: f64,
-    /// What the slowest mode does.
+    /// The regime of the slowest mode.
     pub regime: Regime,
-    /// Modes that oscillate, part of all.
+    /// The fraction of modes that oscillate.
     pub oscillating: f64,
     /// Predicted rate of the slowest mode: the largest eigenvalue of its update matrix, in magnitude.
     pub predicted_rate: f64,
@@ -53,7 +54,7 @@ pub struct Run {
     /// Amplitude of the slowest mode over its start, step by step.
     #[serde(skip)]
     pub mode: Vec<f64>,
-    /// The same, predicted.
+    /// Predicted amplitude of the slowest mode over its start, step by step.
     #[serde(skip)]
     pub predicted: Vec<f64>,
     /// Displacement of the point that was pushed over its start, in the component in which the slowest mode moves most.
@@ -61,15 +62,15 @@ pub struct Run {
     pub point: Vec<f64>,
 }
 
-/// What a mode does on its way to rest.
+/// The regimes of a damped mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Regime {
-    /// It oscillates.
+    /// Oscillation.
     UnderDamped,
-    /// It decays fastest without oscillation.
+    /// The fastest decay without oscillation.
     Critical,
-    /// It creeps.
+    /// A slower decay without oscillation.
     OverDamped,
 }
 
@@ -102,7 +103,7 @@ pub(super) struct Experiment {
     /// Stiffness of the slowest mode.
     pub(super) softest: f64,
     pub(super) slowest_mode: Mode,
-    /// Factor over the critical damping, and the method.
+    /// The ratio to critical damping, and the method, for each run.
     pub(super) verlets: Vec<(f64, Verlet)>,
     /// The shape of the slowest mode on the surface.
     pattern: Vec<f64>,
@@ -110,10 +111,10 @@ pub(super) struct Experiment {
     watched: usize,
 }
 
-/// The reason why an experiment cannot be set up.
+/// Reasons why an experiment cannot be prepared.
 #[derive(Debug)]
 pub(super) enum Unusable {
-    /// A grid without a wave.
+    /// A grid of a single point.
     Points,
     /// The time step over the stability limit.
     TimeStep(f64),
@@ -121,14 +122,14 @@ pub(super) enum Unusable {
         found: f64,
         largest: f64,
     },
-    /// More steps would show the rates than are done unasked.
+    /// The number of steps that the rates need is above [`MOST_STEPS`].
     Steps(f64),
     Method(RelaxError),
 }
 
 impl Experiment {
-    /// The surface of a body, to be pushed and released with each of the dampings `factors`; `dt` is the time step over
-    /// the stability limit without damping. Without `steps` there are as many as show the asymptotic rates.
+    /// Prepares the relaxation of the surface of a body with each of the dampings `factors`; `dt` is the time step over the
+    /// stability limit without damping. Without `steps` the number of steps suffices for the asymptotic rates.
     pub(super) fn new(body: &Body, grid: Grid, dt: f64, factors: &[f64], steps: Option<u32>) -> Result<Self, Unusable> {
         let range = stiffness_range(body, &grid).ok_or(Unusable::Points)?;
         if !(dt > 0.0 && dt < 1.0) {
@@ -178,8 +179,7 @@ impl Experiment {
         Optimal { dt: optimal.tau.sqrt(), eta: optimal.eta(), rate: optimal.spectral_radius(self.softest) }
     }
 
-    /// Releases the pushed surface. `watch` sees every step before it is done and may stop the run, which then returns
-    /// nothing.
+    /// Releases the displaced surface. `watch` is called before every step and may stop the run, which then returns `None`.
     pub(super) fn relax(
         &self,
         (factor, verlet): &(f64, Verlet),
@@ -193,7 +193,7 @@ impl Experiment {
         let mut push = vec![0.0; free.len()];
         for (axis, component) in push.chunks_exact_mut(points).enumerate() {
             component[0] = 1.0;
-            // The mean of an incompressible slab does not move.
+            // The mean normal displacement of an incompressible slab is zero.
             if self.response.uniform_compliance()[self.response.components().axes()[axis]] == 0.0 {
                 component.iter_mut().for_each(|u| *u -= 1.0 / points as f64);
             }
@@ -225,7 +225,7 @@ impl Experiment {
         }))
     }
 
-    /// Part of the modes, counted with their weight, that oscillate.
+    /// The fraction of modes, counted with their weight, that oscillate.
     fn oscillating(&self, damping: &Damping) -> f64 {
         let grid = self.response.grid();
         let line = self.response.components() == Components::Plane;
@@ -269,10 +269,10 @@ fn pattern(body: &Body, grid: &Grid, mode: &Mode) -> (Vec<f64>, usize) {
     (pattern, component)
 }
 
-/// Factor per step by which an amplitude shrinks in the long run: windows as long as a quarter of the run, in the middle
-/// and at the end, are compared by their largest amplitude.
+/// The factor per step by which an amplitude shrinks in the long run. It compares the largest amplitudes in two windows, each
+/// a quarter of the run: at its middle and at its end.
 fn rate(history: &[f64]) -> f64 {
-    // What rounding leaves in motions that nothing brings to rest would show far below.
+    // Smaller amplitudes are left out: there, rounding errors of modes without stiffness would dominate.
     let steps = history.iter().rposition(|x| x.abs() > 1e-30).unwrap_or(0) / 2;
     let window = steps / 2;
     let largest = |end: usize| history[end - window..end].iter().fold(0.0, |m, x| f64::max(m, x.abs()));

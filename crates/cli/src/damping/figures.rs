@@ -8,10 +8,10 @@ use super::{Report, Run};
 use crate::failure::Failure;
 use crate::figures::named;
 
-/// The figure of damped relaxations, `PREFIX-damping`: slowest mode and pushed point against time step.
+/// Draws `PREFIX-damping`: the amplitudes of the slowest mode and of the displaced point against time step.
 pub(super) fn draw(prefix: &Path, report: &Report) -> Result<Vec<PathBuf>, Failure> {
     let shown = report.runs.iter().filter_map(|run| run.steps_to_1e8).min().unwrap_or(report.steps).min(report.steps);
-    // Amplitudes below this are left out.
+    // Smaller amplitudes are not drawn.
     let least = 1e-8;
     let thinned = |history: &[f64]| {
         let stride = (shown as usize / 500).max(1);

@@ -8,7 +8,7 @@ use crate::failure::Failure;
 
 const MILLION: f64 = 1_048_576.0;
 
-/// Seconds that a transform pair of a million points takes here, now.
+/// Measures the seconds that a transform pair of a million points takes on this machine.
 ///
 /// # Errors
 /// None on a machine that can transform 256 x 256 points.

@@ -6,7 +6,7 @@ use gfmd_sweep::Config;
 
 use crate::failure::Failure;
 
-/// Reads a file; fields that it leaves out are as in the preset `default`.
+/// Reads a file; missing fields are those of the preset `default`.
 ///
 /// # Errors
 /// A file that cannot be read, is not TOML, or has an unknown or mistyped field.
@@ -29,7 +29,7 @@ fn field(before: &str) -> Option<String> {
     Some(table.map_or(key.into(), |table| format!("{}.{key}", table.trim())))
 }
 
-/// The configuration as a file records it, so that the run can be repeated from it.
+/// Writes the configuration as TOML, so that the run can be repeated from it.
 ///
 /// # Errors
 /// None for values that were read from TOML.

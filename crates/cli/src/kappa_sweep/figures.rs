@@ -26,7 +26,7 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// kappa against eps^alpha of each axis, the terms of the other axes taken off, with the fit and the limit.
+/// A chart of kappa against eps^alpha of each axis, less the terms of the other axes, with the fit and the limit.
 fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
     let result = analysis.result();
@@ -41,7 +41,7 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let family = config.surface.hurst.iter().position(|h| h == hurst).unwrap_or(0);
             let raw = *area == Area::Raw;
             let hue = if several { family } else { usize::from(!raw) };
-            // The data of the other axes' arms would pile up on one level here.
+            // Data that vary along another axis would overlap at one value of eps.
             let on_arm = |eps: [f64; 3]| varies(data.iter().map(Datum::all_eps), eps, position);
             let points = (data.iter().zip(&fit.data))
                 .filter(|(datum, _)| on_arm(datum.all_eps()))
@@ -86,7 +86,7 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     Chart::new(panels)
 }
 
-/// Returns true for a datum on the arm of an axis: its levels along the other axes are the most frequent ones.
+/// Returns true for data that vary along this axis: their levels along the other two are the most frequent ones.
 fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
     let all: Vec<[f64; 3]> = all.collect();
     let others = |eps: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { eps[k] });
@@ -95,7 +95,7 @@ fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bo
     count(&eps) == most
 }
 
-/// Contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
+/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
 fn area(plan: &Plan, analysis: &Analysis) -> Chart {
     let config = &plan.config;
     let loads = &config.loads.p_star;

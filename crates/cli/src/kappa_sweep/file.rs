@@ -13,8 +13,8 @@ use crate::load::{LoadRecord, SCALARS};
 
 /// Writes a study; the file appears under its name when it is complete.
 ///
-/// Wall times are left out of the variables, so that a resumed sweep ends with the same numbers as one in one piece; the
-/// time of the last session is the root attribute `seconds`.
+/// The variables have no wall times, so that those of a resumed sweep equal those of an uninterrupted one. The time of the
+/// last session is the root attribute `seconds`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -29,7 +29,7 @@ pub(super) fn write(output: &Output, study: &Study, provenance: &Provenance, sec
     Ok(archive.finish()?)
 }
 
-/// One dimensionless number of each `T`: its name, its meaning, its value.
+/// A dimensionless number of each `T`: its name, its meaning, its value.
 type Column<'a, T> = (&'a str, &'a str, &'a dyn Fn(&T) -> f64);
 
 fn write_columns<T>(
@@ -47,7 +47,7 @@ fn write_columns<T>(
     Ok(())
 }
 
-/// Writes the columns that say which surface each row is about.
+/// Writes the columns that identify the surface of each row.
 fn write_surfaces(archive: &mut Archive, group: &str, dimension: &Dimension, points: &[&Point]) -> Result<(), Failure> {
     let columns: [Column<&Point>; 5] = [
         ("hurst", "Hurst exponent", &|point| point.hurst),
@@ -84,12 +84,12 @@ fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Resu
     Ok(())
 }
 
-/// A seed as files store it; a plan has none that an `i64` cannot hold.
+/// A seed as a file stores it. Every seed of a plan fits an `i64`.
 fn exact(seed: u64) -> i64 {
     seed as i64
 }
 
-/// A load as `contact` records it. A load that does not converge ends the sweep, so all of these have.
+/// The record of a load, as in files of `contact`. A load that does not converge ends the sweep, so every load here has.
 fn record(load: &Pressed) -> LoadRecord {
     LoadRecord::of(&load.summary, load.approach, load.effort, load.residual.into(), true, f64::NAN)
 }
@@ -114,10 +114,10 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
     write_columns(archive, "/points", &point, &rows, &columns)
 }
 
-/// A part of `T` with the word for it in the names of variables.
+/// A part of `T`, with its word in the names of variables.
 type Named<T, V> = (&'static str, fn(&T) -> V);
 
-/// The ends of a 95 % interval, NaN where there is none.
+/// The ends of a 95 % interval, NaN if there is none.
 fn ends(estimate: &Estimate) -> [f64; 2] {
     estimate.ci95.unwrap_or([f64::NAN; 2])
 }

@@ -1,9 +1,8 @@
 //! The journal of a running sweep: one line of JSON for each finished run, on the disk before the run counts as finished.
 //!
-//! The first line says which sweep it is. A journal only grows: nothing that is in it is ever written again, so a process
-//! that is killed at any moment loses no finished run. A last line without its line break was being written when the
-//! process ended; resuming cuts it off, and its run is computed again, to the same bits. Any other line that cannot be
-//! used is an error.
+//! The first line identifies the sweep. Lines are appended and never changed, so that a process that is killed at any
+//! moment loses no finished run. A last line without line break is incomplete: resuming removes it and computes its run
+//! again. Any other line that cannot be used is an error.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry as Slot;
@@ -36,8 +35,8 @@ struct Entry {
     loads: Vec<Load>,
 }
 
-/// A load as a line holds it. The library's types know no file format, so their fields are listed here once more; the
-/// compiler refuses a list that is not complete.
+/// The format of a load in a line. The types of the library know no file format, so their fields are repeated here; an
+/// incomplete list does not compile.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Pressed")]
 struct PressedFields {
@@ -101,7 +100,7 @@ pub(super) struct Size {
     pub(super) loads: usize,
 }
 
-/// The operations on a file that a journal needs. Tests put a file in place that fails at any of them.
+/// The operations on a file that a journal needs. Tests implement them by a file that fails at any operation.
 trait Storage {
     fn read(&mut self) -> io::Result<Vec<u8>>;
     /// Removes all bytes from `length` on.
@@ -139,15 +138,15 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Starts a journal, or continues the one that is there.
+    /// Starts a journal, or continues an existing one.
     ///
     /// # Errors
-    /// A journal that is there although `resume` is false, that belongs to another sweep, or that has a line which cannot be
-    /// used; a file that cannot be read or written.
+    /// A journal that exists although `resume` is false, that belongs to another sweep, or that has an unusable line; a file
+    /// that cannot be read or written.
     pub(super) fn open(path: &Path, config: &str, size: Size, resume: bool) -> Result<(Self, Finished), Failure> {
         let name = path.display();
         if path.exists() && !resume {
-            let reason = "an unfinished sweep is there: continue it with --resume, or delete that file";
+            let reason = "the journal of an unfinished sweep exists; continue it with --resume, or delete it";
             return Err(Failure::input(&name.to_string(), reason));
         }
         let open = || {
@@ -202,7 +201,7 @@ fn line(value: &impl Serialize) -> io::Result<String> {
     Ok(crate::json::to_string(value)? + "\n")
 }
 
-/// Why a file is no journal to go on with.
+/// Reasons why a journal cannot be continued.
 #[derive(Debug)]
 enum Unusable {
     Io(io::Error),
@@ -222,12 +221,12 @@ impl From<io::Error> for Unusable {
 /// The lines of a journal, each ended by a line break.
 struct Lines<F> {
     file: F,
-    /// Whether an append failed: the last line may then lack its end, and nothing may follow it.
+    /// True after an append that failed: the last line may be incomplete, so no line may follow it.
     broken: bool,
 }
 
 impl<F: Storage> Lines<F> {
-    /// Reads the runs that are there, cuts off an unfinished last line, and writes the head if there is none.
+    /// Reads the finished runs, removes an incomplete last line, and writes the head if there is none.
     fn open(mut file: F, head: &Head, size: Size) -> Result<(Self, Finished), Unusable> {
         let bytes = file.read()?;
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
@@ -268,7 +267,8 @@ fn runs(text: &[u8], expected: &Head, size: Size) -> Result<Finished, Unusable> 
     let mut lines = text.split(|byte| *byte == b'\n');
     let head: Head = serde_json::from_slice(lines.next().unwrap_or_default()).map_err(|_| no_head())?;
     if head != *expected {
-        let reason = "it belongs to a sweep of another configuration or version: finish that one, or delete the file";
+        let reason =
+            "the journal belongs to a sweep of another configuration or version; finish that sweep, or delete it";
         return Err(Unusable::Line { number: 1, reason: reason.into() });
     }
     let mut finished = Finished::new();
@@ -286,7 +286,7 @@ fn runs(text: &[u8], expected: &Head, size: Size) -> Result<Finished, Unusable> 
         }
         match finished.entry(run) {
             Slot::Occupied(_) => {
-                return Err(refuse(format!("run {run} was in an earlier line; each may be there once")));
+                return Err(refuse(format!("run {run} is in an earlier line; it must be in the journal once")));
             }
             Slot::Vacant(slot) => drop(slot.insert(loads.into_iter().map(|Load(load)| load).collect())),
         }
@@ -339,14 +339,14 @@ mod tests {
         line(&Entry::new(run, &loads(run))).unwrap()
     }
 
-    /// A file as the machine sees it and as it would be found after a loss of power.
+    /// The content of a file as the system sees it, and its content after a loss of power.
     #[derive(Clone, Default)]
     struct Disk {
         seen: Vec<u8>,
         synced: Vec<u8>,
     }
 
-    /// A file whose process is killed at the operation after the first `left` ones, in the middle of it if it is a write.
+    /// A file whose process is killed after `left` operations, in the middle of the next one if it is a write.
     #[derive(Clone)]
     struct Mortal {
         disk: Rc<RefCell<Disk>>,
@@ -407,25 +407,25 @@ mod tests {
                 let before = Disk { seen: content.clone().into(), synced: content.clone().into() };
                 let disk = Rc::new(RefCell::new(before));
                 let file = Mortal { disk: Rc::clone(&disk), left };
-                // Runs 3 and 1 if they were there before; then those of which the caller was told that they are recorded.
+                // Runs 3 and 1 if the file had them before, then the runs whose recording succeeded.
                 let mut kept: Vec<usize> = if content.contains("\"run\":3") { vec![1, 3] } else { Vec::new() };
                 let mut complete = false;
                 if let Ok((mut lines, finished)) = Lines::open(file, &head(), SIZE) {
                     assert_eq!(finished.keys().copied().collect::<Vec<_>>(), kept);
-                    // A run may be tried after another one has failed: they run side by side.
+                    // Runs are computed in parallel, so a run may be recorded after another one failed.
                     let recorded = [4, 0, 2].map(|run| (run, lines.append(&entry(run)).is_ok()));
                     kept.extend(recorded.iter().filter(|(_, recorded)| *recorded).map(|(run, _)| run));
                     complete = recorded.iter().all(|(_, recorded)| *recorded);
                 }
                 let Disk { seen, synced } = disk.borrow().clone();
-                // After a loss of power some of what was not synced may have been written.
+                // A loss of power may leave a part of the bytes that were not synced.
                 let partly = synced.len().midpoint(seen.len()).min(seen.len());
                 for found in [&seen[..], &synced, &seen[..partly]] {
                     let (mut lines, finished) = open(found).unwrap_or_else(|error| panic!("{left}: {error:?}"));
                     for run in &kept {
                         assert_eq!(finished.get(run), Some(&loads(*run)), "killed after {left}: run {run}");
                     }
-                    // It goes on from there.
+                    // The sweep continues from this file.
                     let mut missing = (0..SIZE.runs).filter(|run| !finished.contains_key(run));
                     missing.try_for_each(|run| lines.append(&entry(run))).unwrap();
                     let whole = lines.file.disk.borrow().seen.clone();

@@ -1,4 +1,4 @@
-//! The result of a sweep as JSON and as a table; the plan of one.
+//! The result and the plan of a sweep, as JSON and as a table.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -61,8 +61,7 @@ pub struct FitReport {
     pub warnings: Vec<String>,
 }
 
-/// Three levels of one axis at a constant ratio determine an exponent on their own: a check on the one that is
-/// held.
+/// The limit and the exponent from three levels of one axis at a constant ratio alone, as a check of the fixed exponent.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Check {
     pub axis: char,
@@ -125,7 +124,8 @@ impl FitReport {
             terms: terms.collect(),
             chi_squared: fit.chi_squared.max(0.0),
             degrees_of_freedom: fit.degrees_of_freedom,
-            // Only along eps_c do the levels share their surfaces: along the others noise would be read as an exponent.
+            // The levels of eps_c have their surfaces in common. Along eps_t and eps_f the scatter between surfaces would
+            // pass for an exponent.
             checks: (fit.richardson.iter())
                 .filter(|three| three.axis == Axis::Continuum)
                 .map(|three| Check {
@@ -141,7 +141,7 @@ impl FitReport {
 }
 
 impl Report {
-    /// Collects the numbers that are printed.
+    /// Collects the numbers to be printed.
     pub fn new(study: &Study, out: PathBuf, plots: Vec<PathBuf>, seconds: f64, peak_bytes: u64) -> Self {
         let Study { plan, analysis, .. } = study;
         let points = analysis.data.iter().filter(|(key, _)| key.area == Area::Raw).map(|(key, raw)| {
@@ -206,7 +206,7 @@ impl fmt::Display for Report {
                     term.axis,
                     Interval(term.coefficient, term.coefficient_ci95),
                     Interval(term.exponent, term.exponent_ci95),
-                    if term.exponent_fitted { "" } else { " (held)" }
+                    if term.exponent_fitted { "" } else { " (fixed)" }
                 )?;
             }
             for check in &fit.checks {

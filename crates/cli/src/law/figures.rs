@@ -7,7 +7,8 @@ use gfmd_plot::{Axis, Chart, Panel, Series};
 
 use crate::failure::Failure;
 
-/// A law: T_n over the span of `normal` for each value of `tangential`, and T_t the other way round.
+/// Draws T_n over the range of `normal` for each value of `tangential`, and T_t over the range of `tangential` for each
+/// value of `normal`.
 pub(super) fn draw(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64]) -> Result<Vec<PathBuf>, Failure> {
     const STEPS: u32 = 200;
     let curves = |span: &[f64], others: &[f64], name: &str, of: &dyn Fn(f64, f64) -> f64| -> Vec<Series> {

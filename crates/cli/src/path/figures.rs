@@ -10,9 +10,8 @@ use super::{Report, StepRecord};
 use crate::failure::Failure;
 use crate::figures::{draw_pressure, named};
 
-/// A path, leg by leg: pressure against approach and contact area against pressure, or shear and sticking area against
-/// lateral displacement if it moves sideways; and the map of pressure at the
-/// largest contact.
+/// Draws the path leg by leg and the map of pressure at the largest contact. The path is pressure against approach and
+/// contact area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,

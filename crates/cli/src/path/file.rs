@@ -9,7 +9,7 @@ use super::{Args, Prepared, StepRecord};
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Fields waypoint by waypoint, scalars at the end.
+/// The file of a path: the fields are written waypoint by waypoint, the scalars at the end.
 pub(super) struct PathFile<'a> {
     archive: Archive<'a>,
     shears: &'static [&'static str],
@@ -30,7 +30,7 @@ impl<'a> PathFile<'a> {
         let [x, y] = axes(&prepared.surface.grid, unit);
         prepared.surface.write(&mut archive, [&x, &y])?;
         let steps = args.steps as usize;
-        let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "where the path turns");
+        let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "waypoint of the path");
         let shears: &[&str] = match (all, prepared.surface.grid.is_line()) {
             (false, _) => &[],
             (true, true) => &["shear_x"],

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// One step of a path.
 #[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "`SCALARS` says what each is, once for code and files")]
+#[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct StepRecord {
     pub mean_pressure: f64,
     pub p_star: f64,
@@ -32,7 +32,7 @@ pub struct StepRecord {
 }
 
 impl StepRecord {
-    /// The numbers that all states have; NaN or nothing for all else.
+    /// Makes a record with the numbers that all states have; all other numbers are NaN or `None`.
     fn new(reading: &Reading, step: &Step, residual: ResidualRecord, tolerance: f64) -> Self {
         Self {
             mean_pressure: reading.mean_pressure,
@@ -69,10 +69,10 @@ pub enum ResidualRecord {
 }
 
 impl ResidualRecord {
-    /// The largest part.
+    /// The largest of the residuals.
     pub fn worst(&self) -> f64 {
         match *self {
-            // The complementarity of a law's state is a further part, but never more than the penetration.
+            // The complementarity of a state with a law is left out, since it is never larger than the penetration.
             Self::Law { equilibrium, penetration, wall_tension, load } => {
                 gfmd_relax::worst([equilibrium, penetration, wall_tension, load])
             }
@@ -83,12 +83,12 @@ impl ResidualRecord {
     }
 }
 
-/// A state of which a path keeps numbers and fields.
+/// A state whose numbers and fields a path records.
 pub(super) trait Recorded: Fields {
-    /// The numbers of the state and of the step that led to it; time and reduced pressure are the caller's.
+    /// The numbers of the state and of the step that led to it; the caller adds time and reduced pressure.
     fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
 
-    /// Traction on the elastic surface, component by component.
+    /// The traction on the elastic surface, component by component.
     fn traction(&self) -> &Array3<f64>;
 }
 
@@ -138,7 +138,7 @@ impl Recorded for FrictionState {
     }
 }
 
-/// How a number of a step stands in a file.
+/// A number of a step in a file.
 pub(super) struct Scalar {
     pub(super) name: &'static str,
     pub(super) units: &'static str,
@@ -156,7 +156,7 @@ const fn scalar(
 }
 
 pub(super) const SCALARS: &[Scalar] = &[
-    scalar("mean_pressure", "stress", "mean pressure over the whole surface; negative where it is pulled", |r| {
+    scalar("mean_pressure", "stress", "mean pressure over the whole surface; negative if it is pulled", |r| {
         r.mean_pressure
     }),
     scalar("p_star", "1", "reduced pressure p/(E* g)", |r| r.p_star),
@@ -171,16 +171,16 @@ pub(super) const SCALARS: &[Scalar] = &[
     }),
     scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
     scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
-    scalar("interface_energy", "stress*length", "energy of the law per area of the surface; NaN without one", |r| {
+    scalar("interface_energy", "stress*length", "energy of the law per area of the surface; NaN if it has none", |r| {
         r.interface_energy.unwrap_or(f64::NAN)
     }),
-    scalar("dissipated", "stress*length", "energy lost in this step, per area; NaN where there is no energy", |r| {
+    scalar("dissipated", "stress*length", "energy lost in this step, per area; NaN if the law has no energy", |r| {
         r.dissipated.unwrap_or(f64::NAN)
     }),
     scalar(
         "dissipated_error",
         "stress*length",
-        "estimated error of dissipated; NaN where it is exact, or unknown",
+        "estimated error of dissipated; NaN if dissipated is exact, or unknown",
         |r| r.dissipated_error.unwrap_or(f64::NAN),
     ),
     scalar("passed_instability", "1", "1 if directions of negative curvature were met on the way", |r| {
@@ -189,10 +189,10 @@ pub(super) const SCALARS: &[Scalar] = &[
     scalar(
         "lowest_curvature",
         "1",
-        "lowest curvature that the last search for a step saw, over the elastic one",
+        "lowest curvature met in the last search for a step, over the elastic curvature",
         |r| r.lowest_curvature,
     ),
-    scalar("extra_solves", "1", "solves within the step that its loss of energy took", |r| r.extra_solves as f64),
+    scalar("extra_solves", "1", "further solves to find the energy lost in the step", |r| r.extra_solves as f64),
     scalar("iterations", "1", "steps of the solver, extra solves included", |r| r.iterations as f64),
     scalar(
         "transform_pairs",

@@ -1,4 +1,4 @@
-//! What a path prints.
+//! The printed report of a path.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use super::StepRecord;
 use crate::memory::peak_bytes;
 use crate::session::list_files;
 
-/// The problem that a path is followed in.
+/// The problem whose path is followed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Head {
@@ -33,11 +33,11 @@ pub struct Report {
     #[serde(flatten)]
     pub head: Head,
     pub steps: Vec<StepRecord>,
-    /// One for each leg that moves sideways.
+    /// Stiffness and friction of each leg with lateral motion.
     pub sliding: Vec<Sliding>,
-    /// Energy lost along the path, per area; nothing where the tractions have no energy.
+    /// Energy lost along the path, per area; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Sum of the errors of the steps; nothing where `dissipated` is exact, or unknown.
+    /// Sum of the errors of the steps; `None` if `dissipated` is exact, or unknown.
     pub dissipated_error: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
@@ -49,20 +49,20 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// What a leg says of friction.
+/// The stiffness and the friction measured on one leg.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sliding {
     /// Number of the leg, from 1.
     pub leg: usize,
     /// Shear over lateral displacement in its first step, stress/length.
     pub tangential_stiffness: f64,
-    /// Largest mean shear, in magnitude, over the mean pressure of the same step: at the end of a leg that was long
-    /// enough to slide everywhere, the coefficient of static friction.
+    /// Largest ratio of mean shear, in magnitude, to mean pressure of any step. If the leg is long enough to slide
+    /// everywhere, this is the coefficient of static friction.
     pub friction_coefficient: f64,
 }
 
 impl Report {
-    /// What the steps say; a leg has `steps_of_leg` of them.
+    /// Collects the results of the steps; a leg has `steps_of_leg` steps.
     pub(super) fn new(head: Head, steps: Vec<StepRecord>, steps_of_leg: usize) -> Self {
         let sum = |of: fn(&StepRecord) -> Option<f64>| steps.iter().filter_map(of).reduce(|a, b| a + b);
         let mut report = Self {
@@ -82,17 +82,17 @@ impl Report {
         report
     }
 
-    /// The part along the lateral displacement.
+    /// The component of a vector along the lateral displacement.
     pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
         x * self.head.direction[0] + y * self.head.direction[1]
     }
 
-    /// Whether the rigid surface moves sideways.
+    /// Returns true if the rigid surface moves sideways.
     pub fn moves_sideways(&self) -> bool {
         self.steps.iter().any(|step| step.lateral != self.steps[0].lateral)
     }
 
-    /// The legs of so many steps each that move sideways.
+    /// The stiffness and the friction of each leg with lateral motion.
     fn sliding(&self, steps_of_leg: usize) -> Vec<Sliding> {
         let last = self.steps.len().saturating_sub(1);
         let leg = |(number, start): (usize, usize)| {
@@ -110,7 +110,7 @@ impl Report {
     }
 }
 
-/// A column of the table: its head, and what stands in it.
+/// A column of the table: its head, and its entry for a step.
 type Column<'a> = (&'static str, Box<dyn Fn(&StepRecord) -> String + 'a>);
 
 impl Report {

@@ -1,4 +1,4 @@
-//! Where a path turns, and the steps between.
+//! The waypoints of a path, and the steps between them.
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
@@ -6,21 +6,21 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Steps of a path: what is kept of so many is less than a gigabyte.
+/// The largest number of steps of a path, whose records take less than a gigabyte.
 const MOST_STEPS: u64 = 1_000_000;
 
-/// Where the path turns. One value stays as it is; several of both kinds go together.
+/// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 pub(super) struct WaypointArgs {
-    /// Mean pressures, stress; negative pulls
+    /// Mean pressures, stress; a negative one pulls
     #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pressure: Vec<f64>,
-    /// Reduced pressures p/(E* g); negative pulls
+    /// Reduced pressures p/(E* g); a negative one pulls
     #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     p_star: Vec<f64>,
-    /// Rigid approaches beyond first touch, length; negative apart
+    /// Rigid approaches beyond first touch, length; a negative one is a separation
     #[arg(
         long,
         value_delimiter = ',',
@@ -41,7 +41,7 @@ pub(super) struct WaypointArgs {
 }
 
 impl WaypointArgs {
-    /// The drive of every step, or what cannot be used.
+    /// Returns the drive of every step, or the flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<Vec<Drive>, Failure> {
         let (flag, values, under_load) = if !self.pressure.is_empty() {
             ("--pressure", self.pressure.clone(), true)
@@ -50,25 +50,24 @@ impl WaypointArgs {
         } else {
             ("--displacement", self.displacement.clone(), false)
         };
-        let allowed = if hard { "positive, finite numbers are" } else { "finite numbers are" };
+        let allowed = if hard { "positive and finite" } else { "finite" };
         if let Some(bad) = values.iter().find(|value| !(value.is_finite() && (!hard || **value > 0.0))) {
-            return Err(Failure::input(flag, format!("{allowed} allowed, found {bad}")));
+            return Err(Failure::value(flag, bad, allowed));
         }
         if let Some(bad) = self.lateral.iter().chain([&self.direction]).find(|value| !value.is_finite()) {
-            return Err(Failure::input("--lateral", format!("finite numbers are allowed, found {bad}")));
+            return Err(Failure::value("--lateral", bad, "finite"));
         }
         let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
         let count = values.len().max(lateral.len());
         for (flag, length) in [(flag, values.len()), ("--lateral", lateral.len())] {
             if length != 1 && length != count {
-                return Err(Failure::input(flag, format!("1 or {count} waypoints are allowed, found {length}")));
+                return Err(Failure::Input(format!("{flag} has {length} waypoints; it must have 1 or {count}")));
             }
         }
         let made = (count as u64 - 1).saturating_mul(u64::from(steps));
         if made > MOST_STEPS {
-            let reason =
-                format!("{steps} between each two of {count} waypoints make {made}; at most {MOST_STEPS} are allowed");
-            return Err(Failure::input("--steps", reason));
+            let found = format!("{steps}, in all {made} for {count} waypoints");
+            return Err(Failure::value("--steps", found, format!("at most {MOST_STEPS} in all")));
         }
         let along = self.along();
         let at = |list: &[f64], leg: usize, share: f64| match list {
@@ -87,7 +86,7 @@ impl WaypointArgs {
     /// The unit vector of the lateral displacement.
     pub(super) fn along(&self) -> [f64; 2] {
         let angle = self.direction.to_radians();
-        // Exactly along x by default.
+        // The default is exactly along x, without the rounding error of a sine.
         if self.direction == 0.0 { [1.0, 0.0] } else { [angle.cos(), angle.sin()] }
     }
 }

@@ -1,4 +1,4 @@
-//! The displacement of a punch against that of another code.
+//! Comparison of the displacement under a punch with that of another code.
 
 use gfmd_files::{Reader, npy, split_dataset};
 use gfmd_mixed::MixedSolution;
@@ -7,17 +7,16 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Where our files have it.
+/// The dataset in files of gfmd.
 const DISPLACEMENT: &str = "/fields/displacement";
 
-/// A displacement of the same surface from a file: `[x, y, component]`, on a grid whose points are among ours, or ours
-/// among them.
+/// A displacement from a file, `[x, y, component]`. One of its grid and ours contains all points of the other.
 #[derive(Clone, Debug)]
 pub(super) struct Reference {
     pub(super) displacement: Array3<f64>,
 }
 
-/// How far two displacements are apart.
+/// The difference of two displacements.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Comparison {
@@ -37,7 +36,7 @@ impl Reference {
             Some((path, "")) => dataset(path, DISPLACEMENT),
             Some((path, name)) => dataset(path, name),
             None if name.to_ascii_lowercase().ends_with(".npy") => npy::read(name),
-            None => Err("FILE.npy, FILE.h5 or FILE.h5:/dataset is allowed".into()),
+            None => Err("it must be FILE.npy, FILE.h5 or FILE.h5:/dataset".into()),
         };
         let found = found.map_err(fail)?;
         let shape = match (found.shape(), points) {
@@ -53,11 +52,11 @@ impl Reference {
             let allowed = if points[1] == 1 { "[m, 2] or [m, 1, 2]" } else { "[m, m, 3]" };
             let found = found.shape();
             return Err(fail(format!(
-                "the shape {found:?} was found; {allowed} is allowed, with m a divisor or a multiple of {n}"
+                "the shape is {found:?}; it must be {allowed}, with m a divisor or a multiple of {n}"
             )));
         }
         if let Some(value) = found.iter().find(|value| !value.is_finite()) {
-            return Err(fail(format!("every value must be finite, found {value}")));
+            return Err(fail(format!("a value is {value}; all values must be finite")));
         }
         let displacement = Array3::from_shape_vec(shape, found.into_iter().collect());
         Ok(Self { displacement: displacement.map_err(|error| fail(error.to_string()))? })

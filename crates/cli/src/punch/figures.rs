@@ -12,8 +12,8 @@ use super::Report;
 use crate::failure::Failure;
 use crate::figures::{draw_pressure, named};
 
-/// The figures of a punch: maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through its
-/// middle, with the displacement `[x, y, component]` of the reference, if there is one; of a strip, the cut alone.
+/// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
+/// displacement `[x, y, component]` of the reference, if there is one. A strip has only the cut.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
@@ -34,7 +34,7 @@ pub(super) fn draw(
         let pressure = solution.traction.index_axis(ndarray::Axis(0), normal).mapv(|t| -t);
         files.extend(draw_pressure(&named(prefix, "pressure"), grid, &pressure, modulus, "length")?);
     }
-    // Through the middle, where by symmetry nothing points along y.
+    // The cut runs through the middle, where the components along y vanish by symmetry.
     let cut = |field: ArrayView3<f64>, component: usize, unit: f64| {
         let (n, rows, _) = field.dim();
         let spacing = grid.lengths()[0] / n as f64;

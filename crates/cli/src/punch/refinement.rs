@@ -1,4 +1,4 @@
-//! What the mean pressure of a punch tends to as the grid gets finer.
+//! The limit of the mean pressure of a punch on finer and finer grids.
 
 use serde::Serialize;
 
@@ -8,16 +8,17 @@ use serde::Serialize;
 pub struct Refinement {
     pub n: Vec<usize>,
     pub mean_pressure: Vec<f64>,
-    /// log₂ of the ratio of the last two changes: 1 if the error falls as the spacing. Needs three grids.
+    /// log₂ of the ratio of the last two changes: 1 if the error is proportional to the spacing. `None` for fewer than three
+    /// grids.
     pub order: Option<f64>,
     /// The limit, if the error is a power series of the spacing (Richardson's extrapolation over all grids).
     pub extrapolated: f64,
-    /// How much the coarsest grid moves the limit; nothing can be said of two grids.
+    /// The change of the limit if the coarsest grid is left out; `None` for fewer than three grids.
     pub uncertainty: Option<f64>,
 }
 
 impl Refinement {
-    /// From the pressures of at least one grid.
+    /// Extrapolates the pressures of at least one grid.
     pub(super) fn of(n: Vec<usize>, mean_pressure: Vec<f64>) -> Self {
         let order = match mean_pressure[..] {
             [.., a, b, c] => Some(((b - a) / (c - b)).log2()),
@@ -29,7 +30,7 @@ impl Refinement {
     }
 }
 
-/// Neville's scheme at zero spacing: each column removes one power of it.
+/// Extrapolates to zero spacing by Neville's scheme: each column removes one power of the spacing.
 fn extrapolate(values: &[f64]) -> f64 {
     let mut column = values.to_vec();
     let mut factor = 1.0;

@@ -1,4 +1,4 @@
-//! What `punch` prints and stores.
+//! The printed report of `punch`, and the scalars of its file.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -68,7 +68,7 @@ impl fmt::Display for Report {
             "{nx} x {ny} points, cell {} x {}, {} points under the punch ({nodes})",
             self.length[0], self.length[1], self.contact_nodes
         )?;
-        writeln!(f, "width {:.6}, as the points act about {:.6}\n", self.punch_width, self.effective_width)?;
+        writeln!(f, "width {:.6}, effective width of the points {:.6}\n", self.punch_width, self.effective_width)?;
         writeln!(f, "depth          {:>15.8e}", self.depth)?;
         writeln!(f, "mean pressure  {:>15.8e}", self.mean_pressure)?;
         writeln!(f, "max pressure   {:>15.8e}", self.max_pressure)?;
@@ -101,14 +101,14 @@ impl fmt::Display for Report {
     }
 }
 
-/// What the file has beside the fields: name, units, meaning, value.
+/// The scalars of the file: name, units, meaning, value.
 pub(super) fn scalars(report: &Report) -> [(&'static str, &'static str, &'static str, f64); 12] {
     [
         ("mean_pressure", "stress", "mean pressure over the whole surface", report.mean_pressure),
         ("max_pressure", "stress", "largest pressure, at the edge of the punch", report.max_pressure),
-        ("depth", "length", "how deep the punch is pressed", report.depth),
+        ("depth", "length", "depth to which the punch is pressed", report.depth),
         ("punch_width", "length", "width of the punch", report.punch_width),
-        ("effective_width", "length", "width that its points stand for, N - 1/3 spacings", report.effective_width),
+        ("effective_width", "length", "width as which its points act, N - 1/3 spacings", report.effective_width),
         ("contact_nodes", "1", "points under the punch", report.contact_nodes as f64),
         ("elastic_energy", "stress*length", "elastic energy per area of the surface", report.elastic_energy),
         ("residual", "1", "largest error of the prescribed displacement over the depth", report.residual),

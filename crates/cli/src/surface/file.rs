@@ -1,4 +1,4 @@
-//! The file that takes a surface: an array of NumPy, or HDF5.
+//! The file of a surface: a NumPy array, or HDF5.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use ndarray::{Array2, Axis};
 use super::Report;
 use crate::failure::Failure;
 
-/// Where the heights go, claimed before they are made.
+/// The output file and its format, claimed before the heights are made.
 pub(super) struct Target {
     output: Output,
     format: Format,
@@ -26,18 +26,13 @@ impl Target {
         let format = match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("npy") => Format::Npy,
             Some("h5" | "hdf5") => Format::Hdf5,
-            _ => {
-                return Err(Failure::input(
-                    "--out",
-                    format!("NAME.npy or NAME.h5 is allowed, found {}", path.display()),
-                ));
-            }
+            _ => return Err(Failure::value("--out", path.display(), "NAME.npy or NAME.h5")),
         };
         let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
         Ok(Self { output, format })
     }
 
-    /// Writes the heights; an HDF5 file has the numbers of the report and the spectrum, too.
+    /// Writes the heights, and to an HDF5 file also the numbers of the report and the spectrum.
     pub(super) fn write(
         &self,
         heights: &Array2<f64>,

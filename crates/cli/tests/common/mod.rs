@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The program with `arguments`, in `folder`.
+/// Runs the program with `arguments` in `folder`.
 pub(crate) fn gfmd(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_gfmd")).current_dir(folder).args(arguments).output().expect("the program starts")
 }
 
-/// Its JSON; fails if it did not succeed.
+/// Returns the JSON of the program; fails if the program does.
 #[allow(dead_code, reason = "not every test file reads JSON")]
 pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let output = gfmd(folder, arguments);
