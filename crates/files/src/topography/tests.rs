@@ -80,8 +80,8 @@ fn plain_matrices_have_no_size() {
 
 #[test]
 fn points_without_a_height_are_named_and_counted() {
-    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; fill them in \
-                    before: every point needs a height";
+    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; every point \
+                    must have a height: fill them in first";
     assert_eq!(refusal("1 2 3\n4 NaN nan\n"), expected);
     for text in ["1,2,3\n4,,\n", "1,2,3,\n4,,,\n", "1;2;3\n4; BAD; -\n", "1 2 3\n4 -- na\n"] {
         assert_eq!(refusal(text), expected, "{text:?}");
