@@ -44,7 +44,7 @@ impl Equilibrium for Interface {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            None if is_pressed && !self.is_wall_alone() => Some(self.without_attraction(drive, budget, watch)?),
+            None if is_pressed && !self.is_wall_alone() => self.without_attraction(drive, budget, watch)?,
             _ => None,
         };
         let start = start.or(on_wall.as_ref());
@@ -96,15 +96,19 @@ impl Interface {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 
-    /// The contact before the law acts.
+    /// The contact with a hard wall in place of the law. `None` where a wall cannot take the drive: an approach beyond full
+    /// contact, which a law without a wall allows.
     fn without_attraction(
         &self,
         drive: Drive,
         budget: &Budget,
         watch: &mut dyn Watch,
-    ) -> Result<State, SolveError<State>> {
+    ) -> Result<Option<State>, SolveError<State>> {
         let wall = Interface { law: Arc::new(HardWall), ..self.clone() };
+        if wall.check(drive).is_err() {
+            return Ok(None);
+        }
         let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
-        wall.equilibrate(drive, Solver::Newton, &rough, None, watch)
+        wall.equilibrate(drive, Solver::Newton, &rough, None, watch).map(Some)
     }
 }

@@ -231,3 +231,17 @@ fn the_same_bits_for_any_number_of_threads() {
     };
     assert_eq!(with(1), with(3));
 }
+
+#[test]
+fn a_law_without_a_wall_can_be_pressed_beyond_full_contact() {
+    let (n, amplitude) = (64, 0.01);
+    let heights = wave(n, amplitude);
+    let grid = Grid::line(n, 1.0).unwrap();
+    let soft = Interface::new(&half_space(), &grid, &heights, Morse::new(1e-3, 0.01).unwrap()).unwrap();
+    // The mean clearance is the amplitude, where a hard wall would be in full contact.
+    let state = solve(&soft, Load::Approach(1.2 * amplitude), None).unwrap();
+    assert!(state.residual.worst() <= 1e-8 && state.mean_pressure > 0.0, "{:?}", state.residual);
+    let hard = Interface::new(&half_space(), &grid, &heights, HardWall).unwrap();
+    let refused = solve(&hard, Load::Approach(1.2 * amplitude), None);
+    assert!(matches!(refused, Err(SolveError::Refused(Refusal::Approach { .. }))));
+}
