@@ -8,7 +8,7 @@ pub enum PlotError {
     /// There is nothing to draw.
     #[error("nothing to plot: {what}")]
     Empty {
-        /// What is missing.
+        /// Description of the missing data.
         what: &'static str,
     },
     /// A value is not finite.

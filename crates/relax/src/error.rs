@@ -61,7 +61,7 @@ pub enum RelaxError {
         reached.step, reached.residual, asked.residual, reached.settled, asked.settled
     )]
     NotConverged {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
         /// The criteria.
         asked: Stop,
@@ -72,7 +72,7 @@ pub enum RelaxError {
          is the problem stiffer?", reached.step
     )]
     Diverged {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
         /// The criterion that was met.
         reason: Divergence,
@@ -82,7 +82,7 @@ pub enum RelaxError {
     /// Too many steps in a row went uphill (FIRE).
     #[error("{found} steps in a row went uphill; at most {allowed} are allowed; residual {:e}", reached.residual)]
     Uphill {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
         /// Steps uphill.
         found: u32,
