@@ -73,7 +73,7 @@ impl Session {
         Ok(session)
     }
 
-    /// A session without global effects, for callers in the same process.
+    /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
         Self { common, interrupted: Arc::new(AtomicBool::new(false)) }
     }

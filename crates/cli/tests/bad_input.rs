@@ -92,8 +92,8 @@ fn surfaces_that_cannot_be_used() {
 fn punches_that_cannot_be_pressed() {
     let folder = tempfile::tempdir().unwrap();
     let punch = |rest: &str, words: &[&str]| refused(folder.path(), &format!("punch --n 16 {rest}"), 2, words);
-    punch("--punch-fraction 1.5", &["--punch-fraction", "1.5", "between 0 and 1"]);
-    punch("--punch-fraction 1", &["--punch-fraction", "found 1"]);
+    punch("--punch-fraction 1.5", &["--punch-fraction", "1.5", "above 0 and below 1"]);
+    punch("--punch-fraction 1", &["--punch-fraction", "is 1; it must be"]);
     punch("--punch-fraction -0.25", &["--punch-fraction", "-0.25"]);
     refused(folder.path(), "punch --n 15 --punch-fraction 0.05", 2, &["--punch-fraction", "no point of 15", "0.05"]);
     refused(folder.path(), "punch --n 1", 2, &["--n", "at least 2"]);

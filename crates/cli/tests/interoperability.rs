@@ -1,5 +1,5 @@
-//! What the program writes opens in h5py, xarray, netCDF4 and VTK, installed into a fresh virtual environment, and in
-//! h5dump where that is installed.
+//! Files of the program open in h5py, xarray, netCDF4 and VTK, installed into a fresh virtual environment, and in h5dump if
+//! it is installed.
 
 mod common;
 

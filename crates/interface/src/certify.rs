@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, lower, mean};
 use crate::{Interface, Residual, State};
 
-/// The state at `position`, the displacement in the frame of the drive: everything from fresh transforms and the law.
+/// Computes the state at `position`, the displacement in the frame of the drive, by new transforms and the law.
 pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) -> State {
     let (points, z) = (frame.points(), frame.z());
     let mut transforms = interface.elastic.transforms();
@@ -69,7 +69,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     }
 }
 
-/// Fields are made with the shape of the grid.
+/// The reason why reshaping a field cannot fail.
 const FITS: &str = "every field of an interface has the size of its grid";
 
 /// The fields of a state while they are computed.
@@ -77,7 +77,7 @@ struct Certificate<'a> {
     interface: &'a Interface,
     frame: &'a Frame<'a>,
     position: &'a [f64],
-    /// K w at first; on the elastic surface after [`balance`](Self::balance).
+    /// K w at first; the traction on the elastic surface after [`balance`](Self::balance).
     traction: Vec<f64>,
     gap: Vec<f64>,
     wall_pressure: Vec<f64>,
@@ -87,7 +87,7 @@ struct Certificate<'a> {
 struct Balance {
     /// Largest traction that neither law nor wall balances.
     unbalanced: f64,
-    /// Largest tension that the wall would have to hold.
+    /// Largest tension that the wall would have to exert.
     tension: f64,
     /// Largest traction.
     largest: f64,
@@ -96,7 +96,7 @@ struct Balance {
 }
 
 impl Certificate<'_> {
-    /// Fills the gap; returns the lowest one, NaN if any is.
+    /// Fills the gap; returns its lowest value, NaN if any value is NaN.
     fn separations(&mut self) -> f64 {
         let Self { frame, position, gap, .. } = self;
         pass(
@@ -111,9 +111,9 @@ impl Certificate<'_> {
         )
     }
 
-    /// Compares the elastic traction of a component with that of the law. The wall must balance the difference, and can
-    /// only push, at points that touch it. A component whose mean is held has an unknown mean traction besides: that
-    /// with which its free points are at rest.
+    /// Compares the elastic traction of a component with that of the law. At points that touch the wall, the wall balances
+    /// the difference, by pressure only. The mean traction of a component whose mean is held is unknown; it is chosen so
+    /// that the mean force on the free points vanishes.
     fn balance(&mut self, component: usize) -> Balance {
         let Self { interface, frame, position, traction, gap, wall_pressure } = self;
         let points = frame.points();
@@ -161,14 +161,14 @@ impl Certificate<'_> {
         Balance { unbalanced, tension, largest, law_mean: law_total / points as f64 }
     }
 
-    /// Energy of the law per area.
+    /// The energy of the law per area.
     fn interface_energy(&self) -> f64 {
         let Self { interface, frame, position, .. } = self;
         let points = frame.points();
         sum(points, &|range| range.map(|i| interface.energy(frame.separation(position, i))).sum()) / points as f64
     }
 
-    /// Share of the points that the wall presses; without a wall, of those that the law repels.
+    /// The fraction of points that the wall presses; without a wall, of points that the law repels.
     fn contact_fraction(&self) -> f64 {
         let Self { interface, frame, position, wall_pressure, .. } = self;
         let wall = interface.law.has_wall();
@@ -180,8 +180,8 @@ impl Certificate<'_> {
         sum(points, &|range| range.map(|i| f64::from(in_contact(i))).sum()) / points as f64
     }
 
-    /// The displacement of the elastic surface and the approach of the rigid one: in the frame of a load, the elastic
-    /// surface moved in place of the rigid one.
+    /// The displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the elastic surface
+    /// moves in place of the rigid one.
     fn displacement_and_approach(&self, mean_pressure: f64) -> (Vec<f64>, f64) {
         let Self { interface, frame, position, .. } = self;
         let mut displacement = position.to_vec();

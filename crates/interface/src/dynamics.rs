@@ -11,7 +11,7 @@ use crate::frame::Frame;
 use crate::numbers::mean;
 use crate::{Interface, State};
 
-/// Runs, each with half the time step of the one before, because the motion blew up or went uphill for ever.
+/// The largest number of runs. A run that diverged, or went uphill for too long, is repeated with half its time step.
 const ATTEMPTS: u32 = 8;
 
 /// Relaxes by `engine`, a version of FIRE made from its largest time step.
@@ -69,7 +69,7 @@ struct Motion<'a> {
     frame: &'a Frame<'a>,
     transforms: Transforms,
     bounds: Option<Vec<f64>>,
-    /// The force that counts as one.
+    /// The unit of force in the residual.
     scale: f64,
 }
 

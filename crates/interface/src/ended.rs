@@ -1,6 +1,6 @@
 use gfmd_relax::Ending;
 
-/// The place that a search came to, and why it ended there.
+/// The last position of a search, and the reason why it ended.
 pub(crate) struct Ended {
     pub(crate) position: Vec<f64>,
     pub(crate) iterations: u64,
@@ -12,6 +12,6 @@ pub(crate) struct Ended {
 
 pub(crate) enum End {
     Ended(Ending),
-    /// Pulled apart until nothing could hold.
+    /// The surfaces have separated under a tensile load.
     Detached,
 }

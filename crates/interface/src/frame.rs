@@ -9,7 +9,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) drive: Drive,
     /// Stiffness of the uniform mode, component by component; 0 where the mean is held.
     pub(crate) uniform_stiffness: Vec<f64>,
-    /// Components whose mean stays 0, because the body resists no uniform motion along them.
+    /// Components whose mean is held at 0, because a uniform traction does not move the body along them.
     pub(crate) held: Vec<bool>,
     /// Mean pressure that pushes the body up, stress.
     pub(crate) push: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Interface {
-    /// The frame of a drive.
+    /// Returns the frame of a drive.
     ///
     /// # Errors
     /// Numbers that are not finite, or an approach beyond full contact.
@@ -67,20 +67,20 @@ impl Frame<'_> {
         if c == self.z() { self.push } else { 0.0 }
     }
 
-    /// Δ_n and Δ_t at point `i`.
+    /// The separations Δ_n and Δ_t at point `i`.
     pub(crate) fn separation(&self, position: &[f64], i: usize) -> (f64, [f64; 2]) {
         let (points, z) = (self.points(), self.z());
         let along = |c: usize| if c < z { self.drive.lateral[c] - position[c * points + i] } else { 0.0 };
         (self.clearance[i] - self.approach - position[z * points + i], [along(0), along(1)])
     }
 
-    /// Heights of the rigid surface: the upper bounds of w_z behind a hard wall.
+    /// The heights of the rigid surface, which are the upper bounds of w_z with a hard wall.
     pub(crate) fn wall(&self) -> impl Iterator<Item = f64> {
         self.clearance.iter().map(|clearance| clearance - self.approach)
     }
 
-    /// Where a search begins: at `start`, with the points that the wall pressed still on it, or undeformed but for the
-    /// points that would interpenetrate.
+    /// The position from which a search begins: `start`, with the points under pressure of the wall placed on it; without
+    /// one, the undeformed surface, clipped at the wall.
     pub(crate) fn starting_position(&self, start: Option<&State>) -> Vec<f64> {
         let mut position = vec![0.0; self.components() * self.points()];
         let z = self.z() * self.points();

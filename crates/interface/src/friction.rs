@@ -1,5 +1,5 @@
-//! Friction behind a hard wall, solved in the tractions: the normal contact under the shear of the last round, then the
-//! shear under the limits that its pressure sets (Panagiotopoulos 1975), until both fit.
+//! Friction at a hard wall, solved for the tractions. The normal contact with the shear of the last round, and the shear
+//! with the limits that the pressure sets, are solved in turn until both agree (Panagiotopoulos 1975).
 
 mod certify;
 mod increment;
@@ -23,13 +23,13 @@ pub use state::{FrictionResidual, FrictionState};
 
 /// A rigid rough surface pressed on an elastic one and moved sideways, with a hard wall and friction.
 ///
-/// Friction remembers: a drive is one increment, from the state before it. Where |shear| is below its limit the surfaces
-/// stick, that is, move together during the increment; where it is at the limit they may slip against it. A surface that
-/// comes into contact counts its slip from where it was before.
+/// Friction depends on history: a drive is one increment from the state before. At points where |shear| is below its limit
+/// the surfaces stick, that is, move together during the increment; at the limit they may slip against the shear. The slip
+/// of a point that comes into contact is counted from its position at the start of the increment.
 ///
-/// With [`Limit::Tresca`] the limit jumps at the edge of the contact. On a body whose shear moves the surface up and down
-/// (all but ν = ½) a point of the edge may then have no state at all: in contact, its shear lifts it off. That shows as
-/// [`SolveError::NotConverged`]. The contact owns what it needs; a clone shares it.
+/// With [`Limit::Tresca`] the limit is discontinuous at the edge of the contact. If shear moves the surface up and down
+/// (for all bodies but those with ν = ½), a point at the edge may have no solution, because its shear lifts it out of
+/// contact. The solver then ends with [`SolveError::NotConverged`]. A clone shares the data.
 #[derive(Clone, Debug)]
 pub struct FrictionalContact {
     response: Arc<FullResponse>,
@@ -37,22 +37,24 @@ pub struct FrictionalContact {
     limit: Limit,
 }
 
-/// The lengths are those of the grid, by construction: a transform cannot refuse them.
+/// The reason why transforming or reshaping a field cannot fail.
 const FITS: &str = "every field of a contact has the size of its grid";
 
-/// Rounds of normal and tangential problem.
+/// The largest number of rounds of normal and tangential problem.
 const ROUNDS: usize = 150;
-/// After so many rounds they may go in circles: each then answers to a part of what the other changed.
+/// The number of rounds after which the alternation may be cyclic. Only the fraction [`PART`] of the change of the shear is
+/// then passed to the normal problem.
 const WHOLE_ROUNDS: usize = 20;
 const PART: f64 = 0.3;
-/// Each part is solved this much better than asked, so that the whole can be.
+/// The tolerance of either problem over that of the contact.
 const SHARE: f64 = 0.1;
 
-/// The solver alternates between projected conjugate gradients and spectral projected gradients: there is no other.
+/// The only solver, which alternates between projected conjugate gradients and spectral projected gradients.
 const SOLVERS: [Solver; 1] = [Solver::Auto];
 
 impl FrictionalContact {
-    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
+    /// Makes a contact. `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences
+    /// matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
@@ -60,7 +62,7 @@ impl FrictionalContact {
         Self::on(FullResponse::new(*grid, body), heights, limit)
     }
 
-    /// As [`new`](Self::new), on a response that is there already, such as one that many surfaces on one body share.
+    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
@@ -79,7 +81,7 @@ impl FrictionalContact {
         &self.surface
     }
 
-    /// Number of lateral components.
+    /// The number of lateral components.
     fn lateral_components(&self) -> usize {
         self.response.components().len() - 1
     }
@@ -108,7 +110,7 @@ impl Equilibrium for FrictionalContact {
         }
     }
 
-    /// Brings the contact to rest at the end of an increment that begins with `start`, or with the undeformed surface.
+    /// Solves the contact at the end of an increment that begins at `start`, or at the undeformed surface.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -130,7 +132,7 @@ impl Equilibrium for FrictionalContact {
         let mut iterations = 0;
         let mut ending = Ending::GaveUp(Why::Circles);
         for round in 0..ROUNDS {
-            // The first rounds only have to be as good as the next one can use.
+            // Early rounds need less accuracy, since the next round changes their result.
             let part = Budget {
                 tolerance: SHARE * budget.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32)),
                 max_iterations: budget.max_iterations.saturating_sub(iterations),

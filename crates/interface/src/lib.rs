@@ -1,12 +1,12 @@
 //! An elastic body and a rigid rough surface joined by an interface law: adhesive and cohesive contact, friction.
 //!
 //! - [`Interface`]: a law that acts across the gap, with or without a hard wall, in u_z alone or in all components. At
-//!   rest the elastic traction balances that of law and wall; of several such states, the stable one that is met by going
-//!   downhill in energy from where the surfaces are.
-//! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, increment by increment.
-//! - [`Path`]: either of them along a path of drives, with the energy that is lost on the way.
+//!   rest the elastic traction balances that of law and wall. If there are several such states, the solver finds a stable
+//!   one by lowering the energy from the state of the start.
+//! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
+//! - [`Path`]: either of these contacts along a path of drives, with the energy lost in each step.
 //!
-//! Two waves that stick, pressed together and pulled apart:
+//! An adhesive wave, pressed on a half-space and pulled off:
 //!
 //! ```
 //! use gfmd_contact::{Equilibrium, Load};
@@ -31,7 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the laws themselves (`gfmd-law`), hard-wall contact under load (`gfmd-contact`, faster for that).
+//! Not here: the laws themselves (`gfmd-law`), hard-wall contact without friction (`gfmd-contact`, whose solvers are faster).
 
 mod certify;
 mod dynamics;

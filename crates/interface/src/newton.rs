@@ -1,9 +1,10 @@
-//! Downhill by Newton steps within a trust region, on the points that the wall does not hold.
+//! Newton's method within a trust region, on the points that the wall does not hold.
 //!
 //! The energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z is minimised over w_z ≤ bound. A step solves (K + J) d = f on the free
-//! points by conjugate gradients that stop at the edge of the region or where the curvature turns negative (Steihaug 1983),
-//! preconditioned by the compliance, softened where the law is stiff. It is then bent along the wall and shortened until
-//! the energy falls: no step climbs, so a jump ends in a stable state further down.
+//! points by conjugate gradients that stop at the edge of the region or at a negative curvature (Steihaug 1983). The
+//! preconditioner is the compliance, with a smaller weight at points where the law is stiff. The step is then projected on
+//! the wall and shortened until the energy falls. No step raises the energy, so a jump ends in a stable state of lower
+//! energy.
 
 mod descent;
 mod reaction;
@@ -18,7 +19,7 @@ use crate::frame::Frame;
 use crate::{Interface, State};
 use descent::Descent;
 
-/// The solver goes on until its residual is this part of the tolerance.
+/// The solver continues until its residual is this part of the tolerance.
 const SHARE_OF_TOLERANCE: f64 = 0.1;
 
 pub(crate) fn descend(

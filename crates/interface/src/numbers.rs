@@ -2,12 +2,12 @@
 
 use gfmd_vector::{add, reduce, sum};
 
-/// Mean of a field.
+/// The mean of a field.
 pub(crate) fn mean(field: &[f64]) -> f64 {
     sum(field.len(), &|range| field[range].iter().sum()) / field.len() as f64
 }
 
-/// Mean of a field over the points that count; 0 if none does.
+/// The mean of a field over the points that count; 0 if there are none.
 pub(crate) fn mean_where(field: &[f64], counts: impl Fn(usize) -> bool + Sync) -> f64 {
     let [total, count] = reduce(
         field.len(),

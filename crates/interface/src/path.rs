@@ -5,9 +5,9 @@ use gfmd_relax::{Budget, Watch};
 
 use crate::{FrictionState, FrictionalContact, Interface, State};
 
-/// A contact whose states at rest follow one another along a path.
+/// A contact that can be followed along a path of states at rest.
 pub trait Quasistatic: Equilibrium {
-    /// The numbers of a state that a path keeps account of.
+    /// The numbers of a state that the energy balance of a path needs.
     fn reading(&self, state: &Self::State) -> Reading;
 }
 
@@ -22,60 +22,60 @@ pub struct Reading {
     pub mean_shear: [f64; 2],
     /// Lateral displacement of the rigid surface, length.
     pub lateral: [f64; 2],
-    /// How the loss of a step follows.
+    /// The way to find the energy lost in the step to this state.
     pub loss: Loss,
 }
 
-/// How the energy lost on the way to a state follows from it.
+/// The ways to find the energy lost in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loss {
-    /// From the energy stored per area: the work less what is stored. Only jumps lose energy.
+    /// By the balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
     Balance(f64),
-    /// Known of the increment, per area.
+    /// The solver returns the loss of an increment, per area.
     Known(f64),
-    /// Not at all: the tractions have no energy.
+    /// The loss is unknown, because the tractions have no energy.
     Unknown,
 }
 
-/// How closely a path keeps account of energy.
+/// The accuracy of the energy balance of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
-    /// Target of the error of a step, relative to the work exchanged in it or to the mean of that work over the steps so
-    /// far, whichever is more.
+    /// Largest error of a step, relative to the work exchanged in the step or to the mean of that work over the steps so
+    /// far, if that is larger.
     pub tolerance: f64,
-    /// Solves beyond one for each step, on the average; those of eight steps may be spent in advance. With 0 no step is
-    /// divided.
+    /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0 no
+    /// step is divided.
     pub solves_per_step: u64,
 }
 
 impl Default for Refinement {
-    /// To 1e-3, with at most 4 further solves for each step on the average.
+    /// A tolerance of 1e-3, with at most 4 further solves per step on average.
     fn default() -> Self {
         Self { tolerance: 1e-3, solves_per_step: 4 }
     }
 }
 
-/// Account of one step.
+/// The energy balance and the effort of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
-    /// Energy lost per area, stress × length; `None` where the tractions have no energy.
+    /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Estimate of the error of `dissipated`; `None` where it is unknown, or exact.
+    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or exact.
     pub dissipated_error: Option<f64>,
-    /// Solves beyond the one that every step takes.
+    /// Number of solves beyond the one that every step needs.
     pub extra_solves: u64,
     /// Effort of all solves.
     pub effort: Effort,
 }
 
-/// Follows a problem along a path, each state from the last.
+/// A path of a contact, each state found from the last one.
 ///
-/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only where
-/// the state jumps. A step is therefore divided until the balance of work and energy closes to fourth order, which shows
-/// that nothing was lost, or until a jump is enclosed between two states so close that the work between them no longer
-/// matters: what is missing is the loss.
+/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in jumps.
+/// A step is therefore divided until the balance of work and energy closes to fourth order, which shows that no energy was
+/// lost, or until a jump is enclosed between two states so close that the work between them is negligible: the energy that
+/// is missing is then the loss.
 ///
-/// A wave that snaps into contact and later out of it loses energy; pressed and relieved within the contact it does not:
+/// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
 ///
 /// ```
 /// use gfmd_contact::{Budget, Load, SolveError};
@@ -122,7 +122,7 @@ pub struct Path<'a, P: Quasistatic> {
 }
 
 impl<'a, P: Quasistatic> Path<'a, P> {
-    /// A path that has not begun.
+    /// Makes a path without a state.
     pub fn new(problem: &'a P, budget: Budget, refinement: Refinement) -> Self {
         let allowance = refinement.solves_per_step.saturating_mul(IN_ADVANCE);
         Self { problem, budget, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
@@ -133,10 +133,10 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         self.last.as_ref().map(|(state, _)| state)
     }
 
-    /// Goes on to `drive`. The first state has nothing to lose.
+    /// Continues to `drive`. The first step loses no energy.
     ///
     /// # Errors
-    /// Those of the solver. The path then stands at the last state at rest that is known to lie on it.
+    /// The errors of the solver. The state is then the last state at rest that is known to lie on the path.
     pub fn step(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<Step, SolveError<P::State>> {
         let mut search = Search {
             problem: self.problem,
@@ -173,22 +173,22 @@ impl<'a, P: Quasistatic> Path<'a, P> {
 struct Rest<S> {
     state: S,
     reading: Reading,
-    /// The part of the step at whose end it is, and the part at which its search began.
+    /// The position of the state within the step, from 0 to 1, and the position of the state from which it was found.
     share: f64,
     origin: f64,
 }
 
-/// Steps whose extra solves may be spent before they are made.
+/// The number of steps whose extra solves may be used in advance.
 const IN_ADVANCE: u64 = 8;
-/// Pieces shorter than this part of a step are not divided.
+/// The length over that of the step below which a piece is not divided.
 const SHORTEST: f64 = 1e-9;
-/// Of the error that a step may have, a piece that encloses a jump may have this part, however short it is.
+/// The error that a piece with a jump may have, over the error allowed for its step.
 const OF_A_JUMP: f64 = 0.25;
-/// A piece is divided only if so many solves are left: both halves, and the way from there to the end of the step, then
-/// still get a state in their middle, without which little is known of their error.
+/// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step then get
+/// a state in their middle, without which their error is hardly known.
 const RESERVE: u64 = 5;
 
-/// One step while it is made.
+/// A step that is being computed.
 struct Search<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
@@ -208,7 +208,7 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok((state, reading))
     }
 
-    /// Takes `here` to `end`, piece by piece, and adds up what the pieces lose, to the tolerance times a reference work.
+    /// Moves `here` to `end` piece by piece, and sums the losses of the pieces, to the tolerance times a reference work.
     fn account(
         &mut self,
         here: &mut Rest<P::State>,
@@ -225,7 +225,7 @@ impl<P: Quasistatic> Search<'_, P> {
             Ok::<_, SolveError<P::State>>(Rest { state, reading, share, origin: start.share })
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
-        // States to come: the end of the next piece, and perhaps that of the one after it.
+        // The ends of the next one or two pieces, in reverse order.
         let mut ahead = vec![end];
         while here.share < 1.0 {
             let mut end = match ahead.pop() {
@@ -238,16 +238,17 @@ impl<P: Quasistatic> Search<'_, P> {
             if piece.1 > allowed * span && span > SHORTEST && self.allowance > 0 {
                 match extra(self, here.share + 0.5 * span, here) {
                     Err(error @ SolveError::Interrupted { .. }) => return Err(error),
-                    // Next to an instability the solver may not settle; the piece then stays whole.
+                    // Close to an instability the solver may not converge; the piece is then not divided.
                     Err(_) => {}
                     Ok(middle) => {
                         let mut halves = Halves::new(&here.reading, &middle.reading, &end.reading);
                         let closes = |halves: &Halves| halves.simpson().abs() <= allowed * span;
-                        // A force that rises and falls within a piece hides work that shrinks with its square.
+                        // The ends of a piece do not show a force that rises and falls within; its work is of second
+                        // order in the length of the piece.
                         let enclosed = |halves: &Halves| halves.spread + reference * span * span;
                         let encloses = |halves: &Halves| enclosed(halves) <= OF_A_JUMP * allowed;
                         if encloses(&halves) && !closes(&halves) {
-                            // States found from before a jump are of no use behind it.
+                            // States that were found from a state before the jump are not valid after it.
                             ahead.clear();
                             if end.origin < here.share {
                                 end = extra(self, end.share, &middle)?;
@@ -255,7 +256,7 @@ impl<P: Quasistatic> Search<'_, P> {
                             }
                         }
                         piece = if closes(&halves) {
-                            // If nothing was lost, what is missing is the error of the work.
+                            // Without a loss, the difference of work and energy is the error of the work.
                             (halves.simpson(), halves.simpson().abs())
                         } else if encloses(&halves) {
                             (halves.missing, enclosed(&halves))
@@ -278,14 +279,14 @@ impl<P: Quasistatic> Search<'_, P> {
     }
 }
 
-/// Work and energy between two states, per area.
+/// The balance of work and energy between two states, per area.
 #[derive(Clone, Copy, Debug, Default)]
 struct Balance {
-    /// Work by trapezoids less the energy gained.
+    /// Work by the trapezoidal rule less the energy gained.
     missing: f64,
-    /// The error of that work if the forces change monotonically, jumps included.
+    /// The largest error of that work if the forces change monotonically, jumps included.
     spread: f64,
-    /// Work in magnitude.
+    /// The magnitude of the work.
     exchanged: f64,
 }
 
@@ -306,13 +307,13 @@ impl Balance {
     }
 }
 
-/// Work and energy over a piece of a path, from its two ends and its middle.
+/// The balance of work and energy over a piece of a path, from its two ends and its middle.
 struct Halves {
-    /// Work by trapezoids over the halves less the energy gained.
+    /// Work by the trapezoidal rule over the halves less the energy gained.
     missing: f64,
-    /// Its error if the forces change monotonically in either half.
+    /// The largest error of that work if the forces change monotonically in either half.
     spread: f64,
-    /// By how much it differs from that over the whole.
+    /// The difference of `missing` from its value over the undivided piece.
     change: f64,
 }
 
@@ -324,19 +325,19 @@ impl Halves {
         Self { missing, spread: first.spread + second.spread, change }
     }
 
-    /// The work by Simpson's rule instead.
+    /// The work by Simpson's rule less the energy gained.
     fn simpson(&self) -> f64 {
         self.missing + self.change / 3.0
     }
 
-    /// An estimate of the error of `missing`: all of it if nothing was lost, its change if a jump lies in one half.
+    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half.
     fn doubt(&self) -> f64 {
         self.spread.min(self.missing.abs().max(self.change.abs()))
     }
 }
 
 impl Reading {
-    /// The drive at `share` of the way from here to `drive`.
+    /// The drive at the fraction `share` of the way from this state to `drive`.
     fn towards(&self, drive: Drive, share: f64) -> Drive {
         if share == 1.0 {
             return drive;

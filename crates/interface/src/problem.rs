@@ -7,11 +7,12 @@ use gfmd_law::Law;
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
 
-/// A law steeper than the grid can follow: nodes snap one by one where a continuous surface would peel or heal.
+/// A law that is too steep for the grid: single points jump where the contact edge of a continuous surface would move
+/// smoothly.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "lattice trapping: the attraction falls off with {steepness:.3e}, more than half of {stiffness:.3e}, the stiffness \
-     (stress/length) of the shortest wave on this grid; refine the grid or take a longer range"
+    "lattice trapping: the steepness of the attraction is {steepness:.3e}; it should be below half of {stiffness:.3e}, \
+     the stiffness (stress/length) of the shortest wave on this grid: refine the grid or take a longer range"
 )]
 pub struct Trapping {
     /// [`Law::steepness`].
@@ -20,7 +21,7 @@ pub struct Trapping {
     pub stiffness: f64,
 }
 
-/// A rigid rough surface above an elastic one, with a law that acts between them. It owns what it needs; a clone shares it.
+/// A rigid rough surface above an elastic one, with a law that acts between them. A clone shares the data.
 #[derive(Clone, Debug)]
 pub struct Interface {
     pub(crate) elastic: Elastic,
@@ -29,8 +30,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// An interface that acts on u_z alone, free to slide. `heights` is the rigid profile on `grid`, peaks pointing at the
-    /// body, in length; only differences matter.
+    /// Makes an interface that acts on u_z alone, without lateral traction. `heights` is the rigid profile on `grid`, peaks
+    /// pointing at the body, in length; only differences matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -51,8 +52,8 @@ impl Interface {
         Self::on(FullResponse::new(*grid, body), heights, law)
     }
 
-    /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on a response that is there already, such
-    /// as one that many surfaces on one body share.
+    /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing response, such as one that
+    /// many surfaces on one body share.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -72,32 +73,32 @@ impl Interface {
         &self.elastic
     }
 
-    /// E* times the spectral rms gradient of the surface, in stress: the unit of the reduced pressure p*
-    /// (theory.md, section 10).
+    /// The unit of the reduced pressure p*, E* times the spectral rms gradient of the surface, in stress (theory.md,
+    /// section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
         self.elastic.contact_modulus() * self.surface.rms_gradient()
     }
 
-    /// Whether law and components have an energy: without sliding, every law has one.
+    /// Returns true if there is an energy of the law for the moving components. For u_z alone every law has one.
     pub fn has_energy(&self) -> bool {
         self.elastic.components() == 1 || self.law.energy(0.0, 0.0).is_some()
     }
 
-    /// Whether the law is too steep for the grid (theory.md, section 8). A warning, not an error: the states are right
-    /// for the discrete surface.
+    /// Returns a warning if the law is too steep for the grid (theory.md, section 8). It is no error, since the states are
+    /// correct for the discrete surface.
     pub fn trapping(&self) -> Option<Trapping> {
         let [_, stiffness] = self.elastic.stiffness_range();
         let steepness = self.law.steepness();
         (steepness > 0.5 * stiffness).then_some(Trapping { steepness, stiffness })
     }
 
-    /// The unit of length: the rms height, or 1 if the surface is flat.
+    /// The unit of length in residuals: the rms height, or 1 if the surface is flat.
     pub(crate) fn length_scale(&self) -> f64 {
         let rms_height = self.surface.rms_height();
         if rms_height > 0.0 { rms_height } else { 1.0 }
     }
 
-    /// Φ, energy per area; where u_z alone moves, that of opening. NaN if the law has none.
+    /// The energy Φ per area; for u_z alone, that of opening. NaN if the law has none.
     pub(crate) fn energy(&self, (normal, [x, y]): (f64, [f64; 2])) -> f64 {
         match self.elastic {
             Elastic::Normal(_) => self.law.opening_energy(normal),

@@ -9,7 +9,7 @@ use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::{Interface, State, dynamics, newton};
 
-/// Newton's method needs an energy; dynamics does not.
+/// The solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
 impl Equilibrium for Interface {
@@ -23,8 +23,9 @@ impl Equilibrium for Interface {
         self.frame(drive).map(drop)
     }
 
-    /// Goes downhill from `start` to a stable state. Without one, from the contact with a hard wall alone if the drive
-    /// presses, else from the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy, else FIRE 2.0.
+    /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard wall
+    /// alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy,
+    /// else FIRE 2.0.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -96,8 +97,8 @@ impl Interface {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 
-    /// The contact with a hard wall in place of the law. `None` where a wall cannot take the drive: an approach beyond full
-    /// contact, which a law without a wall allows.
+    /// Solves the contact with a hard wall in place of the law, roughly. Returns `None` if a wall does not allow the drive: an
+    /// approach beyond full contact, which a law without a wall allows.
     fn without_attraction(
         &self,
         drive: Drive,

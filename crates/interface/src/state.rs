@@ -15,7 +15,7 @@ pub struct State {
     pub gap: Array2<f64>,
     /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. Attraction is not part of it.
     pub wall_pressure: Array2<f64>,
-    /// Mean of −t_z, stress: < 0 where the surfaces are pulled apart.
+    /// Mean of −t_z, stress; negative if the surfaces are pulled apart.
     pub mean_pressure: f64,
     /// Mean lateral traction on the elastic surface along x and y, stress.
     pub mean_shear: [f64; 2],
@@ -27,41 +27,41 @@ pub struct State {
     pub elastic_energy: f64,
     /// Energy of the law per area, stress × length; NaN if the law has none.
     pub interface_energy: f64,
-    /// Share of the points in contact: pressed by the wall, or repelled by a law without one.
+    /// Fraction of points in contact: pressed by the wall, or repelled by a law without a wall.
     pub contact_fraction: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: Residual,
-    /// Effort of the solve, the transforms that made the final fields included.
+    /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
-    /// Whether directions of negative curvature were met on the way from the state started from: after a jump they
-    /// were, after a long smooth step they may have been. Dynamics does not look.
+    /// True if the search from the start met directions of negative curvature. A jump always causes this; a long smooth
+    /// step may. Dynamics does not compute curvatures and leaves it false.
     pub passed_instability: bool,
-    /// The lowest curvature, in units of the elastic one, that conjugate gradients see from a force in all directions: > 0
-    /// in a stable state. 1 for a wall alone, NaN after dynamics.
+    /// The lowest curvature, over the elastic curvature, that conjugate gradients met, started from a force in all
+    /// directions; positive in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
     pub(crate) surface: Arc<RigidSurface>,
     pub(crate) contact_modulus: f64,
 }
 
-/// Distance of a state from equilibrium; zero for the exact one. Stresses are in units of the largest traction, or of the
-/// softest stiffness times the rms height where that is more; lengths in rms heights
-/// (of a flat surface in units of length).
+/// Distance of a state from equilibrium; zero for the exact state. Stresses are over the largest traction, or over the
+/// softest stiffness times the rms height if that is larger. Lengths are over the rms height, or in the unit of length for a
+/// flat surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms) of the wall pressure p, in magnitude. It never exceeds the penetration.
     pub complementarity: f64,
-    /// Largest force per area that nothing balances.
+    /// Largest unbalanced force per area.
     pub equilibrium: f64,
-    /// max(0, −min gap), where there is a wall.
+    /// max(0, −min gap) with a wall, else 0.
     pub penetration: f64,
-    /// Largest tension that the wall would have to hold.
+    /// Largest tension that the wall would have to exert.
     pub wall_tension: f64,
-    /// Mean pressure less the one asked for; 0 where the approach is prescribed.
+    /// Mean pressure less the prescribed one; 0 if the approach is prescribed.
     pub load: f64,
 }
 
 impl Residual {
-    /// The parts with their names.
+    /// The residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 5] {
         [
             ("complementarity", self.complementarity),
@@ -72,17 +72,17 @@ impl Residual {
         ]
     }
 
-    /// The largest of the parts; NaN if any is.
+    /// The largest of the residuals; NaN if any of them is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
 }
 
-/// A mean pressure below this part of the largest pressure carries no load: κ would relate an area to nothing.
+/// The ratio of mean to largest pressure below which κ is not defined: area over a vanishing load.
 const LEAST_LOAD: f64 = 1e-6;
 
 impl State {
-    /// The pressure that repels: that of the wall, or the positive part of −t_z without one.
+    /// The repulsive pressure: that of the wall, or without wall the positive part of −t_z.
     pub fn repulsion(&self) -> Array2<f64> {
         if self.wall_pressure.iter().any(|p| *p > 0.0) {
             self.wall_pressure.clone()
@@ -129,8 +129,8 @@ impl Fields for State {
         Scales { contact_modulus: self.contact_modulus, rms_gradient: self.surface.rms_gradient() }
     }
 
-    /// In contact are the points that are repelled, with the pressure that repels them. κ is NaN where attraction carries
-    /// the load: area over pressure means nothing there.
+    /// Summarises the repulsive pressure; its points are in contact. κ is NaN if attraction carries the load, since area
+    /// over pressure has no meaning then.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
         let summary = Summary::of(repulsion.view(), self.displacement_z(), self.gap(), self.mean_pressure, scales);

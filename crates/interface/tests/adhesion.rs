@@ -46,7 +46,7 @@ fn a_sphere_with_a_dugdale_zone_follows_the_curve_of_maugis() {
                 let approach = 0.010 - 0.0005 * f64::from(step);
                 let state = solve(&interface, Load::Approach(approach), last.as_ref()).unwrap();
                 let a = (state.contact_fraction / PI).sqrt();
-                // The branch is passed from large a; the force is single-valued in a.
+                // The branch is followed from large a; the force is a function of a.
                 let nearest = |of: &&gfmd_measure::theory::AdhesiveContact| (of.radius - a).abs();
                 let of_a = branch.iter().min_by(|x, y| nearest(x).total_cmp(&nearest(y))).unwrap();
                 if a > radius {
@@ -57,7 +57,7 @@ fn a_sphere_with_a_dugdale_zone_follows_the_curve_of_maugis() {
             worst
         })
         .collect();
-    // The edge snaps from node to node, an error of first order.
+    // The contact edge jumps from point to point, which is an error of first order.
     assert!(errors[2] < 0.15, "{errors:?}");
     assert!(errors.windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{errors:?}");
 }
@@ -141,11 +141,11 @@ fn surfaces_jump_into_contact_and_out_of_it_at_different_distances() {
     assert!(jump_out + 4 < jump_in, "{jump_in} {jump_out}");
     assert!(loading[jump_in].passed_instability && loading[jump_in].contact_fraction > 0.1);
     assert!(unloading[jump_out - 1].passed_instability);
-    // The loop takes work: on the way out the surfaces pull harder. Where they are the same there is no difference.
+    // The loop dissipates energy: on the way out the attraction is stronger, except where both ways have one state.
     for (a, b) in loading.iter().zip(&unloading) {
         assert!(b.mean_pressure <= a.mean_pressure + 1e-9, "{} {}", a.mean_pressure, b.mean_pressure);
         assert!(a.lowest_curvature > 0.0 && b.lowest_curvature > 0.0);
-        // Both are states of one energy; the downhill branch of each jump keeps the deeper one after it.
+        // Both are states of one energy; after each jump the state has the lower one.
         assert!((a.gap[[n / 2, 0]] >= 0.0) && (b.gap[[0, 0]] >= 0.0));
     }
     let total = |state: &State| state.elastic_energy + state.interface_energy;
@@ -205,7 +205,7 @@ fn bad_input_is_refused_with_what_was_found() {
 fn the_tightest_tolerance_is_that_of_every_contact() {
     let heights = wave(32, 0.01);
     let interface = Interface::new(&half_space(), &Grid::line(32, 1.0).unwrap(), &heights, HardWall).unwrap();
-    // It may be beyond rounding, but it is not refused.
+    // Rounding errors may prevent convergence to this tolerance, but the tolerance is not refused.
     let ended = interface.press(Load::MeanPressure(0.001)).tolerance(1e-15).solve();
     assert!(!matches!(ended, Err(SolveError::Refused(_))), "{ended:?}");
 }

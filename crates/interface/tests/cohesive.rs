@@ -62,7 +62,7 @@ fn newton_and_dynamics_find_the_same_states() {
                     assert!(a.lowest_curvature > 0.0 && a.effort.transform_pairs < b.effort.transform_pairs);
                     b.effort.iterations
                 });
-                // They are two methods.
+                // The two versions are different methods.
                 assert_ne!(dynamics[0], dynamics[1]);
             }
         }
@@ -128,7 +128,7 @@ fn a_bonded_flat_opens_and_slides_as_one_point() {
 
 #[test]
 fn the_energy_grows_by_the_work_of_the_rigid_surface() {
-    // dU = p̄ dδ + τ̄·dX along a smooth path: ties energies, pressure and shear together.
+    // The relation dU = p̄ dδ + τ̄·dX along a smooth path checks energies, pressure and shear together.
     let points = [24, 21];
     let heights = bumps(points);
     let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
@@ -157,8 +157,8 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
 
 #[test]
 fn flat_surfaces_that_attract_do_not_stay_flat() {
-    // The uniform state is at rest whatever the distance, but loses its stability where γ/ϱ² e^(−g/ϱ) exceeds the softest
-    // stiffness, π E*/L: ripples grow. Nothing but a look at all directions shows it.
+    // The uniform state is at rest at any distance, but unstable if γ/ϱ² e^(−g/ϱ) exceeds the softest stiffness, π E*/L:
+    // waves grow. Its force vanishes, so that only a search in all directions finds the instability.
     let n = 64;
     let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
     let response = NormalResponse::new(Grid::line(n, 1.0).unwrap(), &body);

@@ -13,7 +13,7 @@ use gfmd_response::FullResponse;
 use ndarray::Array2;
 
 fn incompressible(grid: Grid) -> FullResponse {
-    // E* = 4 C44: normal load and shear do not know of each other.
+    // For E* = 4 C44, normal load and shear are uncoupled.
     FullResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.5).unwrap()))
 }
 
@@ -44,7 +44,7 @@ fn a_wave_under_shear_sticks_where_the_smaller_of_two_loads_would_press() {
         let shear = state.mean_shear[0];
         let core = solve(&contact, pressed(load - shear / 0.4, 0.0), None);
         assert_eq!(state.stick_fraction, core.contact_fraction, "{lateral}");
-        // Westergaard: the share in contact.
+        // Westergaard: the contact fraction.
         let share = 2.0 / PI * ((load - shear / 0.4) / (PI * 0.01)).sqrt().asin();
         assert!((state.stick_fraction - share).abs() < 2.0 / n as f64, "{} {share}", state.stick_fraction);
         assert!(state.dissipated > 0.0 && shear < 0.4 * load);
@@ -138,7 +138,7 @@ fn every_condition_holds_under_a_path_of_shear_up_to_sliding() {
                 Limit::Tresca(strength) => strength * state.contact_fraction,
             };
             let found = state.mean_shear[0].hypot(state.mean_shear[1]);
-            // Not all points slip in quite the same direction.
+            // The direction of slip differs slightly between points.
             assert!(found <= wanted * (1.0 + 1e-9) && found > 0.98 * wanted, "{limit:?} {load:?}: {found} {wanted}");
         }
     }

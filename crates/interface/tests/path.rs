@@ -1,4 +1,4 @@
-//! The energy lost along paths: by jumps alone, and the same however the path is divided.
+//! The energy lost along paths: it is lost in jumps only, and does not depend on the division of the path.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +23,7 @@ fn half_space(n: usize) -> NormalResponse {
     NormalResponse::new(Grid::line(n, 1.0).unwrap(), &Body::half_space(material()))
 }
 
-/// Asperities of different height, which snap one by one.
+/// Asperities of different height, which jump one by one.
 fn asperities(n: usize) -> Array2<f64> {
     let phase = |i: usize| TAU * i as f64 / n as f64;
     Array2::from_shape_fn((n, 1), |(i, _)| {
@@ -31,7 +31,7 @@ fn asperities(n: usize) -> Array2<f64> {
     })
 }
 
-/// From one waypoint to the next in so many steps.
+/// Values from each waypoint to the next in so many steps.
 fn legs(waypoints: &[f64], steps: usize) -> Vec<f64> {
     let inside = waypoints
         .windows(2)
@@ -52,13 +52,13 @@ fn follow(interface: &Interface, drives: &[Drive], refinement: Refinement) -> Ve
     drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap()).collect()
 }
 
-/// Loss and its error.
+/// The loss along a path, and its error.
 fn lost(steps: &[Step]) -> [f64; 2] {
     [|step: &Step| step.dissipated, |step: &Step| step.dissipated_error]
         .map(|of| steps.iter().map(|step| of(step).unwrap()).sum())
 }
 
-/// Work by trapezoids less the energy gained, from the states at the drives alone.
+/// The work by the trapezoidal rule less the energy gained, from the states at the drives alone.
 fn by_trapezoids(interface: &Interface, drives: &[Drive]) -> f64 {
     let energy = |state: &State| state.elastic_energy + state.interface_energy;
     let (mut last, mut lost): (Option<State>, f64) = (None, 0.0);
@@ -79,7 +79,7 @@ fn a_closed_loop_loses_what_a_fine_path_loses() {
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
     let interface = Interface::on(response, &asperities(128), law).unwrap();
     let turns = [-0.01, 0.004, -0.012];
-    // Ten steps to a leg and trapezoids make energy from nothing.
+    // With ten steps per leg the trapezoidal rule creates energy.
     assert!(by_trapezoids(&interface, &approaches(&turns, 10)) < 0.0);
     let fine = by_trapezoids(&interface, &approaches(&turns, 4000));
     for steps in [5, 10, 20] {
@@ -100,7 +100,7 @@ fn a_loop_under_load_loses_what_a_fine_path_loses() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
     let interface = Interface::on(response, &asperities(128), law).unwrap();
-    // Pulled, but not apart.
+    // The surface is pulled, but stays in contact.
     let turns = [1e-4, 2e-3, -2e-4, 1e-4];
     let fine = by_trapezoids(&interface, &pressures(&turns, 1500));
     for steps in [5, 15] {
@@ -143,7 +143,7 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
         let [lost, error] = lost(&follow(&interface, &approaches(&turns, steps), FINE));
         assert!((lost - exact).abs() <= error && error < 0.01 * exact, "{lost:e} ± {error:e}, {exact:e}");
     }
-    // Under a load below the largest tension it holds and loses nothing.
+    // Under a tension below the largest one the contact holds and loses no energy.
     let strongest = law.response(0.05 * 2.0_f64.ln(), 0.0).traction[0];
     let turns = [0.5 * strongest, -0.9 * strongest, 0.5 * strongest];
     let [lost, error] = lost(&follow(&interface, &pressures(&turns, 4), FINE));

@@ -1,18 +1,18 @@
-//! The problem in terms of the traction on what is held: R G Rᵀ t = u − R G t_given, with R the restriction to the held
-//! entries. R G Rᵀ is symmetric and positive definite, and R K Rᵀ is near its inverse, which is the Schur complement
-//! R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
+//! Conjugate gradients for the traction on the held entries: R G Rᵀ t = u − R G t_given, with R the restriction to these
+//! entries. R G Rᵀ is symmetric and positive definite. The preconditioner R K Rᵀ is close to its inverse, the Schur
+//! complement R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
 
 use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
 use gfmd_vector::{dot, for_each};
 
 use crate::surface::{Surface, largest};
 
-/// Returns the iterations, and how they ended.
+/// Returns the number of iterations and the reason why they ended.
 pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> (u64, Ending) {
     let held = &surface.problem.prescribed.held;
     let mut residual = surface.misfit.clone();
     let mut direction = vec![0.0; residual.len()];
-    // First the preconditioned residual, then what the direction does.
+    // The preconditioned residual, then the displacement of the direction.
     let mut image = vec![0.0; residual.len()];
     let mut slope = f64::INFINITY;
     let mut confirmed = f64::INFINITY;
@@ -20,7 +20,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
     let ending = loop {
         let now = Progress { iteration: iterations, residual: surface.relative(largest(&residual)) };
         let stopped = watch.see(&now).is_break();
-        // A number that is not finite ends here, too.
+        // A residual of NaN ends the iterations, too.
         let descending = now.residual > budget.tolerance;
         if !descending || stopped || iterations >= budget.max_iterations {
             surface.certify();
@@ -34,7 +34,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
             } else if found.is_nan() || found > 0.5 * confirmed {
                 break Ending::GaveUp(Why::Rounding);
             }
-            // The recursion has drifted from the truth: start again from here.
+            // The recursive residual has drifted from the recomputed one, so the iterations are restarted.
             confirmed = found;
             residual.copy_from_slice(&surface.misfit);
             slope = f64::INFINITY;
@@ -63,7 +63,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
     (iterations, ending)
 }
 
-/// Zero where the surface is free.
+/// Sets the entries to zero that are free.
 fn restrict(held: &[bool], field: &mut [f64]) {
     for_each([field], &|start, [field]| {
         for (value, held) in field.iter_mut().zip(&held[start..]) {

@@ -1,8 +1,8 @@
-//! The problem in terms of the free displacement, equilibrated by damped dynamics: the surface layer moves under the
-//! given traction and its own elastic force −K u, what is held stays in its place (theory.md, section 6).
+//! Damped dynamics for the free displacement: the surface layer moves under the given traction and its elastic force −K u,
+//! with the held points fixed (theory.md, section 6).
 //!
-//! Where the mean displacement of a component is zero whatever the load, the free points keep the mean that makes it
-//! so: their forces lose their mean, which is the mean traction that the stiffness knows nothing of.
+//! If the mean displacement of a component is zero at any load, the mean of its free points is constant. The mean of their
+//! forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
 
 use std::ops::Range;
 
@@ -15,29 +15,29 @@ use crate::surface::Surface;
 /// Time step of the original method over its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
 
-/// The steps, and how they ended.
+/// The number of steps and the reason why they ended.
 type Run = Result<(u64, Ending), RelaxError>;
 
-/// With the damping and time step that suit the range of stiffnesses best.
+/// Relaxes with the optimal damping and time step for the range of stiffnesses.
 pub(crate) fn verlet(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [softest, stiffest] = surface.problem.response.stiffness_range();
     run(surface, || Verlet::optimal(softest, stiffest), budget, watch)
 }
 
-/// With the softest mode critically damped, as in the original method.
+/// Relaxes with the softest mode critically damped, as in the original method.
 pub(crate) fn verlet_critical(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [softest, stiffest] = surface.problem.response.stiffness_range();
     run(surface, || Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt()), budget, watch)
 }
 
-/// With the fast inertial relaxation engine of 2006.
+/// Relaxes by the fast inertial relaxation engine of 2006.
 pub(crate) fn fire(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [_, stiffest] = surface.problem.response.stiffness_range();
     run(surface, || Ok(Fire::bitzek(Fire::largest_dt(stiffest))), budget, watch)
 }
 
-/// Runs until the displacement that follows from the force on the held points meets the tolerance, not only the forces on
-/// the free ones.
+/// Runs until the displacement that follows from the force on the held points meets the tolerance; small forces on the free
+/// points alone do not suffice.
 fn run<M: Method>(
     surface: &mut Surface,
     method: impl FnOnce() -> Result<M, RelaxError>,
@@ -70,12 +70,12 @@ fn run<M: Method>(
     Ok((state.step, if is_good { Ending::Converged } else { ending }))
 }
 
-/// The surface as a layer of points that move.
+/// The surface as a layer of moving points.
 struct Layer<'s, 'p> {
     surface: &'s mut Surface<'p>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// For each component whose mean is zero whatever the load: its number of free points.
+    /// The number of free points of each component whose mean is zero at any load, `None` for all other components.
     floating: Vec<Option<f64>>,
 }
 
@@ -97,7 +97,7 @@ impl<'s, 'p> Layer<'s, 'p> {
         self.surface.problem.response.grid().len()
     }
 
-    /// Flat where it is free, at the level that gives each component the mean it must have.
+    /// The displacement at the start: constant on the free points, with the mean that each component must have.
     fn start(&self) -> Vec<f64> {
         let Prescribed { held, values, .. } = &self.surface.problem.prescribed;
         let mut u = vec![0.0; self.len()];
@@ -110,7 +110,7 @@ impl<'s, 'p> Layer<'s, 'p> {
         u
     }
 
-    /// The traction that keeps the held points in place, with the given one elsewhere, and what it does.
+    /// Takes the traction that keeps the held points in place, and computes its displacement.
     fn take_traction(&mut self, force: &[f64]) {
         let held = &self.surface.problem.prescribed.held;
         for_each([&mut self.surface.traction], &|start, [traction]| {
@@ -164,7 +164,7 @@ impl Landscape for Layer<'_, '_> {
         Bounds::Between { lower: &self.lower, upper: &self.upper }
     }
 
-    /// The largest force on a free point over the largest traction.
+    /// Returns the largest force on a free point over the largest traction.
     fn residual(&self, _: &[f64], force: &[f64]) -> f64 {
         let prescribed = &self.surface.problem.prescribed;
         let leaf = |range: Range<usize>| {
@@ -179,7 +179,7 @@ impl Landscape for Layer<'_, '_> {
     }
 }
 
-/// The larger of two, NaN if either is.
+/// The larger number, NaN if either is.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -2,14 +2,14 @@ use gfmd_relax::{RelaxError, ToleranceError, Why};
 
 use crate::MixedSolution;
 
-/// Why a mixed problem cannot be posed or was not solved.
+/// Reasons why a mixed problem cannot be posed or solved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MixedError {
     /// A field on another grid, or with another number of components.
-    #[error("the {what} have {found:?} components and points along x and y, {expected:?} are needed")]
+    #[error("the shape [component, x, y] of the {what} is {found:?}; it must be {expected:?}")]
     Shape {
-        /// Which field.
+        /// The field.
         what: &'static str,
         /// Its shape.
         found: [usize; 3],
@@ -19,30 +19,30 @@ pub enum MixedError {
     /// A prescribed value that is NaN or infinite.
     #[error("the value prescribed at [component, x, y] = {index:?} is {value}; it must be finite")]
     Value {
-        /// Where.
+        /// The index of the entry.
         index: [usize; 3],
-        /// What.
+        /// Its value.
         value: f64,
     },
-    /// No point is held: a traction alone needs no solver, only the compliance.
+    /// A problem without held points, which needs no solver: the compliance gives its displacement.
     #[error("no displacement is prescribed anywhere; at least one point must be held")]
     NothingHeld,
-    /// A component held at every point whose mean traction does nothing, so that it cannot be found.
+    /// A component that is held at every point, although its mean traction moves nothing and is thus undetermined.
     #[error(
-        "component {component} is held at every point, but a uniform traction along it does not move this body: leave \
-         at least one point free"
+        "component {component} is held at every point; at least one point must be free, since a uniform traction along \
+         this component does not move the body"
     )]
     Undetermined {
         /// The index of the component.
         component: usize,
     },
     /// A punch that does not fit into the cell.
-    #[error("a punch takes a fraction of the cell between 0 and 1, both excluded; found {0}")]
+    #[error("the width of the punch over that of the cell is {0}; it must be above 0 and below 1")]
     Fraction(f64),
     /// A tolerance out of range.
     #[error(transparent)]
     Tolerance(#[from] ToleranceError),
-    /// Numbers so large or so small that no method can be set up.
+    /// Numbers so large or so small that a method cannot start.
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
     /// The residual did not fall to the tolerance. The state reached is kept.

@@ -4,7 +4,7 @@ use ndarray::{Array3, ArrayView2, ArrayView3};
 
 use crate::MixedError;
 
-/// What is known on the surface: at each point and component either the displacement (held) or the traction (free).
+/// The boundary conditions: at each point and component either the displacement (held) or the traction (free).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescribed {
     pub(crate) shape: [usize; 3],
@@ -13,7 +13,8 @@ pub struct Prescribed {
 }
 
 impl Prescribed {
-    /// `values` is the displacement (length) where `held`, the traction (stress) elsewhere; both `[component, x, y]`.
+    /// Makes boundary conditions from `values`: the displacement (length) of `held` entries, the traction (stress) of free
+    /// ones; both arrays are `[component, x, y]`.
     ///
     /// # Errors
     /// Arrays of different shapes; a value that is not finite.
@@ -24,8 +25,8 @@ impl Prescribed {
         Ok(Self { shape, held: held.iter().copied().collect(), values: values.iter().copied().collect() })
     }
 
-    /// `points` are held in all components, moved by `displacement` (x, y, z; y does not count on a line) as one piece.
-    /// The others are free of traction.
+    /// Holds `points` in all components, displaced rigidly by `displacement` (x, y, z; y has no meaning on a line). All other
+    /// points are free of traction.
     ///
     /// # Errors
     /// Points on another grid; a displacement that is not finite.
@@ -33,7 +34,7 @@ impl Prescribed {
         Self::rigid(grid, points, displacement, |_| true)
     }
 
-    /// `points` are held at u_z = `displacement` and free of lateral traction. The others are free of traction.
+    /// Holds `points` at u_z = `displacement`, without lateral traction. All other points are free of traction.
     ///
     /// # Errors
     /// Points on another grid; a displacement that is not finite.
@@ -41,8 +42,7 @@ impl Prescribed {
         Self::rigid(grid, points, [0.0, 0.0, displacement], |axis| axis == 2)
     }
 
-    /// The same with `traction` (stress, `[component, x, y]`) on all that is free; what it says where something is held
-    /// does not count.
+    /// Prescribes `traction` (stress, `[component, x, y]`) on all free entries; its values on held entries are ignored.
     ///
     /// # Errors
     /// A traction of another shape, or not finite.
@@ -72,17 +72,17 @@ impl Prescribed {
         Self::new(held.view(), values.view())
     }
 
-    /// Number of components, points along x, points along y.
+    /// The number of components, of points along x, and of points along y.
     pub fn shape(&self) -> [usize; 3] {
         self.shape
     }
 
-    /// Where the displacement is prescribed, `[component, x, y]` row-major.
+    /// True for the entries whose displacement is prescribed, `[component, x, y]` row-major.
     pub fn held(&self) -> &[bool] {
         &self.held
     }
 
-    /// Displacement where it is held, traction elsewhere, `[component, x, y]` row-major.
+    /// The displacement of held entries and the traction of free ones, `[component, x, y]` row-major.
     pub fn values(&self) -> &[f64] {
         &self.values
     }

@@ -6,15 +6,15 @@ use gfmd_response::FullResponse;
 
 use crate::{MixedError, Prescribed};
 
-/// The methods. All find the same state; they differ in cost. (docs/solvers.md)
+/// The methods. All find the one solution; they differ in cost (docs/solvers.md).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
-    /// Conjugate gradients on the traction of what is held, preconditioned by the stiffness restricted to it.
+    /// Conjugate gradients for the traction on the held entries, preconditioned by the stiffness restricted to them.
     #[default]
     ConjugateGradients,
-    /// Damped position Verlet of the free displacement, with the scalar damping and time step that suit the range of
-    /// stiffnesses best.
+    /// Damped position Verlet for the free displacement, with the optimal scalar damping and time step for the range of
+    /// stiffnesses.
     Verlet,
     /// Damped position Verlet with the softest mode critically damped and a quarter of the stable time step, as in the
     /// original method.
@@ -23,7 +23,7 @@ pub enum Method {
     Fire,
 }
 
-/// An elastic body with its surface held here and loaded there. It owns what it needs.
+/// An elastic body with the boundary conditions on its surface. A clone shares the response of the body.
 #[derive(Clone, Debug)]
 pub struct MixedProblem {
     pub(crate) response: Arc<FullResponse>,
@@ -39,7 +39,7 @@ impl MixedProblem {
         Self::on(FullResponse::new(*grid, body), prescribed)
     }
 
-    /// As [`new`](Self::new), on a response that is there already, such as one that many problems share.
+    /// As [`new`](Self::new), on an existing response, such as one that many problems share.
     ///
     /// # Errors
     /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.
@@ -63,12 +63,12 @@ impl MixedProblem {
         Ok(problem)
     }
 
-    /// What is prescribed.
+    /// The boundary conditions.
     pub fn prescribed(&self) -> &Prescribed {
         &self.prescribed
     }
 
-    /// Whether the mean displacement of a component does not answer to its mean traction.
+    /// Returns true if the mean displacement of a component does not depend on its mean traction.
     pub(crate) fn floats(&self, component: usize) -> bool {
         self.response.uniform_compliance()[self.response.components().axes()[component]] == 0.0
     }

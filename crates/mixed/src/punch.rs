@@ -3,10 +3,10 @@ use ndarray::Array2;
 
 use crate::MixedError;
 
-/// A flat punch in the middle of the cell, so wide along x, and along y unless the grid is a line: the points that it
-/// holds.
+/// A flat punch in the middle of the cell, of equal widths along x and y (a strip on a line grid), and the points that it
+/// covers.
 ///
-/// Where points lie on its edge, [`Edge`] decides, and with it the width of the punch that the grid stands for; see
+/// [`Edge`] decides for points on its edge. This choice changes the width of the punch that the points represent; see
 /// [`effective_width`](Self::effective_width).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatPunch {
@@ -14,21 +14,21 @@ pub struct FlatPunch {
     edge: Edge,
 }
 
-/// Whether points on the edge of a punch belong to it.
+/// The choices for points on the edge of a punch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Edge {
-    /// They do not: (1 − f)/2 < x/L < (1 + f)/2.
+    /// They are not covered: (1 − f)/2 < x/L < (1 + f)/2.
     #[default]
     Strict,
-    /// They do.
+    /// They are covered.
     Inclusive,
 }
 
-/// A point this close to an edge, in spacings, lies on it.
+/// The distance from an edge, in spacings, up to which a point counts as on it.
 const ON_EDGE: f64 = 1e-9;
 
 impl FlatPunch {
-    /// A punch that takes `fraction` of the cell along each axis.
+    /// Makes a punch whose width is `fraction` of the cell along each axis.
     ///
     /// # Errors
     /// A fraction that is not between 0 and 1, both excluded.
@@ -36,21 +36,21 @@ impl FlatPunch {
         if fraction > 0.0 && fraction < 1.0 { Ok(Self { fraction, edge }) } else { Err(MixedError::Fraction(fraction)) }
     }
 
-    /// The points under it; there may be none.
+    /// The points under the punch; there may be none.
     pub fn points(&self, grid: &Grid) -> Array2<bool> {
         let [nx, ny] = grid.points();
         Array2::from_shape_fn((nx, ny), |(i, j)| self.covers(i, nx) && (grid.is_line() || self.covers(j, ny)))
     }
 
-    /// How many points it covers along x.
+    /// The number of points under the punch along x.
     pub fn points_across(&self, grid: &Grid) -> usize {
         let n = grid.points()[0];
         (0..n).filter(|i| self.covers(*i, n)).count()
     }
 
-    /// The width along x of the sharp-edged punch of the continuum whose force is nearest, in length: N points hold
-    /// what a punch of about N − 1/3 spacings would. Measured; hence forces of either [`Edge`] converge with the first
-    /// order of the spacing, with half the error if the edge is included (docs/solvers.md).
+    /// The width along x of the sharp-edged punch of the continuum whose force is nearest, in length. As was measured, N
+    /// points act as a punch of about N − 1/3 spacings. With either [`Edge`] the error of the force is thus of first order
+    /// in the spacing; it is half as large if the edge is included (docs/solvers.md).
     pub fn effective_width(&self, grid: &Grid) -> f64 {
         (self.points_across(grid) as f64 - 1.0 / 3.0) * grid.spacing()[0]
     }

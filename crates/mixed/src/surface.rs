@@ -5,15 +5,15 @@ use gfmd_vector::{for_each, reduce};
 
 use crate::{MixedProblem, Prescribed};
 
-/// The surface while it is solved: the traction, which is the given one where the surface is free, and its displacement.
+/// The surface during a solve: the traction, given on free entries, and its displacement.
 pub(crate) struct Surface<'a> {
     pub(crate) problem: &'a MixedProblem,
     pub(crate) traction: Vec<f64>,
-    /// G t, as of the last [`certify`](Self::certify).
+    /// The displacement G t at the last [`certify`](Self::certify).
     pub(crate) displacement: Vec<f64>,
-    /// Prescribed less found displacement where it is held, zero elsewhere; as of the last certify.
+    /// The prescribed less the found displacement on held entries, zero on free ones, at the last certify.
     pub(crate) misfit: Vec<f64>,
-    /// The largest misfit with no traction where the surface is held.
+    /// The largest misfit without traction on the held entries.
     pub(crate) scale: f64,
     pub(crate) transforms: FullTransforms,
 }
@@ -48,20 +48,20 @@ impl<'a> Surface<'a> {
         });
     }
 
-    /// [`MixedSolution::residual`], as of the last certify.
+    /// The [`MixedSolution::residual`] at the last certify.
     pub(crate) fn residual(&self) -> f64 {
         self.relative(largest(&self.misfit))
     }
 
-    /// A misfit over the scale; with no scale there is nothing to solve.
+    /// A misfit over the scale. If the scale is zero, all misfits are zero.
     pub(crate) fn relative(&self, misfit: f64) -> f64 {
         if misfit == 0.0 { 0.0 } else { misfit / self.scale }
     }
 }
 
-/// The largest magnitude; NaN if any is.
+/// The largest magnitude; NaN if any value is NaN.
 pub(crate) fn largest(field: &[f64]) -> f64 {
-    // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+    // The bit patterns of positive numbers have the order of the numbers, with NaN last.
     let leaf = |range: Range<usize>| field[range].iter().fold(0, |most, value| u64::max(most, value.abs().to_bits()));
     f64::from_bits(reduce(field.len(), &leaf, &u64::max))
 }

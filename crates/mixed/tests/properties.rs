@@ -1,4 +1,4 @@
-//! What holds for any body, any points held and any values: manufactured solutions, energy, superposition, reciprocity.
+//! Properties for any body, any held points and any values: manufactured solutions, energy, superposition, reciprocity.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use gfmd_response::FullResponse;
 use ndarray::{Array2, Array3, Axis, Zip};
 use proptest::prelude::*;
 
-/// Numbers in ±1/2, spread out and repeatable.
+/// Numbers between −1/2 and 1/2, evenly spread and repeatable.
 fn noise(shape: [usize; 3], seed: u64) -> Array3<f64> {
     let mut i = 0.0;
     Array3::from_shape_simple_fn(shape, || {
@@ -45,7 +45,7 @@ fn shape(response: &FullResponse) -> [usize; 3] {
     [response.components().len(), nx, ny]
 }
 
-/// u = G t.
+/// The displacement u = G t.
 fn displacement(response: &FullResponse, traction: &Array3<f64>) -> Array3<f64> {
     let mut out = Array3::zeros(traction.dim());
     let (t, u) = (traction.as_slice().unwrap(), out.as_slice_mut().unwrap());
@@ -66,7 +66,7 @@ fn to(tolerance: f64) -> Budget {
     Budget { tolerance, ..Budget::default() }
 }
 
-/// To 1e-12, by the rule.
+/// The solution to 1e-12, by the default method.
 fn exact(response: &Arc<FullResponse>, held: &Array3<bool>, values: &Array3<f64>) -> MixedSolution {
     let prescribed = Prescribed::new(held.view(), values.view()).unwrap();
     solve(response, prescribed, Method::default(), to(1e-12)).unwrap()
@@ -76,7 +76,7 @@ fn largest(field: &Array3<f64>) -> f64 {
     field.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// ⟨a·b⟩.
+/// The mean ⟨a·b⟩.
 fn work(a: &Array3<f64>, b: &Array3<f64>) -> f64 {
     (a * b).sum() / (a.len() / a.len_of(Axis(0))) as f64
 }
@@ -225,7 +225,7 @@ fn problems_that_cannot_be_posed_are_refused() {
 
     let wrong = Array2::from_elem((10, 8), true);
     let text = error(&slab, Prescribed::sticking(&grid, wrong.view(), [0.0; 3]));
-    assert_eq!(text, "the points have [3, 10, 8] components and points along x and y, [3, 8, 10] are needed");
+    assert_eq!(text, "the shape [component, x, y] of the points is [3, 10, 8]; it must be [3, 8, 10]");
     let line = grids()[2];
     let text = error(&slab, Prescribed::frictionless(&line, Array2::from_elem((24, 1), true).view(), 1.0));
     assert!(text.contains("[2, 24, 1]") && text.contains("[3, 8, 10]"), "{text}");
@@ -265,7 +265,7 @@ fn what_was_reached_is_kept() {
 fn a_tolerance_below_rounding_is_not_chased_for_ever() {
     let grid = Grid::square(48, 1.0).unwrap();
     let response = Arc::new(FullResponse::new(grid, &bodies()[0]));
-    // The one free point must rise by 2303 to keep the mean level, and its rounding is that of the others.
+    // The only free point must rise by 2303 to keep the mean level, and its rounding error acts on all held points.
     let points = Array2::from_shape_fn((48, 48), |at| at != (7, 9));
     for method in [Method::ConjugateGradients, Method::Verlet] {
         let held = Prescribed::frictionless(&grid, points.view(), -1.0).unwrap();

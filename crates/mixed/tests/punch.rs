@@ -1,5 +1,5 @@
-//! Flat punches against independent solutions: dense sticking punches, the hard-wall solver, the closed form of the
-//! strip; and both families of methods against each other.
+//! Flat punches against independent solutions (dense sticking punches, the hard-wall solver, the closed form of the strip),
+//! and both families of methods against each other.
 
 use std::sync::Arc;
 
@@ -101,7 +101,7 @@ fn every_method_finds_the_same_state() {
 
 #[test]
 fn a_frictionless_punch_is_the_contact_of_a_flat_surface() {
-    // Odd: without Nyquist modes the normal problem alone and all components agree (theory.md, section 0).
+    // The number of points is odd: without Nyquist modes, u_z alone and all components agree (theory.md, section 0).
     let grid = Grid::new([45, 33], [1.0, 0.8]).unwrap();
     let points = middle(&grid, 5.0);
     let heights = points.mapv(|under| if under { 0.0 } else { -1.0 });
@@ -141,7 +141,7 @@ fn a_frictionless_strip_tends_to_its_closed_form() {
             assert!(solution.displacement.slice(s![1, .., ..]).mean().unwrap().abs() < 1e-12);
             -solution.mean_traction()[1]
         };
-        // Multiples of 40: the edges are points.
+        // The number of points is a multiple of 40, so that points lie on the edges.
         let [coarse, middle, fine] = [320, 640, 1280].map(|n| pressure(n) - 1.0);
         for (coarse, fine) in [(coarse, middle), (middle, fine)] {
             let order = (coarse / fine).log2();

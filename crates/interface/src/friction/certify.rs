@@ -9,7 +9,7 @@ use super::increment::Increment;
 use super::state::{FrictionResidual, FrictionState};
 use crate::numbers::{higher_each, mean};
 
-/// The state of an increment: everything from fresh transforms of the tractions.
+/// Computes the state of an increment by new transforms of its tractions.
 pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let lateral = increment.lateral();
     let traction = increment.traction(&increment.shear[..lateral]);

@@ -9,7 +9,7 @@ use super::normal::NormalProblem;
 use super::state::FrictionState;
 use super::tangential::{Limits, TangentialProblem};
 
-/// One increment while it is solved.
+/// An increment that is being solved.
 pub(super) struct Increment<'a> {
     pub(super) contact: &'a FrictionalContact,
     pub(super) drive: Drive,
@@ -20,7 +20,7 @@ pub(super) struct Increment<'a> {
     pub(super) pressure: Vec<f64>,
     /// Traction on the elastic surface with all components; z is 0.
     pub(super) shear: Vec<f64>,
-    /// G of the shear.
+    /// The displacement G of the shear.
     sheared: Vec<f64>,
 }
 
@@ -55,17 +55,17 @@ impl<'a> Increment<'a> {
         increment
     }
 
-    /// Number of lateral values: those of x, or of x and y.
+    /// The number of lateral values: those of x, or of x and y.
     pub(super) fn lateral(&self) -> usize {
         self.stuck.len()
     }
 
-    /// Pairs of transforms so far.
+    /// The number of transform pairs so far.
     pub(super) fn pairs(&self) -> f64 {
         self.transforms.pairs() + self.normal.pairs as f64
     }
 
-    /// Passes to the normal problem the `share` of what the shear changes in it: its u_z lifts the surface.
+    /// Passes the fraction `share` of the change of u_z by the shear to the normal problem.
     pub(super) fn lift(&mut self, share: f64) {
         let lateral = self.lateral();
         let Self { contact, transforms, shear, sheared, normal, drive, .. } = self;
@@ -93,7 +93,7 @@ impl<'a> Increment<'a> {
         Limits::new(self.contact.limit, &self.pressure, self.contact.surface.rms_height())
     }
 
-    /// Pressure and `shear` together, as a traction on the elastic surface.
+    /// The traction on the elastic surface from the pressure and `shear`.
     pub(super) fn traction(&self, shear: &[f64]) -> Vec<f64> {
         shear.iter().copied().chain(self.pressure.iter().map(|p| -p)).collect()
     }
@@ -116,7 +116,7 @@ impl<'a> Increment<'a> {
             return Descended { steps: 0, ending: Ending::Converged };
         }
         traction[lateral..].fill(0.0);
-        // Stress over length: that of the shortest wave to begin with.
+        // The first step is a stiffness, that of the shortest wave.
         let [_, stiffest] = contact.response.stiffness_range();
         let mut problem = TangentialProblem { transforms, limits: &limits, traction, displacement: sheared };
         let method = SpectralProjectedGradient { first_step: stiffest };

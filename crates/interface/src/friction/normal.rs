@@ -8,9 +8,9 @@ pub(super) struct NormalProblem<'a> {
     workspace: Workspace,
     /// G_zz of every mode.
     compliance: Vec<f64>,
-    /// Clearance less the u_z of the shear (and the approach, where it is prescribed).
+    /// The clearance less the u_z of the shear, and less the approach if it is prescribed.
     pub(super) linear: Vec<f64>,
-    /// Pairs of transforms so far.
+    /// The number of transform pairs so far.
     pub(super) pairs: u64,
 }
 

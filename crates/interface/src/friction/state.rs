@@ -13,7 +13,7 @@ pub struct FrictionState {
     pub traction: Array3<f64>,
     /// Distance between the surfaces, length.
     pub gap: Array2<f64>,
-    /// How far the elastic surface slipped over the rigid one in this increment, length; x, or x and y.
+    /// Slip of the elastic surface over the rigid one in this increment, length; x, or x and y.
     pub slip: Array3<f64>,
     /// Mean pressure over the whole surface, stress.
     pub mean_pressure: f64,
@@ -23,9 +23,9 @@ pub struct FrictionState {
     pub approach: f64,
     /// Lateral displacement of the rigid surface, length.
     pub lateral: [f64; 2],
-    /// Share of the points that are pressed.
+    /// Fraction of points under pressure.
     pub contact_fraction: f64,
-    /// Share of the points that are pressed and stick.
+    /// Fraction of points that are under pressure and stick.
     pub stick_fraction: f64,
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
@@ -33,31 +33,31 @@ pub struct FrictionState {
     pub dissipated: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: FrictionResidual,
-    /// Effort of the solve, the steps of both solvers added.
+    /// Effort of the solve, the sum over both problems.
     pub effort: Effort,
     pub(super) surface: Arc<RigidSurface>,
     pub(super) contact_modulus: f64,
 }
 
-/// How far a state is from satisfying the conditions of contact and friction; zero for the exact one. p is the pressure, τ
-/// the shear on the elastic surface, s the slip of the increment.
+/// Violation of the conditions of contact and friction; zero for the exact state. p is the pressure, τ the shear on the
+/// elastic surface, s the slip of the increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionResidual {
     /// Σ p g / (Σ p · h_rms), in magnitude.
     pub complementarity: f64,
     /// max(0, −min g) / h_rms.
     pub penetration: f64,
-    /// |p̄ − asked| / asked; 0 where the approach is prescribed.
+    /// |p̄ − asked| / asked; 0 if the approach is prescribed.
     pub load: f64,
     /// Largest |τ − P(τ − c s)| over the largest limit, P the projection on |τ| ≤ limit of the point and c the largest limit
-    /// over h_rms: slip where the surfaces should stick, or not against the shear.
+    /// over h_rms. It measures slip below the limit, and slip that is not opposite to the shear.
     pub friction: f64,
     /// Largest excess of |τ| over its limit, over the largest limit.
     pub excess: f64,
 }
 
 impl FrictionResidual {
-    /// The parts with their names.
+    /// The residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 5] {
         [
             ("complementarity", self.complementarity),
@@ -68,7 +68,7 @@ impl FrictionResidual {
         ]
     }
 
-    /// The largest of the parts; NaN if any is.
+    /// The largest of the residuals; NaN if any of them is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }

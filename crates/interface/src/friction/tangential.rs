@@ -8,7 +8,7 @@ use crate::numbers::higher;
 pub(super) struct TangentialProblem<'a> {
     pub(super) transforms: &'a mut FullTransforms,
     pub(super) limits: &'a Limits,
-    /// Memory for a traction and a displacement of all components; the traction has no normal component.
+    /// Memory for a traction and a displacement of all components; the normal component of the traction is 0.
     pub(super) traction: Vec<f64>,
     pub(super) displacement: &'a mut [f64],
 }
@@ -41,7 +41,7 @@ impl OnConvexSet for TangentialProblem<'_> {
 /// The largest shear traction that friction allows at each point.
 pub(super) struct Limits {
     pub(super) values: Vec<f64>,
-    /// The largest of all.
+    /// The largest limit.
     pub(super) strongest: f64,
     /// The unit of slip, length.
     pub(super) length: f64,
@@ -53,7 +53,7 @@ impl Limits {
         Self { strongest: values.iter().copied().fold(0.0, f64::max), values, length }
     }
 
-    /// Shortens the shear to its limit, point by point.
+    /// Reduces the shear to its limit, point by point.
     pub(super) fn project(&self, shear: &mut [f64]) {
         let limits = &self.values;
         let factor = |square: f64, limit: f64| {
@@ -78,8 +78,8 @@ impl Limits {
         }
     }
 
-    /// Largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if nothing may
-    /// be sheared. (A sum of limit |s| + τ·s would vanish with the square of the error in the direction.)
+    /// The largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if all limits
+    /// are 0. (The sum of limit |s| + τ·s is of second order in an error of direction and would miss it.)
     pub(super) fn mismatch(&self, shear: &[f64], slip: &[f64]) -> f64 {
         let Self { values: limits, strongest, length } = self;
         if *strongest == 0.0 {

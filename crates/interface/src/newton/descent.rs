@@ -8,11 +8,11 @@ use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, mean_where};
 use crate::{Interface, State};
 
-/// How often a step is halved.
+/// The largest number of halvings of a step.
 const HALVINGS: u32 = 14;
-/// A step must gain this share of what the slope promises (Armijo).
+/// The least decrease of the energy over that predicted by the slope (Armijo).
 const SHARE: f64 = 1e-4;
-/// Energies are known to this part of their terms.
+/// The rounding error of an energy over the magnitude of its terms.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// A search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z, step by step.
@@ -21,16 +21,16 @@ pub(crate) struct Descent<'a> {
     pub(super) frame: &'a Frame<'a>,
     wall: Wall,
     pub(super) curvature: Curvature<'a>,
-    /// Where the search stands.
+    /// The present position.
     here: Placed,
-    /// Where the next step may lead.
+    /// The position after the step that is tried.
     trial: Placed,
     /// T − K w + push: the force on a free point.
     pub(super) force: Vec<f64>,
     pub(super) region: TrustRegion,
     /// Lowest curvature that the last search for a direction met, relative to the preconditioner.
     pub(super) lowest: f64,
-    /// Whether any search met a negative curvature.
+    /// True if any search met a negative curvature.
     pub(super) met_negative: bool,
 }
 
@@ -43,14 +43,14 @@ struct Placed {
 /// The change of the energy from here to the trial.
 pub(super) struct Change {
     pub(super) energy: f64,
-    /// The decrease that the slope promises.
+    /// The decrease that the slope predicts.
     promised: f64,
     /// Magnitude of the terms that make up `energy`.
     pub(super) size: f64,
 }
 
 impl Change {
-    /// Whether the energy falls enough.
+    /// Returns true if the energy falls enough.
     fn falls(&self) -> bool {
         self.promised > 0.0 && self.energy.is_finite() && self.energy <= -SHARE * self.promised + ROUNDING * self.size
     }
@@ -81,7 +81,7 @@ impl<'a> Descent<'a> {
         (self.here.w, self.curvature.transforms.pairs())
     }
 
-    /// Brings the trial back to what is allowed and computes its elastic traction.
+    /// Projects the trial on the allowed displacements and computes its elastic traction.
     fn place_trial(&mut self) {
         let Self { trial, wall, frame, curvature, .. } = self;
         wall.project_keeping_mean(&mut trial.w);
@@ -107,7 +107,8 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Finds the points that the wall holds, takes the mean off the force where a mean is held, and returns the residual.
+    /// Finds the points that the wall holds, subtracts the mean force of components whose mean is held, and returns the
+    /// residual.
     pub(super) fn release(&mut self) -> f64 {
         let Self { interface, frame, wall, curvature: Curvature { reaction, weight, .. }, here, force, .. } = self;
         let points = frame.points();
@@ -140,7 +141,7 @@ impl<'a> Descent<'a> {
         unbalanced / largest.max(f64::MIN_POSITIVE)
     }
 
-    /// Whether a pulled surface has nothing left that holds it.
+    /// Returns true if the surface is pulled and no point attracts it any more.
     pub(super) fn is_apart(&self) -> bool {
         let Self { frame, curvature: Curvature { reaction, weight, .. }, .. } = self;
         let (traction, weight) = (reaction.traction(frame.z()), &weight[frame.z() * frame.points()..]);
@@ -148,20 +149,21 @@ impl<'a> Descent<'a> {
         frame.push < 0.0 && reduce(frame.points(), &|mut range| range.all(apart), &|a, b| a && b)
     }
 
-    /// Finds the direction of the next step, to the part `accuracy` of the force.
+    /// Finds the direction of the next step, to the accuracy `accuracy` relative to the force.
     pub(super) fn seek(&mut self, accuracy: f64) {
         self.region.residual.copy_from_slice(&self.force);
         let lowest = self.region.step(&mut self.curvature, accuracy);
         self.note(lowest);
     }
 
-    /// Keeps the lowest curvature of a search.
+    /// Records the lowest curvature of a search.
     pub(super) fn note(&mut self, lowest: f64) {
         self.lowest = lowest;
         self.met_negative |= lowest <= 0.0;
     }
 
-    /// Goes along the direction, bent at the wall, as far as the energy falls.
+    /// Moves along the direction, projected on the wall, and halves the step until the energy falls. Returns false if it does
+    /// not fall.
     pub(super) fn advance(&mut self) -> bool {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
@@ -177,7 +179,7 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Goes along the plain gradient, which lowers the energy if it is followed a little, wall or not.
+    /// Moves along the negative gradient, where a short enough step lowers the energy, with or without a wall.
     pub(super) fn slide_downhill(&mut self) -> bool {
         self.region.direction.copy_from_slice(&self.force);
         self.curvature.project(&mut self.region.direction);
@@ -228,18 +230,19 @@ impl<'a> Descent<'a> {
         Change { energy: change + law, promised, size: size + law_size }
     }
 
-    /// Slope of the energy along the direction, negative downhill.
+    /// The slope of the energy along the direction, negative downhill.
     pub(super) fn slope(&self) -> f64 {
         -dot(&self.region.direction, &self.force)
     }
 }
 
-/// K + J on the points that the wall does not hold, preconditioned by the compliance, softened where the law is stiff.
+/// The matrix K + J on the points that the wall does not hold. The preconditioner is the compliance, with a smaller weight at
+/// points where the law is stiff.
 pub(super) struct Curvature<'a> {
     transforms: Transforms,
     frame: &'a Frame<'a>,
     reaction: Reaction,
-    /// Weight of each point in the preconditioner; 0 where the wall holds it.
+    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
     weight: Vec<f64>,
     /// Compliance of the uniform mode in the preconditioner.
     uniform_compliance: Vec<f64>,
@@ -279,7 +282,8 @@ impl Model for Curvature<'_> {
         self.project(out);
     }
 
-    /// 0 where the wall holds; a mean of 0 over the free points of a component whose mean is held.
+    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components whose
+    /// mean is held.
     fn project(&self, vector: &mut [f64]) {
         let points = self.frame.points();
         for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {

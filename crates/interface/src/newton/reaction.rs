@@ -3,12 +3,12 @@ use gfmd_vector::for_each;
 
 use crate::frame::Frame;
 
-/// Traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric where there is an energy, so that its
-/// upper triangle is enough.
+/// The traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric if there is an energy, so only its
+/// upper triangle is stored.
 pub(crate) struct Reaction {
     components: usize,
     points: usize,
-    /// Component by component the traction, then J column by column: xx; xy, yy; xz, yz, zz.
+    /// The traction component by component, then J column by column: xx; xy, yy; xz, yz, zz.
     tables: Vec<f64>,
 }
 
@@ -18,7 +18,7 @@ impl Reaction {
         Self { components, points, tables: vec![0.0; tables * points] }
     }
 
-    /// Takes traction and Jacobian of `law` at `position`.
+    /// Computes the traction and the Jacobian of `law` at `position`.
     pub(crate) fn update(&mut self, law: &dyn Law, frame: &Frame, position: &[f64]) {
         let both = |i: usize| {
             let (normal, sliding) = frame.separation(position, i);
@@ -51,7 +51,7 @@ impl Reaction {
         for_each(split(&mut self.tables, self.points), &leaf);
     }
 
-    /// Traction along component `c`.
+    /// The traction along component `c`.
     pub(crate) fn traction(&self, c: usize) -> &[f64] {
         &self.tables[c * self.points..][..self.points]
     }
@@ -91,7 +91,7 @@ impl Reaction {
     }
 }
 
-/// A vector of `M` fields, field by field.
+/// Splits a vector into its `M` fields.
 fn split<const M: usize>(vector: &mut [f64], points: usize) -> [&mut [f64]; M] {
     let mut fields = vector.chunks_exact_mut(points);
     std::array::from_fn(|_| fields.next().unwrap_or_default())

@@ -1,4 +1,4 @@
-//! Whether a state at rest is stable, and the way off it if not.
+//! The stability of a state at rest, and the step away from a saddle.
 
 use gfmd_vector::{for_each, reduce};
 
@@ -6,22 +6,22 @@ use super::descent::{Change, Descent, ROUNDING};
 
 /// The accuracy of a search that only looks for negative curvature.
 const PROBE: f64 = 1e-3;
-/// The first step off a saddle, in rms heights, and how often it is doubled.
+/// The first step away from a saddle, in rms heights, and the largest number of times that it is doubled.
 const FIRST_SHIFT: f64 = 1e-9;
 const DOUBLINGS: u32 = 36;
 
 impl Descent<'_> {
-    /// Whether a state at rest is a saddle: a force in all directions, noise, shows a negative curvature that the force
-    /// at rest, or a symmetry, may hide. The direction is then one of escape.
+    /// Returns true if a state at rest is a saddle; the direction then has negative curvature. Conjugate gradients start
+    /// from noise, which has a component along every direction; the small force at rest may have none, for symmetry.
     pub(super) fn is_unstable(&mut self) -> bool {
         if self.interface.law.stiffness_bound(f64::NEG_INFINITY) == 0.0 {
-            // Only the wall acts: the energy is convex.
+            // Without a law the energy is convex.
             self.lowest = 1.0;
             return false;
         }
         let noise = |start: usize, [noise]: [&mut [f64]; 1]| {
             for (k, noise) in noise.iter_mut().enumerate() {
-                // The golden ratio leaves no two points alike and prefers no wave.
+                // Multiples of the golden ratio are spread evenly and favour no wave.
                 *noise = (0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64).fract() - 0.5;
             }
         };
@@ -31,7 +31,7 @@ impl Descent<'_> {
         lowest <= 0.0
     }
 
-    /// Steps off a saddle along the direction, just far enough that the energy falls by more than rounding.
+    /// Steps away from a saddle along the direction, just far enough that the energy falls by more than rounding errors.
     pub(super) fn leave(&mut self) -> bool {
         let direction = &self.region.direction;
         let longest = reduce(
@@ -45,7 +45,7 @@ impl Descent<'_> {
             let Change { energy, size, .. } = self.try_step(share);
             if energy < -10.0 * ROUNDING * size {
                 self.accept();
-                // The steps before say nothing about what lies ahead.
+                // The radius that was found before the saddle is not valid beyond it.
                 self.region.radius = f64::INFINITY;
                 return true;
             }

@@ -1,8 +1,8 @@
-//! Conjugate gradients that stop at the edge of a trust region, or where the curvature turns negative (Steihaug 1983).
+//! Conjugate gradients that stop at the edge of a trust region, or at a negative curvature (Steihaug 1983).
 
 use gfmd_vector::{dot, for_each};
 
-/// A quadratic function ½⟨d, A d⟩ − ⟨r, d⟩ on a subspace. A is symmetric, not necessarily positive.
+/// A quadratic function ½⟨d, A d⟩ − ⟨r, d⟩ on a subspace. A is symmetric, not necessarily positive definite.
 pub(crate) trait Model {
     /// `out` ← A `vector`.
     fn apply(&mut self, vector: &[f64], out: &mut [f64]);
@@ -16,22 +16,22 @@ pub(crate) trait Model {
 
 /// The region in which the model is trusted, and the memory of a search within it. Lengths are in the metric M.
 pub(crate) struct TrustRegion {
-    /// Half width; infinite before the first step.
+    /// The radius; infinite before the first step.
     pub(crate) radius: f64,
-    /// The step found.
+    /// The step that was found.
     pub(crate) direction: Vec<f64>,
-    /// Length of `direction`.
+    /// The length of `direction`.
     pub(crate) length: f64,
-    /// r to begin with, r − A d after.
+    /// r before a search, r − A d after it.
     pub(crate) residual: Vec<f64>,
     preconditioned: Vec<f64>,
     conjugate: Vec<f64>,
     image: Vec<f64>,
 }
 
-/// Conjugate gradients of one search.
+/// The largest number of iterations of one search.
 const ITERATIONS: usize = 200;
-/// The first region, in lengths of a preconditioned step downhill.
+/// The first radius over the length of the preconditioned gradient.
 const FIRST_RADIUS: f64 = 1.0;
 
 impl TrustRegion {
@@ -48,14 +48,14 @@ impl TrustRegion {
         }
     }
 
-    /// `direction` ← A⁻¹ `residual` to the part `accuracy` of it, or as far as the region goes. Returns the lowest
-    /// curvature ⟨p, A p⟩/⟨p, M p⟩ met.
+    /// `direction` ← A⁻¹ `residual` to the relative accuracy `accuracy`, or up to the edge of the region. Returns the lowest
+    /// curvature ⟨p, A p⟩/⟨p, M p⟩ that was met.
     pub(crate) fn step(&mut self, model: &mut impl Model, accuracy: f64) -> f64 {
         self.search(model, accuracy, Some(self.radius))
     }
 
-    /// As [`step`](Self::step) in all of space, but ends at the first direction of negative curvature, which is then
-    /// `direction`.
+    /// As [`step`](Self::step), without a limit of length. It ends at the first direction of negative curvature, which
+    /// becomes `direction`.
     pub(crate) fn probe(&mut self, model: &mut impl Model, accuracy: f64) -> f64 {
         self.search(model, accuracy, None)
     }
@@ -71,7 +71,7 @@ impl TrustRegion {
         let radius = radius.map(|radius| if radius.is_finite() { radius } else { FIRST_RADIUS * product.sqrt() });
         self.radius = radius.unwrap_or(self.radius);
         let square = radius.unwrap_or(f64::INFINITY).powi(2);
-        // ⟨d, M d⟩, ⟨d, M p⟩, ⟨p, M p⟩.
+        // The products ⟨d, M d⟩, ⟨d, M p⟩, ⟨p, M p⟩.
         let (mut dd, mut dp, mut pp) = (0.0, 0.0, product);
         let mut lowest = f64::INFINITY;
         for _ in 0..ITERATIONS {

@@ -2,9 +2,9 @@ use gfmd_vector::{add, for_each, reduce};
 
 use crate::frame::Frame;
 
-/// The displacements that are allowed: w_z at most at the hard wall, a mean of 0 along the components whose mean is held.
+/// The allowed displacements: w_z not above the hard wall, and a mean of 0 in the components whose mean is held.
 pub(crate) struct Wall {
-    /// Bounds of w_z; `None` of a law without a wall.
+    /// Upper bounds of w_z; `None` for a law without a wall.
     bound: Option<Vec<f64>>,
     held: Vec<bool>,
     points: usize,
@@ -12,7 +12,7 @@ pub(crate) struct Wall {
     length_scale: f64,
 }
 
-/// Rounds of lifting. A few suffice.
+/// The largest number of rounds to restore a mean; a few suffice.
 const ROUNDS: usize = 50;
 
 impl Wall {
@@ -21,13 +21,13 @@ impl Wall {
         Self { bound, held: frame.held.clone(), points: frame.points(), length_scale }
     }
 
-    /// The bounds of component `c`.
+    /// The upper bounds of component `c`.
     pub(crate) fn bound(&self, c: usize) -> Option<&[f64]> {
         self.bound.as_deref().filter(|_| c + 1 == self.held.len())
     }
 
-    /// Brings `position` back to what is allowed: clips it at the wall, and restores the means that are held. Clipping
-    /// lowers the mean, so the free points rise to make up for it.
+    /// Projects `position` on the allowed displacements: clips it at the wall, and restores the means that are held.
+    /// Clipping lowers the mean, so the free points are raised.
     pub(crate) fn project_keeping_mean(&self, position: &mut [f64]) {
         for (c, field) in position.chunks_exact_mut(self.points).enumerate() {
             if let Some(bound) = self.bound(c) {
@@ -41,8 +41,8 @@ impl Wall {
         }
     }
 
-    /// Raises or lowers the free points until the mean is 0. A point that rises may meet the wall, so this is repeated
-    /// until no further one does.
+    /// Shifts the free points until the mean is 0. The shift may push further points to the wall, so it is repeated until
+    /// none is.
     fn restore_mean(&self, bound: Option<&[f64]>, field: &mut [f64]) {
         for _ in 0..ROUNDS {
             let [total, free] = reduce(
