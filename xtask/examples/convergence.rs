@@ -1,4 +1,4 @@
-//! Residual against transform pairs for each solver of the hard-wall contact: the figure of docs/theory.md, section 7.1.
+//! Figure of the residual against transform pairs for each solver of the hard-wall contact (docs/solvers.md).
 //! `cargo run --release -p gfmd-xtask --example convergence` writes docs/images/convergence.png and .svg.
 
 use std::ops::ControlFlow;

@@ -1,10 +1,10 @@
-"""Judges final pressures, whoever computed them: contact residuals from fresh transforms, and how well they agree.
+"""Judges final pressures of any program: contact residuals from fresh transforms, and differences from a reference.
 
     certify.py '{"heights": FILE.npy, "mean_pressure": P, "fields": {NAME: FILE, ...}, "reference": NAME}'
 
 Half-space with E* = 1 in a cell of length 1; heights have their peaks pointing at the body. A field is FILE.npy, or the
-first load of /fields/pressure in FILE.h5. Prints one JSON object: for every name the residuals (definitions below),
-contact area fraction, approach beyond first touch and elastic energy per area, and their differences from the reference.
+first load of /fields/pressure in FILE.h5. Prints one JSON object: for every name the residuals (defined below), contact
+area fraction, approach beyond first touch, elastic energy per area, and the differences from the reference.
 """
 
 import json
@@ -23,7 +23,7 @@ def read(file):
 
 
 def displacement_into_body(pressure):
-    """The inverse of the stiffness E* |q| / 2, without its mean."""
+    """Applies the inverse of the stiffness E* |q| / 2; the mean of the displacement is zero."""
     nx, ny = pressure.shape
     qx = 2 * np.pi * np.fft.fftfreq(nx, 1 / nx)
     qy = 2 * np.pi * np.fft.rfftfreq(ny, 1 / ny)
@@ -36,7 +36,7 @@ def judge(heights, pressure, asked):
     contact = pressure > 0
     inwards = displacement_into_body(pressure)
     rms_height = heights.std()
-    # Open distance up to a constant; the rigid surface is where the mean gap over the contact vanishes.
+    # The gap is known up to a constant, the approach, which makes its mean over the contact zero.
     clearance = heights.max() - heights
     gap = clearance + inwards
     approach = gap[contact].mean()

@@ -1,8 +1,8 @@
-"""Says which Python this is and which FFTW can be had: {"python": .., "fftw": {"library": .., "threads": .., "needs": [..],
+"""Prints the version of Python and the available FFTW: {"python": .., "fftw": {"library": .., "threads": .., "needs": [..],
 "source": ..}}.
 
-The FFTW is the system's, else the one that comes with pyFFTW, else null. The one inside the package of Tamaas is not
-offered: it has no vector code. Names are fit for loading and preloading, those in "needs" first.
+The FFTW is that of the system, else that of pyFFTW, else null. The FFTW inside the package of Tamaas is not used, since it
+has no vector code. The names can be loaded and preloaded; the libraries in "needs" must be loaded first.
 """
 
 import ctypes
@@ -40,7 +40,7 @@ def of_pyfftw():
     if not libraries:
         return None
     threads = glob.glob(os.path.join(folder, "libfftw3_omp-*.so*")) + [None]
-    # They find each other only once loaded.
+    # These libraries must be loaded first: the linker does not find them by their names.
     needs = glob.glob(os.path.join(folder, "libgomp-*.so*"))
     return {"library": libraries[0], "threads": threads[0], "needs": needs, "source": "pyFFTW"}
 

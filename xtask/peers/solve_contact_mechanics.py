@@ -1,12 +1,12 @@
-"""One solve by ContactMechanics, in a process of its own.
+"""Runs one solve of ContactMechanics.
 
     solve_contact_mechanics.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "solver": S, "out": FILE.npy,
                                  "answer": FILE.h5}'
 
-S: "default" is the package's own constrained conjugate gradients under a load. The others are NuMPI's without restart
-(Bugnicourt et al. 2018) on the same operator: "no-restart" as the package offers it, at a prescribed displacement, which is
-read off the answer beforehand; "no-restart-load" under a load. T is the largest gap in contact allowed, over the rms
-height. Prints one JSON object. Only the call of the solver is timed.
+S is the solver. "default" is the constrained conjugate gradient method of the package, under a load. "no-restart" and
+"no-restart-load" are those of NuMPI without restart (Bugnicourt et al. 2018) with the operator of the package: the first at
+a prescribed displacement, as offered by the package, which is computed from the answer; the second under a load. T is the
+largest allowed gap in contact, relative to the rms height. Prints one JSON object. Only the call of the solver is timed.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ def peak_bytes():
 
 
 def displacement(system, file):
-    """The rigid displacement at which this pressure is the answer."""
+    """Computes the rigid displacement for which the pressure in `file` is the solution."""
     import h5py
 
     with h5py.File(file, "r") as archive:
@@ -36,14 +36,17 @@ def displacement(system, file):
 
 
 def default(system, force, tolerance, _):
-    """Other criteria than the penetration are set so loose that they do not count."""
+    """Solves under a load; all criteria but the penetration are so loose that they have no effect."""
     result = system.minimize_proxy(external_force=force, pentol=tolerance, forcetol=1e30, thermotol=1e30, maxiter=100_000)
-    # One evaluation to begin with, two in every iteration.
+    # The solver makes one evaluation at the start and two in every iteration.
     return result, result.jac, result.nit, result.nfev
 
 
 def no_restart(system, force, tolerance, offset):
-    """At the displacement `offset`, or under the force where it is None. What converges needs some hundred iterations."""
+    """Solves at the displacement `offset`, or under the force if it is None.
+
+    Solves that converge take some hundred iterations.
+    """
     shape = system.substrate.nb_grid_pts
     points = shape[0] * shape[1]
     applied = 0
@@ -77,13 +80,13 @@ def main():
     heights = np.load(task["heights"])
     topography = SurfaceTopography.Topography(heights, physical_sizes=(1.0, 1.0), periodic=True)
     system = ContactMechanics.make_system(topography, young=1.0)
-    # Makes the plans.
+    # The first evaluation makes the plans.
     system.substrate.evaluate_disp(np.zeros(heights.shape))
     solve = default if task["solver"] == "default" else no_restart
     offset = displacement(system, task["answer"]) if task["solver"] == "no-restart" else None
     tolerance = task["tolerance"] * heights.std()
     started = time.perf_counter()
-    # Both print warnings on stdout. The cell has unit area: the mean pressure is the force.
+    # Both solvers print warnings to stdout. The cell has unit area, so that the force equals the mean pressure.
     with contextlib.redirect_stdout(sys.stderr):
         result, forces, iterations, pairs = solve(system, task["mean_pressure"], tolerance, offset)
     seconds = time.perf_counter() - started

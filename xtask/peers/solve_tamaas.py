@@ -1,10 +1,10 @@
-"""One solve by Tamaas (PolonskyKeerRey), in a process of its own.
+"""Runs one solve of Tamaas (PolonskyKeerRey).
 
     solve_tamaas.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "out": FILE.npy,
                       "fftw": {"library": NAME, "threads": NAME}, "plans": "estimated" or "measured"}'
 
-With "fftw" the named libraries must be preloaded; they then take the place of the transforms in the package. Prints one
-JSON object. Only the call of the solver is timed: model, operators and plans are ready before.
+The libraries in "fftw" must be preloaded; they then replace the FFTW in the package. Prints one JSON object. Only the call
+of the solver is timed: model, operators and plans are made before.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ def peak_bytes():
 
 
 def set_up_transforms(task, n):
-    """Threads of the preloaded FFTW; measured plans, left in its memory (wisdom) for Tamaas to find."""
+    """Sets the threads of the preloaded FFTW, and makes measured plans, which Tamaas finds in the wisdom of FFTW."""
     if task["fftw"] is None:
         return
     library = ctypes.CDLL(task["fftw"]["library"])
@@ -51,7 +51,7 @@ def set_up_transforms(task, n):
 
 @contextlib.contextmanager
 def captured(lines):
-    """What the library prints by itself goes to `lines`."""
+    """Redirects the output of the library to `lines`."""
     sys.stdout.flush()
     sys.stderr.flush()
     kept = [os.dup(1), os.dup(2)]
@@ -70,7 +70,7 @@ def captured(lines):
 
 
 def iterations(lines):
-    """The number that leads the last line of the table of iterations."""
+    """Returns the first number in the last line of the table of iterations."""
     found = [re.match(r"\s*(\d+)\s+\S+e[+-]\d+\s+\S+", line) for line in lines]
     numbers = [int(match[1]) for match in found if match]
     return numbers[-1] if numbers else None
@@ -101,12 +101,12 @@ def main():
         error = solver.solve(task["mean_pressure"])
         seconds = time.perf_counter() - started
     peak = peak_bytes()
-    # At its iteration limit it returns as if it had converged.
+    # At the iteration limit Tamaas reports no error, so that convergence must be checked.
     if not error <= task["tolerance"]:
         sys.exit(f"no convergence to {task['tolerance']:e}: {error:e}")
     np.save(task["out"], model.traction)
     steps = iterations(lines)
-    # Two pairs an iteration and three more: counted with a library that stands between Tamaas and FFTW.
+    # Two pairs per iteration and three more, as counted with a library between Tamaas and FFTW.
     pairs = None if steps is None else 2.0 * steps + 3.0
     report = {"seconds": seconds, "iterations": steps, "transform_pairs": pairs}
     report |= {"peak_bytes": peak, "baseline_bytes": baseline}

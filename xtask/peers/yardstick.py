@@ -1,9 +1,9 @@
-"""The yardstick: wall time of one forward and inverse real transform of FFTW, plans measured, n x n doubles.
+"""Measures the yardstick: wall time of one forward and one inverse real transform of n x n doubles by FFTW, measured plans.
 
     yardstick.py '{"sizes": [N, ...], "threads": [T, ...], "fftw": {...}, "wisdom": FILE, "seconds": S}'
 
 Prints {"version": .., "pairs": [{"n": .., "threads": .., "seconds": [one mean per batch], "share": ..}, ...]}. Plans
-are kept in FILE, since they take long to find. A share below 1 on one thread says that others used the processor.
+are kept in FILE, since measuring them takes long. A share below 1 on one thread means that other processes were running.
 """
 
 import ctypes
@@ -31,7 +31,7 @@ class Fftw:
         self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.functions, "fftw_version"))).decode()
 
     def pair(self, n, threads, budget):
-        """Means of batches of pairs, for `budget` seconds, and the share of the threads' time that was processor time."""
+        """Returns the mean times of a pair in batches over `budget` seconds, and processor time over wall time and threads."""
         if self.parallel:
             self.parallel.fftw_plan_with_nthreads(threads)
         real, spectrum = self.functions.fftw_malloc(8 * n * n), self.functions.fftw_malloc(16 * n * (n // 2 + 1))

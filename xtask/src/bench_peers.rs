@@ -1,7 +1,7 @@
-//! `bench-peers`: the same contacts by this program and by others, to the same certified residual, timed side by side.
+//! `bench-peers`: times this program and peers (other programs) on common contact problems, to one certified residual.
 //!
-//! The peers run as they are installed from PyPI into a Python environment of their own, every solve in a process of its
-//! own. One routine, in NumPy and shared with none of them, judges the final pressure of everyone (peers/certify.py).
+//! The peers are installed from PyPI into a separate Python environment, and every solve is a separate process. One
+//! independent routine in NumPy (peers/certify.py) computes the residuals of all final pressures.
 
 mod contestant;
 mod judge;
@@ -38,7 +38,7 @@ pub use report::{Case, Entry, Report, Timing};
   gfmd bench-peers --write-docs
   gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
-    /// Points along a side
+    /// Grid points along a side
     #[arg(long, value_delimiter = ',', default_values_t = [512, 1024, 2048], value_name = "N,..")]
     pub sizes: Vec<usize>,
     /// Hurst exponents
@@ -47,41 +47,41 @@ pub struct Args {
     /// Reduced pressures p/(E* g)
     #[arg(long, value_delimiter = ',', default_values_t = [0.01, 0.05, 0.2], value_name = "P,..")]
     pub p_star: Vec<f64>,
-    /// Numbers of threads to compare at
+    /// Numbers of threads
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
     pub thread_counts: Vec<usize>,
-    /// Names the surfaces
+    /// Seed of the surfaces
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// The residual that everyone must reach, in complementarity, penetration, negative pressure and load
+    /// Bound on the certified residuals of all programs: complementarity, penetration, negative pressure and load
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
     pub tol: f64,
     /// Solvers of this program to run
     #[arg(long, value_parser = parse_choice::<Solver>(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
     #[serde(serialize_with = "names")]
     pub solvers: Vec<Solver>,
-    /// Other programs to run
+    /// Peers (other programs) to run
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart])]
     pub peers: Vec<Peer>,
-    /// The transforms that Tamaas gets
+    /// FFTW used by Tamaas
     #[arg(long, value_enum, default_value_t = TamaasFftw::Preloaded)]
     pub tamaas_fftw: TamaasFftw,
-    /// Times a solve is repeated at least, up to 1024 x 1024 points; larger ones may run once. The median counts
+    /// Smallest number of solves up to 1024 x 1024 points; larger ones may run once. The median is reported
     #[arg(long, default_value_t = 3, value_name = "K")]
     pub repeats: usize,
-    /// Leave peers out of a case that takes them longer than this, or is expected to
+    /// Time limit: a peer is left out of a case that takes it longer, or is expected to
     #[arg(long, default_value_t = 1800.0, value_name = "SECONDS")]
     pub patience: f64,
     /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
     #[arg(long, conflicts_with_all = ["sizes", "hurst", "p_star", "repeats"])]
     pub quick: bool,
-    /// The Python to make the environment with
+    /// Python program that creates the environment
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     pub python: PathBuf,
-    /// Folder of the environment, made when missing [default: bench-peers/venv beside the build]
+    /// Folder of the environment, created if missing [default: bench-peers/venv beside the build]
     #[arg(long, value_name = "FOLDER")]
     pub venv: Option<PathBuf>,
-    /// Write the page of the documentation
+    /// Write the documentation page
     #[arg(long, num_args = 0..=1, default_missing_value = "docs/benchmarks.md", value_name = "FILE.md")]
     pub write_docs: Option<PathBuf>,
 }
@@ -90,7 +90,7 @@ fn names<S: Serializer>(solvers: &[Solver], serializer: S) -> Result<S::Ok, S::E
     serializer.collect_seq(solvers.iter().map(|solver| solver.name()))
 }
 
-/// Other programs.
+/// A peer: another program with a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Peer {
@@ -98,26 +98,26 @@ pub enum Peer {
     Tamaas,
     /// ContactMechanics, its default solver
     ContactMechanics,
-    /// ContactMechanics with NuMPI's conjugate gradients without restart, given the displacement
+    /// ContactMechanics with NuMPI's conjugate gradients without restart, at a prescribed displacement
     NoRestart,
-    /// The same under a load, which costs it more
+    /// ContactMechanics with NuMPI's conjugate gradients without restart, under a load (slower)
     NoRestartLoad,
 }
 
-/// Where the transforms of Tamaas come from.
+/// The FFTW used by Tamaas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TamaasFftw {
-    /// An FFTW with vector code, preloaded; plans are estimated, as Tamaas asks for
+    /// A preloaded FFTW with vector code, with estimated plans as requested by Tamaas
     Preloaded,
-    /// The same with measured plans, which its users do not get
+    /// A preloaded FFTW with vector code and measured plans, which users of Tamaas do not have
     Tuned,
-    /// As installed: the FFTW inside its package
+    /// The FFTW inside the package of Tamaas
     Own,
 }
 
 impl Args {
-    /// The arguments with the small set of `--quick` filled in.
+    /// The arguments with the values of `--quick` filled in, and sorted.
     fn resolved(&self) -> Self {
         let mut args = self.clone();
         if self.quick {
@@ -130,27 +130,27 @@ impl Args {
 
     fn check(&self) -> Result<(), Failure> {
         let positive = |flag, values: &[f64]| match values.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-            Some(bad) => Err(Failure::input(flag, format!("a positive, finite number is allowed, found {bad}"))),
+            Some(bad) => Err(Failure::Input(format!("{flag} is {bad}; it must be positive and finite"))),
             None => Ok(()),
         };
         positive("--p-star", &self.p_star)?;
         if !(self.patience > 0.0 && self.patience <= 1e7) {
-            return Err(Failure::input(
-                "--patience",
-                format!("more than 0 to 1e7 s is allowed, found {}", self.patience),
-            ));
+            return Err(Failure::Input(format!(
+                "--patience is {}; it must be above 0 and at most 1e7 s",
+                self.patience
+            )));
         }
         if !(1e-12..=1e-3).contains(&self.tol) {
-            return Err(Failure::input("--tol", format!("1e-12 to 1e-3 is allowed, found {}", self.tol)));
+            return Err(Failure::Input(format!("--tol is {}; it must be between 1e-12 and 1e-3", self.tol)));
         }
         if let Some(bad) = self.sizes.iter().find(|n| **n < 32) {
-            return Err(Failure::input("--sizes", format!("at least 32 points are allowed, found {bad}")));
+            return Err(Failure::Input(format!("--sizes contains {bad}; each must be at least 32")));
         }
         if self.repeats == 0 {
-            return Err(Failure::input("--repeats", "at least 1 is allowed, found 0"));
+            return Err(Failure::Input("--repeats is 0; it must be at least 1".into()));
         }
         if self.thread_counts.contains(&0) {
-            return Err(Failure::input("--thread-counts", "at least 1 is allowed, found 0"));
+            return Err(Failure::Input("--thread-counts contains 0; each must be at least 1".into()));
         }
         let empty = [
             ("--sizes", self.sizes.is_empty()),
@@ -160,12 +160,12 @@ impl Args {
             ("--solvers", self.solvers.is_empty()),
         ];
         match empty.into_iter().find(|(_, empty)| *empty) {
-            Some((flag, _)) => Err(Failure::input(flag, "at least one value is needed")),
+            Some((flag, _)) => Err(Failure::Input(format!("{flag} is empty; it must have at least one value"))),
             None => Ok(()),
         }
     }
 
-    /// Everyone who competes; the first is the one that others are compared with.
+    /// All contestants; the first is the reference of the comparisons.
     fn contestants(&self) -> Vec<Contestant> {
         let own = self.solvers.iter().copied().map(Contestant::Own);
         own.chain(self.peers.iter().copied().map(Contestant::Peer)).collect()
@@ -176,17 +176,17 @@ impl Args {
 const EPS_T_INV: f64 = 2.0;
 const EPS_C_INV: f64 = 4.0;
 
-/// Points along the side of a surface that takes no memory to speak of.
+/// Points along the side of a surface that needs a negligible amount of memory.
 const SMALL: usize = 32;
 
 /// Spectral rms gradient of every surface.
 const RMS_GRADIENT: f64 = 0.1;
 
-/// Runs the command. What is finished when something fails is kept in a file that the failure names.
+/// Runs the command. After a failure the finished cases are kept in a file, which the message names.
 ///
 /// # Errors
-/// Unusable input; an environment that cannot be made; a solve of this program that fails; anyone whose answer is
-/// certified less well than asked or differs from that of the others.
+/// Invalid input; an environment that cannot be created; a failed solve of this program; a result whose certified
+/// residual exceeds the tolerance, or which differs from that of the first contestant.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let args = args.resolved();
     args.check()?;
@@ -195,7 +195,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let (possible, too_many): (Vec<usize>, Vec<usize>) = args.thread_counts.iter().partition(|t| **t <= cores);
     if possible.is_empty() {
-        return Err(Failure::input("--thread-counts", format!("1 to {cores} is allowed here, found {too_many:?}")));
+        return Err(Failure::Input(format!(
+            "--thread-counts is {too_many:?}; it must be between 1 and {cores} on this machine"
+        )));
     }
     let mut report = Report {
         date: jiff::Zoned::now().date().to_string(),
@@ -212,7 +214,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         kept: folder.join("bench-peers.json"),
     };
     if !too_many.is_empty() {
-        report.notes.push(format!("{too_many:?} threads were left out: there are {cores} cores"));
+        report.notes.push(format!("Numbers of threads {too_many:?} were left out: the machine has {cores} cores."));
     }
     let small = problems(&args, SMALL, 0.8, environment.scratch())?;
     let mut bench = Bench::new(&args, possible, &small[0], &environment, session)?;
@@ -232,7 +234,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// Where this command keeps its things: beside the build.
+/// The folder for the files of this command, beside the build.
 fn work_folder() -> Result<PathBuf, Failure> {
     let program = std::env::current_exe().ok();
     let build = program.as_deref().and_then(|file| file.parent()?.parent()).map(PathBuf::from);
@@ -242,7 +244,7 @@ fn work_folder() -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The loads of one surface, which is written where everyone can read it.
+/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
 fn problems(args: &Args, points: usize, hurst: f64, folder: &std::path::Path) -> Result<Vec<Problem>, Failure> {
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;

@@ -1,4 +1,4 @@
-//! `cargo xtask`: every command of `gfmd`, and the chores of its developers.
+//! `cargo xtask`: all commands of `gfmd`, and the developer tools.
 
 use std::process::ExitCode;
 
@@ -10,9 +10,9 @@ use gfmd_xtask::{bench_peers, verify};
 enum Command {
     #[command(flatten)]
     Gfmd(gfmd_cli::program::Command),
-    /// Time other programs on the same contacts, to the same certified residual
+    /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),
-    /// Compare what the program computes with references, closed forms and identities
+    /// Compare results of the program with references, closed forms and identities
     Verify(Box<verify::Args>),
 }
 

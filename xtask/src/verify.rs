@@ -1,4 +1,4 @@
-//! `verify`: every check of `gfmd-tests`, with its number and the bound it must meet; docs/validation.md from it.
+//! `verify`: all checks of `gfmd-tests`, each with its value and its bound; writes docs/validation.md.
 
 mod document;
 mod figures;
@@ -20,7 +20,7 @@ use serde::Serialize;
   gfmd verify --json
   gfmd verify --write-docs")]
 pub struct Args {
-    /// Take the check values from this folder instead of data/reference
+    /// Read the reference values from this folder instead of data/reference
     #[arg(long, value_name = "FOLDER")]
     reference: Option<PathBuf>,
     /// Write FOLDER/validation.md and its figures
@@ -28,7 +28,7 @@ pub struct Args {
     write_docs: Option<PathBuf>,
 }
 
-/// The result, as printed.
+/// The result of the command.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -38,7 +38,7 @@ pub struct Report {
     pub written: Vec<PathBuf>,
 }
 
-/// Checks that belong together.
+/// The checks of one topic.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct TopicReport {
@@ -63,17 +63,17 @@ pub struct CheckReport {
 /// Runs the command.
 ///
 /// # Errors
-/// A reference file that cannot be read; an interruption; files that could not be written.
+/// A reference file that cannot be read; an interruption; files that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let reference = args.reference.as_ref().map_or_else(Reference::default, Reference::new);
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
-        return Err(Failure::input("--write-docs", format!("there is no folder {}", folder.display())));
+        return Err(Failure::Input(format!("--write-docs is {}; it must be an existing folder", folder.display())));
     }
     let progress = Progress::new(&session.common, "topics", TOPICS.len() as f64);
     let mut topics = Vec::new();
     for topic in &TOPICS {
         if session.is_interrupted() {
-            return Err(Failure::Interrupted("interrupted, nothing kept".into()));
+            return Err(Failure::Interrupted("interrupted; no results were kept".into()));
         }
         topics.push(TopicReport::of(topic, &reference)?);
         progress.advance(1.0, topic.title);
@@ -110,7 +110,7 @@ impl TopicReport {
 }
 
 impl CheckReport {
-    /// The number and its bound, to be read.
+    /// The value and its bound as text.
     fn words(&self) -> [String; 2] {
         match (self.at_most, self.at_least) {
             (Some(bound), _) => [format!("{:.2e}", self.value), format!("≤ {bound:e}")],

@@ -1,4 +1,4 @@
-//! `cargo xtask` runs every command of `gfmd` under its own name.
+//! Tests that `cargo xtask` runs every command of `gfmd`, with its own name in the help.
 
 use std::process::Command;
 

@@ -1,9 +1,9 @@
-//! `verify` from end to end, and docs/validation.md against it.
+//! Tests of `verify`, and of docs/validation.md against its output.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// `cargo xtask` with `arguments`, in `folder`.
+/// Runs `cargo xtask` with `arguments` in `folder`.
 fn xtask(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(folder).args(arguments).output().expect("the program starts")
 }
@@ -25,7 +25,7 @@ fn all_checks_pass_and_the_document_lists_them() {
         let row = format!("| {} | {} |", check["name"].as_str().unwrap(), check["source"].as_str().unwrap());
         assert!(committed.contains(&row) && fresh.contains(&row), "no {row}: run cargo xtask verify --write-docs");
     }
-    // Every figure that the document shows is there.
+    // All figures of the document exist.
     let figures = fresh.split("](images/").skip(1).map(|rest| rest.split(')').next().unwrap());
     assert!(figures.clone().count() >= 10);
     for figure in figures {

@@ -1,7 +1,8 @@
-//! Equilibration of a rough surface under load by each solver: 2048² points, H = 0.8, p* = 0.05, to 1e-8.
+//! Benchmark of the equilibration of a rough surface by each solver: 2048² points, H = 0.8, p* = 0.05, tolerance 1e-8.
 //!
-//! `cargo bench -p gfmd-contact` runs the fast ones. The dynamics take minutes for each sample: name them to run them,
-//! `cargo bench -p gfmd-contact -- Verlet`. A smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p gfmd-contact`.
+//! `cargo bench -p gfmd-contact` runs the conjugate gradients. The dynamics take minutes per sample and run only if
+//! named, `cargo bench -p gfmd-contact -- Verlet`. For a smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p
+//! gfmd-contact`.
 
 use std::hint::black_box;
 use std::time::Duration;

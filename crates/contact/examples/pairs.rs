@@ -1,13 +1,15 @@
-//! Transform pairs to 1e-8 by each conjugate-gradient method, cold, for rough surfaces on a half-space: the table of
-//! docs/solvers.md. `cargo run --release -p gfmd-contact --example pairs -- 512 1024`
+//! Number of transform pairs to a tolerance of 1e-8 for each conjugate-gradient method, without a start, for rough
+//! surfaces on a half-space: the table of docs/solvers.md. `cargo run --release -p gfmd-contact --example pairs -- 512
+//! 1024`
 //!
-//! The dynamics take longer and are asked for by name, all or some:
+//! The dynamics take longer and run only if requested by name, all or some:
 //! `cargo run --release -p gfmd-contact --example pairs -- dynamics 512`, `... -- Verlet AugmentedLagrangian 2048`.
-//! Their steps are their pairs, less the few that check the result.
+//! Their number of steps is the number of pairs less the few that check the result.
 //!
-//! Beside the pairs stands the time of the whole solution, in units of the time of one of our pairs: what the sweeps
-//! over the vectors and the memory add to the transforms. It is only as steady as the machine.
-#![allow(clippy::print_stdout, reason = "a table is what it is for")]
+//! The number in brackets is the time of the whole solution in units of the time of one pair. The excess over the
+//! number of pairs is the cost of the sweeps over vectors and of memory. It is only as reproducible as the load on the
+//! machine.
+#![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -63,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The fastest of several.
+/// The smallest of several measured times of a transform pair.
 fn time_of_a_pair(grid: Grid) -> Result<f64, Box<dyn std::error::Error>> {
     let transform = Transform::new(grid);
     let mut workspace = transform.workspace();

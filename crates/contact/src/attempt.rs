@@ -4,12 +4,12 @@ use gfmd_relax::{Budget, Ending, Progress, Watch};
 
 use crate::{Contact, Effort, Load};
 
-/// One solve under way: what is asked, where it starts from, and the effort so far.
+/// A running solve: its task, its start, and its effort so far.
 pub(crate) struct Attempt<'a> {
     pub(crate) contact: &'a Contact,
     pub(crate) load: Load,
     pub(crate) budget: Budget,
-    /// A pressure to start from.
+    /// Start pressure.
     pub(crate) start: Option<Vec<f64>>,
     pub(crate) watch: &'a mut dyn Watch,
     pub(crate) effort: Effort,
@@ -23,7 +23,7 @@ pub(crate) struct Ended {
 }
 
 impl Attempt<'_> {
-    /// The part of the budget that is left.
+    /// The remaining budget.
     pub(crate) fn budget_left(&self) -> Budget {
         let max_iterations = self.budget.max_iterations.saturating_sub(self.effort.iterations);
         Budget { max_iterations, ..self.budget }

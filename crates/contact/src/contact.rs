@@ -8,8 +8,7 @@ use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::{Load, Refusal, RigidSurface, Solution};
 
-/// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). It owns what it needs; a clone
-/// shares it.
+/// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
 pub struct Contact {
     pub(crate) response: Arc<NormalResponse>,
@@ -17,7 +16,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
+    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// constant in the heights has no effect.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
@@ -26,8 +26,8 @@ impl Contact {
         Ok(Self { response: NormalResponse::new(*grid, body).into(), surface })
     }
 
-    /// As [`new`](Self::new), on a response that is there already: shared by many surfaces on one body, or of a surface
-    /// that is held sideways.
+    /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one
+    /// without lateral displacement of the surface.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
@@ -58,7 +58,7 @@ impl Contact {
         self.response.contact_modulus() * self.surface.rms_gradient()
     }
 
-    /// The state that belongs to `pressure` under `load`, with its residuals, from fresh transforms.
+    /// The state of `pressure` under `load` with its residuals, from fresh transforms.
     ///
     /// # Errors
     /// A pressure of another shape than the grid.
@@ -67,7 +67,7 @@ impl Contact {
         Ok(self.certified(pressure.iter().copied().collect(), load))
     }
 
-    /// As [`certify`](Self::certify), of a pressure that has the size of the grid.
+    /// As [`certify`](Self::certify), for a pressure with the size of the grid.
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
         let response = &self.response;
         let n = pressure.len();
@@ -83,7 +83,7 @@ impl Contact {
         solution
     }
 
-    /// Whether the contact can carry `load`.
+    /// Checks that the contact can carry `load`.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
         match load {
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
@@ -96,7 +96,7 @@ impl Contact {
         }
     }
 
-    /// The pressure to start from, if it can be used.
+    /// The start pressure, if it is valid.
     pub(crate) fn check_start(&self, start: ArrayView2<f64>) -> Result<Vec<f64>, Refusal> {
         self.check_size(start)?;
         if let Some(((i, j), &value)) = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {

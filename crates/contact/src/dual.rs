@@ -13,7 +13,7 @@ use crate::{Contact, Load};
 /// The methods of conjugate gradients by name.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Gradients {
-    /// Preconditioned, and projected where that takes too long.
+    /// Preconditioned, then projected if that takes too long.
     Auto,
     PolonskyKeer,
     Projected,
@@ -29,13 +29,14 @@ struct Dual<'a> {
     extension: PullPush,
 }
 
-/// With prescribed approach, a half-space that keeps its mean level answers to a uniform displacement with any stiffness.
-/// The stiffness of the uniform mode in contact depends on the contact area. The preconditioner assumes this many times
-/// the stiffness of the softest other mode.
+/// Stiffness of the uniform mode in the preconditioner, relative to the softest non-uniform mode. It is needed if the
+/// approach on a half-space with a fixed mean level is prescribed; the effective stiffness then depends on the contact
+/// area.
 const LEVEL: f64 = 4.0;
 
-/// Iterations after which [`Solver::Auto`] goes on without the preconditioner. Some 30 are the rule; where its guess is bad,
-/// as on incompressible layers thinner than the grid is wide, the plain method is faster.
+/// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
+/// sufficient; where the preconditioner is poor, as on incompressible layers thinner than the cell is wide, the method
+/// without it is faster.
 const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
@@ -55,7 +56,7 @@ impl<'a> Dual<'a> {
             }
         };
         let points = response.grid().points();
-        // Waves along the longer side.
+        // The waves along the longer side.
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(load, Load::MeanPressure(_));
         let extension = PullPush::new(points, floating, |periods| response.stiffness()[periods * stride]);
@@ -76,8 +77,9 @@ impl Quadratic for Dual<'_> {
         self.transforms.quadratic_form(&self.compliance, direction) * direction.len() as f64
     }
 
-    /// Eᵀ K E with E the extension from the contact to the whole surface: (G on the contact)⁻¹ is the least of ⟨u, K u⟩
-    /// over all displacements that agree on the contact, and E makes a good guess of the one that is least.
+    /// Applies Eᵀ K E with E the extension from the contact to the whole surface. The quadratic form of (G on the
+    /// contact)⁻¹ is the minimum of ⟨u, K u⟩ over all displacements u with given values on the contact, and E
+    /// approximates the u of this minimum.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
         let known = Known { x, gradient, level: multiplier };
         let Self { stiffness, transforms, extension, .. } = self;
@@ -128,8 +130,8 @@ mod tests {
 
     use super::*;
 
-    /// ⟨r, M r⟩ / ⟨r, G⁻¹ r⟩ on the part `share` of the highest points of a rough surface, for a pressure p = G⁻¹ r that is
-    /// noise, smooth, or in between.
+    /// The quotients ⟨r, M r⟩ / ⟨r, G⁻¹ r⟩ on the fraction `share` of the highest points of a rough surface, for
+    /// pressures p = G⁻¹ r from noise to smooth.
     fn quotients(body: &Body, share: f64) -> Vec<f64> {
         let grid = Grid::square(64, 1.0).unwrap();
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };
@@ -153,7 +155,7 @@ mod tests {
                 let mut gradient = vec![0.0; x.len()];
                 dual.apply(&p, &mut gradient);
                 let exact: f64 = gradient.iter().zip(&p).map(|(g, p)| g * p).sum();
-                // Nothing is about to enter.
+                // No point is about to enter the contact.
                 gradient.iter_mut().zip(&x).filter(|(_, x)| **x == 0.0).for_each(|(g, _)| *g = 1e9);
                 let mut z = vec![0.0; x.len()];
                 dual.precondition(&x, &gradient, 0.0, &mut z);

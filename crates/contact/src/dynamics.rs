@@ -1,12 +1,12 @@
 //! The contact problem in terms of the surface displacement, equilibrated by damped dynamics: the surface layer moves
-//! under its own elastic force −K u and stops at the rigid wall, u ≤ clearance − approach (theory.md, section 6).
+//! under the elastic force −K u and stops at the rigid wall, u ≤ clearance − approach (theory.md, section 6).
 //!
-//! Under a prescribed mean pressure p̄ the rigid surface stays at first touch and the body is pushed against it: the
-//! uniform mode costs no energy and feels the force p̄, so that at rest the wall carries exactly p̄. Under a prescribed
-//! approach the wall is in its place and the uniform mode has the stiffness of the slab; where the body has none to
-//! give (half-space, incompressible slab) the load that gives the asked approach is searched for.
+//! Under a prescribed mean pressure p̄ the rigid surface is fixed at first touch and the body is pushed against it: the
+//! uniform mode has no stiffness and is driven by the force p̄, so that at rest the wall carries exactly p̄. Under a
+//! prescribed approach the wall is fixed and the uniform mode has the stiffness of the slab. If this is zero or
+//! infinite (half-space, incompressible slab), the load that gives the prescribed approach is searched for.
 //!
-//! With the augmented Lagrangian the wall acts by a force instead of clipping, so that the inertia may follow the
+//! With the augmented Lagrangian the wall acts by a force instead of clipping, so that the inertia may be close to the
 //! stiffness (theory.md, section 6.3).
 
 use gfmd_relax::{AugmentedLagrangian, Ending, Fire, Method, Nesterov, RelaxError, Verlet, Why, relax_until};
@@ -16,10 +16,10 @@ use crate::attempt::{Attempt, Ended};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
-/// Time step of the original method over its stability limit 2/√k_max.
+/// Time step of the original method, relative to its stability limit 2/√k_max.
 const SOURCE_TIME_STEP: f64 = 0.25;
 
-/// Length of a step of the augmented Lagrangian; 2 is the limit.
+/// Step length of the augmented Lagrangian; the stability limit is 2.
 const RELAXATION: f64 = 1.2;
 
 /// The dynamics by name.
@@ -66,7 +66,7 @@ fn equilibrate(
     }
 }
 
-/// Runs until the residuals of the pressure on the wall are at the tolerance, not only those of the layer.
+/// Runs until the residuals of the pressure on the wall, not only those of the layer, are at most the tolerance.
 fn run<'a, M: Method>(
     attempt: &mut Attempt,
     load: Load,
@@ -99,7 +99,7 @@ fn run<'a, M: Method>(
     Ok((surface.pressure(&state.u, &state.force), ending))
 }
 
-/// Searches for the load that gives the approach, each run started from the last.
+/// Searches for the load that gives the approach; each run starts from the result of the last.
 fn search_load(
     attempt: &mut Attempt,
     motion: Motion,

@@ -1,12 +1,12 @@
 use std::fmt;
 
-/// The effort of a solve: a number that does not depend on the machine.
+/// The effort of a solve, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
-    /// Iterations, or time steps.
+    /// Number of iterations or time steps.
     pub iterations: u64,
-    /// Forward and inverse real transforms of one component on the full grid, in pairs; those of the certificate
-    /// included. Half a pair is a transform one way.
+    /// Number of pairs of a forward and an inverse real transform of one component on the full grid, including those of
+    /// the certificate. A single transform is half a pair.
     pub transform_pairs: f64,
 }
 

@@ -7,20 +7,20 @@ pub trait Equilibrium {
     /// The state at rest.
     type State: Fields;
 
-    /// The solvers that this kind of contact has.
+    /// The solvers for this kind of contact.
     fn solvers(&self) -> &'static [Solver];
 
-    /// Checks whether a drive can be posed.
+    /// Checks that a drive is valid.
     ///
     /// # Errors
-    /// A drive that cannot.
+    /// An invalid drive.
     fn check(&self, drive: Drive) -> Result<(), Refusal>;
 
     /// Brings the contact to rest. `start` is the state to start from, such as that of a smaller load.
-    /// [`press`](Self::press) is the comfortable way to call this.
+    /// [`press`](Self::press) calls this method, with defaults for most arguments.
     ///
     /// # Errors
-    /// [`SolveError::Refused`] for unusable input; else an error that carries the state reached.
+    /// [`SolveError::Refused`] for invalid input; else an error that contains the state reached.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -39,8 +39,8 @@ pub trait Equilibrium {
     }
 }
 
-/// A solve of one [`Equilibrium`], made by [`Equilibrium::press`]: [`Solver::Auto`] from scratch to 1e-8, in silence, unless
-/// said otherwise.
+/// A solve of one [`Equilibrium`], made by [`Equilibrium::press`]. The defaults are [`Solver::Auto`], a tolerance of
+/// 1e-8, no start and no watcher.
 #[must_use = "nothing is solved before `solve`"]
 pub struct Press<'a, E: Equilibrium> {
     contact: &'a E,
@@ -56,37 +56,37 @@ impl<'a, E: Equilibrium> Press<'a, E> {
         Self { contact, drive, solver: Solver::Auto, budget: Budget::default(), start: None, watch: None }
     }
 
-    /// Residual to which every part must fall, 1e-8 by default.
+    /// Sets the largest allowed residual, 1e-8 by default.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.budget.tolerance = tolerance;
         self
     }
 
-    /// Iterations, or time steps, after which the search is given up; 100 000 by default.
+    /// Sets the largest number of iterations or time steps, 100 000 by default.
     pub fn max_iterations(mut self, max_iterations: u64) -> Self {
         self.budget.max_iterations = max_iterations;
         self
     }
 
-    /// Tolerance and iterations at once.
+    /// Sets the tolerance and the largest number of iterations.
     pub fn budget(mut self, budget: Budget) -> Self {
         self.budget = budget;
         self
     }
 
-    /// The method, [`Solver::Auto`] by default.
+    /// Sets the method, [`Solver::Auto`] by default.
     pub fn solver(mut self, solver: Solver) -> Self {
         self.solver = solver;
         self
     }
 
-    /// The state to start from, such as that of a smaller load.
+    /// Sets the state to start from, such as that of a smaller load.
     pub fn starting_from(mut self, start: Option<&'a E::State>) -> Self {
         self.start = start;
         self
     }
 
-    /// A watcher, which sees every iteration and may ask to stop.
+    /// Sets a watcher, which is called in every iteration and may ask to stop.
     pub fn watch(mut self, watch: &'a mut dyn Watch) -> Self {
         self.watch = Some(watch);
         self
@@ -95,7 +95,7 @@ impl<'a, E: Equilibrium> Press<'a, E> {
     /// Brings the contact to rest.
     ///
     /// # Errors
-    /// [`SolveError::Refused`] for unusable input; else an error that carries the state reached.
+    /// [`SolveError::Refused`] for invalid input; else an error that contains the state reached.
     pub fn solve(self) -> Result<E::State, SolveError<E::State>> {
         let Self { contact, drive, solver, budget, start, watch } = self;
         contact.equilibrate(drive, solver, &budget, start, watch.unwrap_or(&mut ()))

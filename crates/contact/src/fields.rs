@@ -3,7 +3,7 @@ use ndarray::{ArrayView2, CowArray, Ix2};
 
 use crate::Effort;
 
-/// The fields of a contact at rest, or as near to it as a search came. Fields are `[x, y]`.
+/// The state of a contact at rest, or of an unfinished search. Fields are `[x, y]`.
 pub trait Fields {
     /// Normal pressure on the elastic surface, in stress; attraction is negative.
     fn pressure(&self) -> CowArray<'_, f64, Ix2>;
@@ -23,10 +23,10 @@ pub trait Fields {
     /// The effort of the solve.
     fn effort(&self) -> Effort;
 
-    /// The distance from equilibrium, part by part with its name, computed from the fields; zero for the exact state.
+    /// The residuals with their names, computed from the fields; zero for the exact state.
     fn residuals(&self) -> Vec<(&'static str, f64)>;
 
-    /// The largest of the residuals; NaN if any is.
+    /// The largest of the residuals; NaN if any is NaN.
     fn worst(&self) -> f64 {
         gfmd_relax::worst(self.residuals().into_iter().map(|(_, residual)| residual))
     }

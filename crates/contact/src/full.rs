@@ -1,5 +1,5 @@
-//! The contact with every component of the surface moving, as the source of the method poses it: nothing is known of
-//! u_x and u_y but that no traction acts on them (theory.md, section 3, frictionless).
+//! Contact with all components of the surface displacement, as in the source of the method: the lateral traction is
+//! zero, and u_x and u_y are unknown (theory.md, section 3, frictionless).
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ use crate::layer::STIFFNESS_LENGTH;
 use crate::solution::field;
 use crate::{Drive, Effort, Equilibrium, Fields, Load, Refusal, RigidSurface, Solution, SolveError, Solver, judge};
 
-/// A rigid rough surface above an elastic one that moves in all its components, without friction or adhesion (hard wall),
-/// under a prescribed mean pressure. It shows what theory.md, section 3, says: its u_z is that of
-/// [`Contact`](crate::Contact), but for the Nyquist modes of an even grid (section 0), at three times the cost.
+/// A rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion
+/// (hard wall), under a prescribed mean pressure. Its u_z is that of [`Contact`](crate::Contact), except in the Nyquist
+/// modes of an even grid (theory.md, sections 3 and 0), at three times the cost.
 #[derive(Clone, Debug)]
 pub struct FullContact {
     response: Arc<FullResponse>,
@@ -27,16 +27,17 @@ pub struct FullContact {
 /// An equilibrated contact with all components of the displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FullSolution {
-    /// Pressure, gap, residuals and effort, and u_z.
+    /// Pressure, gap, u_z, residuals and effort.
     pub normal: Solution,
-    /// u_x and u_y, or u_x of a line, in length: the response to the pressure alone.
+    /// u_x and u_y, or u_x on a line, in length: the response to the pressure.
     pub lateral: Vec<Array2<f64>>,
-    /// Largest lateral traction that the dynamics left, over the largest pressure.
+    /// Largest remaining lateral traction of the dynamics, relative to the largest pressure.
     pub lateral_traction: f64,
 }
 
 impl FullContact {
-    /// `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences matter.
+    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// constant in the heights has no effect.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
@@ -44,7 +45,7 @@ impl FullContact {
         Self::on(FullResponse::new(*grid, body), heights)
     }
 
-    /// As [`new`](Self::new), on a response that is there already.
+    /// As [`new`](Self::new), with an existing response.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
@@ -57,7 +58,7 @@ impl FullContact {
         Ok(Self { response, surface: surface.into() })
     }
 
-    /// The state that belongs to the force on the wall alone, with a fresh transform.
+    /// The state of the pressure on the wall, from fresh transforms.
     fn certified<Memory>(&self, layer: &Layer, state: &State<Memory>) -> FullSolution {
         let points = self.surface.clearance().len();
         let lateral = state.u.len() - points;
@@ -85,8 +86,7 @@ impl FullContact {
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }
 
-    /// The coordinates to start from: the displacement of `start`, in the frame in which the body moves and the rigid
-    /// surface does not.
+    /// The start coordinates: the displacement of `start` in the frame of the rigid surface.
     fn starting_position(&self, start: Option<&FullSolution>) -> Result<Vec<f64>, Refusal> {
         let expected = self.response.components().len() * self.response.grid().len();
         let Some(FullSolution { normal, lateral, .. }) = start else { return Ok(vec![0.0; expected]) };
@@ -112,7 +112,7 @@ impl Equilibrium for FullContact {
         }
     }
 
-    /// Damped dynamics of all components with the best scalar damping.
+    /// Damped dynamics of all components with optimal scalar damping.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -191,7 +191,7 @@ struct Layer<'a> {
     wall: Vec<f64>,
     /// Uniform force per area that pushes the body up.
     push: f64,
-    /// K_zz(0), which the push does not have to overcome: only the body's base would feel it.
+    /// K_zz(0), which is taken out of the elastic force: the push acts on the base of the body, too.
     uniform: f64,
     transforms: FullTransforms,
 }
@@ -201,7 +201,7 @@ impl<'a> Layer<'a> {
         let FullContact { response, surface } = contact;
         let mut wall = vec![f64::INFINITY; (response.components().len() - 1) * response.grid().len()];
         wall.extend(surface.clearance());
-        // By index, never by value: the uniform mode is the first.
+        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let uniform = response.stiffness().matrices()[0].zz;
         Self { contact, wall, push, uniform, transforms: FullTransforms::of(response) }
     }

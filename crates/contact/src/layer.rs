@@ -1,4 +1,4 @@
-//! The elastic surface layer and the rigid wall above it: the landscape in which the dynamics moves.
+//! The elastic surface layer below a rigid wall, as a landscape for the dynamics.
 
 use std::borrow::Cow;
 
@@ -8,8 +8,9 @@ use gfmd_vector::{add, for_each, pass};
 
 use crate::{Contact, Load};
 
-/// A rough contact is about as stiff as its mean pressure over this many rms heights (Akarapu, Sharp and Robbins 2011;
-/// Campañá, Persson and Müser 2011 find 0.4 to 0.5). Only sets the damping of the rigid motion, so only the speed.
+/// Length in the stiffness of a rough contact, in rms heights: the stiffness is about the mean pressure over this
+/// length (Akarapu, Sharp and Robbins 2011; Campañá, Persson and Müser 2011 find 0.4 to 0.5). It only sets the damping
+/// of the rigid motion, and thus the speed of convergence.
 pub(crate) const STIFFNESS_LENGTH: f64 = 0.45;
 
 /// The elastic surface layer below a rigid wall.
@@ -73,7 +74,7 @@ impl<'a> Layer<'a> {
         self.contact.surface.rms_height()
     }
 
-    /// Stiffness of the softest motion and of the stiffest.
+    /// The stiffnesses of the softest and of the stiffest mode.
     pub(crate) fn band(&self) -> [f64; 2] {
         let [softest, stiffest] = self.contact.response.stiffness_range();
         let rigid =
@@ -81,7 +82,7 @@ impl<'a> Layer<'a> {
         [softest.min(rigid), stiffest.max(rigid)]
     }
 
-    /// Transforms so far, in pairs.
+    /// Number of pairs of transforms so far.
     pub(crate) fn pairs(&self) -> f64 {
         self.transforms.pairs()
     }
@@ -101,14 +102,14 @@ impl<'a> Layer<'a> {
             },
             &add,
         );
-        // The rigid surface does not move under a prescribed load, the body does.
+        // Under a prescribed load the body moves instead of the rigid surface.
         let rise =
             if self.push > 0.0 { sums[2] / sums[1] } else { -response.uniform_compliance() * sums[0] / u.len() as f64 };
         u.iter_mut().for_each(|u| *u = rise - *u);
         u
     }
 
-    /// Scaled so that the wall carries the prescribed load.
+    /// Scales the pressure so that the wall carries the prescribed load.
     fn carry(&self, mut pressure: Vec<f64>) -> Vec<f64> {
         let sum = gfmd_vector::sum(pressure.len(), &|range| pressure[range].iter().sum());
         if self.push > 0.0 && sum > 0.0 {
@@ -119,14 +120,14 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// A layer that is pressed against the wall, however the wall holds it.
+/// A layer pressed against the wall, with the wall as a bound or as a force.
 pub(crate) trait Pressed<'a>: Landscape {
     fn layer(&mut self) -> &mut Layer<'a>;
 
-    /// The coordinates to start from, with a surface at `u` that exerts `pressure`.
+    /// The start coordinates for the displacement `u` and the pressure `pressure`.
     fn begin(&self, u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64>;
 
-    /// The pressure on the wall; forces that are left on the free points do not count.
+    /// The pressure on the wall; remaining forces on free points are ignored.
     fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64>;
 }
 
@@ -145,8 +146,8 @@ impl<'a> Pressed<'a> for Layer<'a> {
     }
 }
 
-/// The layer together with springs of one stiffness ϱ at every point. The geometric mean of the softest and the stiffest
-/// mode treats both alike: (k + ϱ)/k of the one is (k + ϱ)/ϱ of the other.
+/// The layer with springs of stiffness ϱ at every point. ϱ is the geometric mean of the softest and the stiffest mode,
+/// which converge equally fast: (k + ϱ)/k of one equals (k + ϱ)/ϱ of the other.
 pub(crate) struct Sprung<'a> {
     layer: Layer<'a>,
     penalty: f64,
@@ -190,7 +191,7 @@ impl Proximal for Sprung<'_> {
 
     fn residual(&self, mismatch: &[f64]) -> f64 {
         let largest = |range: std::ops::Range<usize>| mismatch[range].iter().fold(0, |m, x| x.abs().to_bits().max(m));
-        // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+        // Bit patterns of positive numbers have the order of the numbers, with NaN last.
         f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale()
     }
 }
@@ -200,7 +201,7 @@ impl<'a> Pressed<'a> for AugmentedLagrangian<Sprung<'a>> {
         &mut self.problem_mut().layer
     }
 
-    /// The reaction λ makes the coordinate λ/ϱ larger than the displacement.
+    /// The coordinate is the displacement plus λ/ϱ, with the reaction λ.
     fn begin(&self, mut u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64> {
         let Sprung { layer, penalty, .. } = self.problem();
         match pressure {

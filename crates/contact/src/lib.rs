@@ -1,9 +1,9 @@
-//! Contact of a rigid rough surface with an elastic body, hard wall, no friction: pressure, displacement and gap at
-//! equilibrium, with residuals that are computed from the result and not taken from the solver.
+//! Contact of a rigid rough surface with an elastic body, with a hard wall and without friction: pressure, displacement
+//! and gap at equilibrium, with residuals that are recomputed from the result, not taken from the solver.
 //!
-//! | method                                  | unknown           | a step costs       |
+//! | method                                  | unknown           | cost of a step     |
 //! |-----------------------------------------|-------------------|--------------------|
-//! | [`Solver::PreconditionedCg`] (the rule) | pressure          | 2 transform pairs  |
+//! | [`Solver::PreconditionedCg`] (default)  | pressure          | 2 transform pairs  |
 //! | [`Solver::ProjectedCg`]                 | pressure          | 1½                 |
 //! | [`Solver::PolonskyKeer`]                | pressure          | 1½                 |
 //! | [`Solver::AugmentedLagrangian`]         | both              | 1                  |
@@ -30,10 +30,10 @@
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]. The nouns that all contacts share: [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
+//! Start at [`Contact`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`FullContact`] lets the surface move sideways too. Not here: where heights come from (`gfmd-surface`), laws that
-//! reach across the gap, and friction (`gfmd-interface`), what is measured on the result (`gfmd-measure`).
+//! [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
+//! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod effort;
 mod equilibrium;

@@ -3,25 +3,25 @@ use crate::Refusal;
 /// The load that presses two surfaces together, or pulls them apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
-    /// Mean pressure over the whole surface, in stress; negative pulls.
+    /// Mean pressure over the whole surface, in stress; tension is negative.
     MeanPressure(f64),
-    /// Rigid approach beyond first touch of the undeformed surfaces, in length; negative apart. On a half-space it is
-    /// measured against the mean level of the elastic surface, on a slab against its rigid base.
+    /// Rigid approach beyond first touch of the undeformed surfaces, in length; negative before first touch. On a
+    /// half-space it is measured against the mean level of the elastic surface, on a slab against its rigid base.
     Approach(f64),
 }
 
 /// The prescribed motion of the rigid surface: its load, and its lateral displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Towards the body.
+    /// Load towards the body.
     pub load: Load,
-    /// Displacement of the rigid surface along x and y, in length. It counts where lateral components move; on a
-    /// half-space it is measured against the mean of the elastic surface, on a slab against its base.
+    /// Displacement of the rigid surface along x and y, in length. It has an effect only in problems with lateral
+    /// components. On a half-space it is measured against the mean of the elastic surface, on a slab against its base.
     pub lateral: [f64; 2],
 }
 
 impl From<Load> for Drive {
-    /// Without lateral displacement.
+    /// A drive without lateral displacement.
     fn from(load: Load) -> Self {
         Self { load, lateral: [0.0; 2] }
     }
@@ -31,7 +31,7 @@ impl Drive {
     /// Checks that every number is finite.
     ///
     /// # Errors
-    /// The first number that is not.
+    /// The first number that is not finite.
     pub fn check(&self) -> Result<(), Refusal> {
         let load = match self.load {
             Load::MeanPressure(found) => ("mean pressure", found),

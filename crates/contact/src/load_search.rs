@@ -1,10 +1,10 @@
-/// Search for the load at which a monotonic excess vanishes, by false position: every load tried tells whether it is too
-/// small or too large, and once both are known the next lies between them. When two tries in a row fall on one side, the
-/// excess of the other counts half (Illinois variant), so that no side is kept for ever.
+/// Search for the load at which a monotonic excess vanishes, by false position: every load is either too small or too
+/// large, and as soon as both are known the next one lies between them. If two tries in a row are on one side, the excess
+/// of the other side is halved (Illinois variant), so that no side is kept indefinitely.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoadSearch {
     load: f64,
-    /// Loads with their excess: one that is too small, one that is too large.
+    /// A load that is too small and one that is too large, with their excess.
     bracket: [Option<(f64, f64)>; 2],
     /// Index in `bracket` of the last load tried.
     last: Option<usize>,
@@ -20,8 +20,8 @@ impl LoadSearch {
         self.load
     }
 
-    /// Chooses the next load, given the excess at the last. False where there is none: the excess is not a number, or
-    /// rounding leaves no load between the two that are known.
+    /// Chooses the next load, given the excess at the last. Returns false if there is none: the excess is NaN, or there
+    /// is no number between the two known loads.
     pub(crate) fn learn(&mut self, excess: f64) -> bool {
         let side = usize::from(excess > 0.0);
         let again = self.last.replace(side) == Some(side);
@@ -47,7 +47,7 @@ impl LoadSearch {
 mod tests {
     use super::LoadSearch;
 
-    /// Tries until the excess is small; the load found and the number of tries.
+    /// Searches until the excess is small; returns the load and the number of tries.
     fn search(start: f64, excess: impl Fn(f64) -> f64) -> (f64, usize) {
         let mut search = LoadSearch::from(start);
         for tries in 1..100 {
@@ -76,7 +76,7 @@ mod tests {
         };
         assert_eq!(runs(|_| f64::NAN), 0);
         assert!(runs(|_| -1.0) < 2000 && runs(|_| 1.0) < 2000);
-        // A jump: the bracket shrinks until no number is left in it.
+        // At a jump the bracket shrinks until it contains no further number.
         assert!(runs(|load| if load < 1.3 { -1.0 } else { 1.0 }) < 200);
     }
 }

@@ -1,17 +1,16 @@
-//! Pull-push: values that are known on part of a periodic grid, continued to all of it (Gortler et al. 1996).
+//! Pull-push (Gortler et al. 1996): extension of values known on part of a periodic grid to the whole grid.
 //!
 //! ```text
-//!   level 2                 +-------+          pull: a cell takes the weighted mean of its four children,
+//!   level 2                 +-------+          pull: a cell gets the weighted mean of its four children,
 //!                           |       |                level by level, up to one cell
-//!   level 1             +---+---+---+---+      push: a cell that knows little takes the rest from the level
-//!                       |   |   |   |   |            above, interpolated bilinearly, down to the points
+//!   level 1             +---+---+---+---+      push: a cell with few known values is blended with the
+//!                       |   |   |   |   |            interpolated level above, down to the points
 //!   points            +-+-+-+-+-+-+-+-+-+-+
-//!                      x . . x x . . . x .     x: known, kept as they are;  .: continued
+//!                      x . . x x . . . x .     x: known, unchanged;  .: extended
 //! ```
 //!
-//! So a point takes the mean of the known values around it at the finest scale at which there are enough of them, and the
-//! whole costs a few operations for each point. The map E is linear; its transpose walks the pyramid with the same weights
-//! in the opposite order.
+//! A point thus gets the mean of the known values around it on the finest scale with enough of them, at a cost of a few
+//! operations per point. The map E is linear; its transpose applies the steps with equal weights in the opposite order.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -19,16 +18,16 @@ use rayon::prelude::*;
 
 /// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
 pub(crate) struct PullPush {
-    /// Points; a profile is one row.
+    /// Number of points; a profile is one row.
     points: [usize; 2],
-    /// Cells of 2×2 points first, then of 2×2 cells, up to one cell.
+    /// Cells of 2×2 points, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
-    /// A bit for each point, row by row in whole words: set where the point keeps its own value.
+    /// One bit per point, row by row in whole words; set if the point keeps its own value.
     kept: Vec<AtomicU64>,
 }
 
-/// The known values: `gradient − level` where `x` > 0. A point with x = 0 keeps its own value, too, if that is negative and
-/// lower than the continued one, because it is about to enter the contact; but it is not used to continue the values of
+/// The known values: `gradient − level` where `x` > 0. A point with x = 0 also keeps its own value if it is negative
+/// and lower than the extended one, because the point is about to enter the contact; but this value is not extended to
 /// its neighbours.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
@@ -39,29 +38,30 @@ pub(crate) struct Known<'a> {
 
 struct Level {
     cells: [usize; 2],
-    /// Known weight from which on the cell's own value counts in full.
+    /// Known weight above which the value of the cell has full weight.
     full: f64,
-    /// Factor of the value of the next level where the cell's own value does not count: between zero and one.
+    /// Factor on the value of the next level, for cells without known values; between zero and one.
     trust: f64,
-    /// Known weight: the sum of the weights of the children.
+    /// Known weight of each cell, the sum of the weights of its children.
     known: Vec<f64>,
     value: Vec<f64>,
 }
 
-/// `full` of cells with two and with four children. Less than their number, so that a cell counts in full when most of
-/// it is known; more than one, so that a lone point loses weight from level to level and cannot impose its value on a
-/// large neighbourhood, which would cost the more energy the larger it is.
+/// `full` of cells with two and with four children. It is less than their number, so that a cell has full weight if
+/// most of it is known. It is above one, so that a single point loses weight from level to level: otherwise its value
+/// would extend to a large neighbourhood, at a cost in energy that increases with the size of the neighbourhood.
 const FULL: [f64; 2] = [1.5, 3.0];
 
-/// Points in a word of [`PullPush::kept`].
+/// Number of points in a word of [`PullPush::kept`].
 const BITS: usize = u64::BITS as usize;
 
 impl PullPush {
-    /// `stiffness` is that of the wave with so many periods along the longer side. Where it falls by half from an octave
-    /// to the next longer one, as on a half-space, displacement spreads, and what is not known is taken from afar; where
-    /// it does not, as for waves longer than a layer is thick, a point moves by itself, and zero is nearer.
+    /// Plans the map. `stiffness` gives the stiffness of a wave as a function of its number of periods along the longer
+    /// side. If it halves when the wavelength doubles, as on a half-space, displacements extend far, and unknown values
+    /// are taken from distant points. If it does not, as for waves longer than the thickness of a layer, points move
+    /// independently, and zero is the better value.
     ///
-    /// `floating`: constants stay constants. Otherwise values decay to zero away from all that is known.
+    /// If `floating`, constants are extended as constants; else values decay to zero away from the known points.
     pub(crate) fn new([nx, ny]: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
         let points = if nx.min(ny) == 1 { [1, nx.max(ny)] } else { [nx, ny] };
         let mut levels = Vec::new();
@@ -86,7 +86,7 @@ impl PullPush {
         Self { points, levels, kept }
     }
 
-    /// Computes all levels of E r but the points themselves, which [`row`](Self::row) gives.
+    /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
         let Some(first) = self.levels.first_mut() else { return };
         let columns = self.points[1];
@@ -141,12 +141,12 @@ impl PullPush {
         }
     }
 
-    /// `t` ← Eᵀ t, with the E of the rows that were last given.
+    /// `t` ← Eᵀ t, with the map E of the last rows.
     pub(crate) fn transpose(&mut self, known: Known, t: &mut [f64]) {
         let [height, columns] = self.points;
         let Some(first) = self.levels.first_mut() else { return };
         let kept = |i: usize| words(&self.kept, i, columns);
-        // Points that did not keep their own value hand theirs on to the pyramid.
+        // Points that did not keep their own value pass their entry of t to the levels above.
         let handed = &*t;
         first.push_transposed([height, columns], |i, line, part| {
             let values = line.chunks_mut(BITS).zip(row_of(handed, i, columns).chunks(BITS));
@@ -211,14 +211,14 @@ fn downwards(levels: &mut [Level], mut step: impl FnMut(&Level, &mut Level)) {
     }
 }
 
-/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with their
-/// constants at hand, so that compilers make them wide.
+/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with local
+/// constants, so that compilers vectorise them.
 impl Level {
     fn weight(&self, known: f64) -> f64 {
         weight(known, self.full)
     }
 
-    /// The weighted mean of the children: `read(i, weights, weights times values)` of row i below.
+    /// Computes the weighted mean of the children; `read(i, weights, weights times values)` reads row i below.
     fn pull(&mut self, [height, columns]: [usize; 2], read: impl Fn(usize, &mut [f64], &mut [f64]) + Sync) {
         let rows = rows(&mut self.value, self.cells[1]).zip(self.known.par_chunks_mut(self.cells[1])).enumerate();
         rows.for_each_init(
@@ -259,7 +259,7 @@ impl Level {
         }
     }
 
-    /// Interpolates the whole level below: `write(i, row, interpolated)`.
+    /// Interpolates the whole level below and calls `write(i, row, interpolated)` for each of its rows.
     fn push(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         rows(below, columns).enumerate().for_each_init(
             || vec![0.0; columns],
@@ -270,7 +270,7 @@ impl Level {
         );
     }
 
-    /// The transpose of [`push`](Self::push): `add(i, line, part)` adds this part of row i below.
+    /// The transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
     fn push_transposed(&mut self, [below, columns]: [usize; 2], add: impl Fn(usize, &mut [f64], f64) + Sync) {
         let [height, width] = self.cells;
         // A cell contributes to its own children, and to the nearest children of its neighbours.
@@ -280,7 +280,7 @@ impl Level {
             [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)]
         };
         rows(&mut self.value, width).enumerate().for_each_init(
-            // The last child is missing where the columns are odd in number: zero.
+            // With an odd number of columns the last child is missing and counts as zero.
             || vec![0.0; 2 * width],
             |line, (a, image)| {
                 line.fill(0.0);
@@ -300,8 +300,8 @@ impl Level {
         );
     }
 
-    /// The transpose of [`pull`](Self::pull): `write(i, row, share)` with the share of its parent that a child of unit weight
-    /// gets.
+    /// The transpose of [`pull`](Self::pull); calls `write(i, row, share)` with the share of the parent for a child of
+    /// unit weight.
     fn pull_transposed(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         let width = self.cells[1];
         rows(below, columns).enumerate().for_each_init(
@@ -353,7 +353,7 @@ mod tests {
 
     const SHAPES: [[usize; 2]; 9] = [[16, 16], [7, 12], [12, 7], [1, 9], [9, 1], [33, 2], [3, 3], [2, 2], [1, 2]];
 
-    /// Half-space: stiffness in proportion to the wave number.
+    /// The extension for a half-space, whose stiffness is proportional to the wavenumber.
     fn extension(points: [usize; 2], floating: bool) -> PullPush {
         PullPush::new(points, floating, |periods| periods as f64)
     }
@@ -365,12 +365,12 @@ mod tests {
         out.chunks_mut(columns).enumerate().for_each(|(i, row)| extension.row(known, i, row));
     }
 
-    /// Spread out, repeatable, in −1 to 1.
+    /// Reproducible, scattered numbers in −1 to 1.
     fn noise(n: usize, seed: f64) -> Vec<f64> {
         (0..n).map(|i| 2.0 * ((i as f64 + 1.0) * 0.618_034 + seed * 0.754_878).fract() - 1.0).collect()
     }
 
-    /// A third of the points in contact, in no order; residuals of both signs.
+    /// A third of the points in contact, scattered, with residuals of both signs.
     fn field([nx, ny]: [usize; 2]) -> (Vec<f64>, Vec<f64>) {
         let x = noise(nx * ny, 0.3).iter().map(|v| (v - 0.3).max(0.0)).collect();
         (x, noise(nx * ny, 7.1))
@@ -384,7 +384,7 @@ mod tests {
             extend(&mut extension(points, true), Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
             for (k, out) in out.iter().enumerate() {
                 assert!(x[k] == 0.0 || *out == gradient[k] - 0.2, "{points:?} {k}");
-                assert!(x[k] > 0.0 || *out == gradient[k] - 0.2 || *out <= 0.8, "a mean of the others");
+                assert!(x[k] > 0.0 || *out == gradient[k] - 0.2 || *out <= 0.8, "a mean of known values");
             }
             gradient.fill(0.7);
             if x.iter().any(|x| *x > 0.0) {

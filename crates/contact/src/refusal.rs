@@ -3,39 +3,39 @@ use gfmd_relax::{RelaxError, ToleranceError};
 
 use crate::Solver;
 
-/// The reason why a contact cannot be posed: unusable input, with what was found and what is allowed.
+/// Reason why the input of a contact is invalid, with the value found and the values allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// Heights on another grid than the elastic surface.
-    #[error("the heights are {found:?} points, the elastic surface has {expected:?}")]
+    /// The heights have another shape than the elastic surface.
+    #[error("the shape of the heights is {found:?}; it must be {expected:?} as that of the elastic surface")]
     Shape {
         /// Shape of the heights.
         found: [usize; 2],
         /// Shape of the grid.
         expected: [usize; 2],
     },
-    /// A height that is NaN or infinite.
-    #[error("the height at {index:?} is {value}; heights must be finite")]
+    /// A height is NaN or infinite.
+    #[error("the height at {index:?} is {value}; it must be finite")]
     Height {
         /// Indices `[i, j]` of the height.
         index: [usize; 2],
         /// The height.
         value: f64,
     },
-    /// Heights so different that their mean square is no number.
+    /// The mean square of the heights overflows.
     #[error("the rms height is {found}; it must be finite")]
     RmsHeight {
         /// The rms height.
         found: f64,
     },
-    /// Heights that do not vary: every pressure closes the gap at once and no residual has a scale.
-    #[error("the heights are all equal; a contact needs a surface that varies")]
+    /// The heights are constant: any pressure closes the gap, and the residuals have no scale.
+    #[error("the heights are all equal; they must vary")]
     Flat,
-    /// A tolerance out of range.
+    /// The tolerance is out of range.
     #[error(transparent)]
     Tolerance(#[from] ToleranceError),
-    /// A load or a lateral displacement that is not finite.
+    /// A load or a lateral displacement is not finite.
     #[error("the {what} is {found}; it must be finite")]
     NotFinite {
         /// Name of the number.
@@ -43,71 +43,71 @@ pub enum Refusal {
         /// Its value.
         found: f64,
     },
-    /// A mean pressure that does not press, where nothing attracts.
+    /// The mean pressure is not positive, without attraction.
     #[error("the mean pressure is {found}; it must be positive and finite")]
     MeanPressure {
-        /// The mean pressure asked for.
+        /// The mean pressure.
         found: f64,
     },
-    /// An approach without contact where nothing attracts, or beyond full contact.
+    /// The approach gives no contact, without attraction, or is beyond full contact.
     #[error("the approach is {found}; it must be {}", approach_text(*found, *limit))]
     Approach {
-        /// The approach asked for.
+        /// The approach.
         found: f64,
-        /// The mean clearance, at which a body whose mean level is held (half-space, incompressible slab) would be in full
-        /// contact; `None` for other bodies.
+        /// The mean clearance, which gives full contact for a body with a fixed mean level (half-space, incompressible
+        /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
-    /// Friction without contact.
-    #[error("the {what} is {found}; friction needs contact, it must be positive")]
+    /// There is no contact, which friction needs.
+    #[error("the {what} is {found}; it must be positive, since friction needs contact")]
     NotPressed {
         /// Mean pressure or approach.
         what: &'static str,
         /// Its value.
         found: f64,
     },
-    /// A prescribed approach where only a mean pressure can be prescribed.
-    #[error("the approach is prescribed; this contact needs a mean pressure")]
+    /// The approach is prescribed, but only a mean pressure can be prescribed.
+    #[error("the approach is prescribed; for this contact the mean pressure must be prescribed")]
     NoApproach,
-    /// A state, to start from or to certify, that has another size.
-    #[error("the given state has {found} values, {expected} are needed")]
+    /// A state, to start from or to certify, has the wrong size.
+    #[error("the given state has {found} values; it must have {expected}")]
     Start {
-        /// Its number of values.
+        /// Number of values of the state.
         found: usize,
-        /// That of this problem.
+        /// Number of values of the problem.
         expected: usize,
     },
-    /// A pressure to start from that is negative or not finite.
-    #[error("the pressure to start from is {value} at {index:?}; it must be finite and not negative")]
+    /// The start pressure is negative or not finite.
+    #[error("the start pressure at {index:?} is {value}; it must be finite and not negative")]
     StartPressure {
         /// Indices `[i, j]` of the pressure.
         index: [usize; 2],
         /// The pressure.
         value: f64,
     },
-    /// A pressure to start from without contact.
-    #[error("the pressure to start from is zero everywhere; it must be positive somewhere")]
+    /// The start pressure is zero.
+    #[error("the start pressure is zero at all points; it must be positive at least at one")]
     StartApart,
-    /// A solver that cannot be used for this problem.
+    /// The solver cannot be used for this problem.
     #[error("the solver is {found}; it must be {}", one_of(allowed))]
     Solver {
-        /// The solver asked for.
+        /// The solver.
         found: Solver,
         /// The solvers of this problem.
         allowed: &'static [Solver],
     },
-    /// A law whose traction is not the gradient of an energy.
-    #[error("this law has no energy with these parameters; the Newton method needs one, dynamics does not")]
+    /// The traction of the law has no potential.
+    #[error("the law has no potential with these parameters; Newton's method needs one, dynamics does not")]
     NoEnergy,
-    /// A mean that is held while points are held back at a wall.
+    /// Dynamics with a prescribed approach, a wall, and a fixed mean of the surface.
     #[error(
-        "dynamics cannot hold the mean of a half-space at a wall; prescribe the mean pressure, or use Newton's method"
+        "the approach to a half-space with a wall is prescribed; dynamics needs the mean pressure, Newton's method does not"
     )]
     NoDynamics,
-    /// Parameters that make no law.
+    /// The parameters of the law are invalid.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// Numbers so large or so small that no method can be set up.
+    /// Numbers are so large or so small that the method cannot start.
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
 }
@@ -121,7 +121,7 @@ fn approach_text(found: f64, limit: Option<f64>) -> String {
     format!("{positive}{and}{below}")
 }
 
-/// "a, b or c".
+/// The names of the solvers in the form "a, b or c".
 fn one_of(solvers: &[Solver]) -> String {
     let names: Vec<&str> = solvers.iter().map(|solver| solver.name()).collect();
     match names.split_last() {

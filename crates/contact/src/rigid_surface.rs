@@ -6,7 +6,7 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::Refusal;
 
-/// A rigid rough surface, by the distance from its highest point down to it. Only differences of height matter.
+/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
     grid: Grid,
@@ -23,7 +23,7 @@ impl PartialEq for RigidSurface {
 }
 
 impl RigidSurface {
-    /// `heights` is the rigid profile, peaks pointing at the body, in length. It may be flat.
+    /// The surface with the profile `heights`, whose peaks point at the body, in length. It may be flat.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or so different that their mean square overflows.
@@ -54,7 +54,7 @@ impl RigidSurface {
         &self.grid
     }
 
-    /// Distance from the highest point down to the surface, max h − h ≥ 0, in length, row by row.
+    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row.
     pub fn clearance(&self) -> &[f64] {
         &self.clearance
     }
@@ -69,8 +69,8 @@ impl RigidSurface {
         self.rms_height
     }
 
-    /// Spectral root mean square of the gradient |∇h| over the whole surface, dimensionless. Computed at the first call,
-    /// by one transform.
+    /// Spectral root mean square of the gradient |∇h| over the whole surface, dimensionless. Computed at the first
+    /// call, by one transform.
     pub fn rms_gradient(&self) -> f64 {
         *self.rms_gradient.get_or_init(|| {
             let clearance = Array2::from_shape_vec(self.grid.points(), self.clearance.clone()).ok();

@@ -21,14 +21,14 @@ pub struct Solution {
     pub approach: f64,
     /// Distance from the exact solution, computed from the fields above.
     pub residual: Residual,
-    /// Effort of the solve, the transforms that made the final fields included.
+    /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
     surface: Arc<RigidSurface>,
     contact_modulus: f64,
 }
 
-/// Distance of a state from satisfying the contact conditions; zero for the exact solution. Never carried along by a
-/// solver: computed from the final pressure with fresh transforms. h_rms is the rms height of the rigid surface.
+/// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
+/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms), in magnitude.
@@ -37,12 +37,12 @@ pub struct Residual {
     pub penetration: f64,
     /// max(0, −min p) / p̄.
     pub negative_pressure: f64,
-    /// |p̄ − asked| / asked; 0 where the approach is prescribed.
+    /// |p̄ − asked| / asked; 0 if the approach is prescribed.
     pub load: f64,
 }
 
 impl Residual {
-    /// The parts with their names.
+    /// The four residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 4] {
         [
             ("complementarity", self.complementarity),
@@ -52,7 +52,7 @@ impl Residual {
         ]
     }
 
-    /// The largest of the four; NaN if any is.
+    /// The largest of the four; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
@@ -98,7 +98,7 @@ impl Fields for Solution {
 }
 
 impl Solution {
-    /// The state of `pressure` and of the displacement u_z that follows from it, with its residuals. Both have the size of
+    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the size of
     /// the grid.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
@@ -116,7 +116,7 @@ impl Solution {
         );
         let mean_pressure = sum / n as f64;
         let approach = match load {
-            // The mean of clearance − u_z over the contact is where the rigid surface must be.
+            // The approach is the mean of clearance − u_z over the contact.
             Load::MeanPressure(_) => {
                 let room = |i: usize| if pressure[i] > 0.0 { clearance[i] - displacement[i] } else { 0.0 };
                 gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
@@ -160,17 +160,17 @@ impl Solution {
     }
 }
 
-/// Values, row by row, as a field on the grid of the surface.
+/// Converts values, row by row, to a field on the grid of the surface.
 pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
     Array2::from_shape_vec(surface.grid().points(), values).expect("every field has the size of the grid")
 }
 
-/// The smaller of two, NaN if either is.
+/// The smaller of two numbers; NaN if either is NaN.
 fn lower(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
 }
 
-/// The positive part, NaN of NaN.
+/// The positive part of a number; NaN stays NaN.
 fn positive(a: f64) -> f64 {
     if a <= 0.0 { 0.0 } else { a }
 }

@@ -6,7 +6,7 @@ use crate::dynamics::{self, Motion};
 use crate::{Contact, Drive, Effort, Equilibrium, Refusal, Solution, SolveError, Solver, judge};
 
 impl Contact {
-    /// The solvers of a hard wall: all but [`Solver::Newton`], which needs a law.
+    /// The solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
     pub const SOLVERS: [Solver; 9] = [
         Solver::Auto,
         Solver::PolonskyKeer,
@@ -32,7 +32,7 @@ impl Equilibrium for Contact {
         drive.check()
     }
 
-    /// The start is the pressure of a state, scaled to the load asked for; without it the pressure starts uniform.
+    /// Starts from the pressure of `start`, scaled to the prescribed load, or from a uniform pressure.
     fn equilibrate(
         &self,
         drive: Drive,

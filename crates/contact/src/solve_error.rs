@@ -5,13 +5,13 @@ use gfmd_relax::{Ending, RelaxError, ToleranceError, Why};
 
 use crate::{Fields, Refusal};
 
-/// The reason why a contact was not brought to rest. The state reached is kept where there is one.
+/// Reason why a contact was not brought to rest, with the state reached, if any.
 ///
 /// `Debug` prints the message that `Display` prints: `main` and `unwrap` show it, and the fields of a state are long.
 pub enum SolveError<S> {
-    /// Unusable input: nothing was tried.
+    /// The input is invalid; no solve was started.
     Refused(Refusal),
-    /// The residuals did not fall to the tolerance.
+    /// The residuals exceed the tolerance.
     NotConverged {
         /// The state reached, with its residuals.
         state: Box<S>,
@@ -25,11 +25,11 @@ pub enum SolveError<S> {
         /// The state reached, with its residuals.
         state: Box<S>,
     },
-    /// Nothing holds the surfaces together against the pull.
+    /// The surfaces separate, because the attraction cannot balance the tensile load.
     Detached {
-        /// A state on the way apart.
+        /// A state of the separation.
         state: Box<S>,
-        /// The mean pressure asked for, negative.
+        /// The mean pressure, negative.
         mean_pressure: f64,
     },
 }
@@ -111,17 +111,17 @@ impl<S: Fields> Error for SolveError<S> {
     }
 }
 
-/// "complementarity 1.00e-9, penetration 0.00e0, …".
+/// The residuals in the form "complementarity 1.00e-9, penetration 0.00e0, …".
 fn residuals(state: &impl Fields) -> String {
     let part = |(name, value): (&str, f64)| format!("{} {value:.2e}", name.replace('_', " "));
     state.residuals().into_iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// The result of a search that has ended at `state`, whose residuals are certified. The certificate decides, except that a
-/// search which diverged has not converged whatever its residuals are.
+/// The result of a search that ended at `state` with certified residuals. The residuals decide on convergence, except
+/// that a search that diverged has not converged in any case.
 ///
 /// # Errors
-/// A search that was interrupted, or whose state does not meet the tolerance.
+/// A search that was interrupted, or whose state does not satisfy the tolerance.
 pub fn judge<S: Fields>(state: S, ending: Ending, tolerance: f64) -> Result<S, SolveError<S>> {
     let met = state.worst() <= tolerance;
     match ending {

@@ -1,24 +1,24 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The methods by name. All find the same state; they differ in cost, and in the problems that they can solve
+/// The solvers. All methods find one state; they differ in cost and in the problems that they can solve
 /// ([`Equilibrium::solvers`](crate::Equilibrium::solvers)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Solver {
-    /// The fastest that is safe. For a hard wall [`PreconditionedCg`](Self::PreconditionedCg), and where that takes more
-    /// than 100 iterations, [`ProjectedCg`](Self::ProjectedCg) from there on; for a law with an energy
-    /// [`Newton`](Self::Newton).
+    /// The fastest robust method: for a hard wall [`PreconditionedCg`](Self::PreconditionedCg), followed by
+    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations; for a law with a potential [`Newton`](Self::Newton).
     #[default]
     Auto,
     /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).
     PolonskyKeer,
-    /// Conjugate gradients on the pressure that are not restarted.
+    /// Conjugate gradients on the pressure without restarts.
     ProjectedCg,
-    /// Conjugate gradients on the pressure, preconditioned by the stiffness of the surface with the gap extended from the
-    /// contact to all of it: nearly Newton's method, in a number of steps that hardly depends on the grid.
+    /// Conjugate gradients on the pressure, preconditioned by the stiffness of the surface with the gap extended from
+    /// the contact to the whole surface. The method is close to Newton's; its number of steps hardly depends on the
+    /// grid.
     PreconditionedCg,
-    /// Damped position Verlet of the surface displacement, with the scalar damping and time step that suit the range of
-    /// stiffnesses best.
+    /// Damped position Verlet of the surface displacement, with optimal scalar damping and time step for the range of
+    /// stiffnesses.
     Verlet,
     /// Damped position Verlet with the softest mode critically damped, as in the original method.
     VerletCritical,
@@ -26,9 +26,9 @@ pub enum Solver {
     Fire,
     /// The fast inertial relaxation engine, version 2.0 (Guénolé et al. 2020).
     Fire2,
-    /// Dynamics with inertia K + ϱ, nearly that of the stiffness, under the reaction of the wall in place of clipping.
+    /// Dynamics with inertia K + ϱ, close to the stiffness, under the reaction of the wall in place of clipping.
     AugmentedLagrangian,
-    /// Newton steps downhill in energy, for laws that have one.
+    /// Newton steps that decrease the energy, for laws with a potential.
     Newton,
 }
 
@@ -47,7 +47,7 @@ impl Solver {
         Self::Newton,
     ];
 
-    /// Its name on a command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -63,19 +63,19 @@ impl Solver {
         }
     }
 
-    /// Its meaning in a line.
+    /// The description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Auto => "the fastest that is safe",
+            Self::Auto => "the fastest robust method",
             Self::PolonskyKeer => "conjugate gradients on the pressure, restarted when the contact grows",
-            Self::ProjectedCg => "conjugate gradients on the pressure that are not restarted",
+            Self::ProjectedCg => "conjugate gradients on the pressure without restarts",
             Self::PreconditionedCg => "conjugate gradients on the pressure, preconditioned by the stiffness",
-            Self::Verlet => "damped dynamics with the best scalar damping",
-            Self::VerletCritical => "damped dynamics, the softest mode critically damped",
+            Self::Verlet => "damped dynamics with optimal scalar damping",
+            Self::VerletCritical => "damped dynamics with critical damping of the softest mode",
             Self::Fire => "FIRE (Bitzek et al. 2006)",
             Self::Fire2 => "FIRE 2.0 (Guénolé et al. 2020)",
-            Self::AugmentedLagrangian => "dynamics with inertia like the stiffness, under the reaction of the wall",
-            Self::Newton => "Newton steps downhill in energy, for laws that have one",
+            Self::AugmentedLagrangian => "dynamics with inertia close to the stiffness, under the reaction of the wall",
+            Self::Newton => "Newton steps that decrease the energy, for laws with a potential",
         }
     }
 }
@@ -86,7 +86,7 @@ impl fmt::Display for Solver {
     }
 }
 
-/// A name that no solver has.
+/// Error: no solver has the given name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the solver is {found}; it must be one of {}", Solver::ALL.map(Solver::name).join(", "))]
 pub struct UnknownSolver {

@@ -1,4 +1,4 @@
-//! What is refused, and what is not certified.
+//! Tests of refused input, and of states that are not certified.
 
 use gfmd_contact::{Contact, Equilibrium, Load, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
@@ -44,7 +44,7 @@ fn each_unusable_input_has_its_own_refusal() {
     assert!(matches!(refusal(Load::Approach(0.0), Solver::Auto, 1e-8), Refusal::Approach { .. }));
     assert!(matches!(refusal(Load::Approach(4.0), Solver::Auto, 1e-8), Refusal::Approach { limit: Some(_), .. }));
     assert!(matches!(refusal(load, Solver::Newton, 1e-8), Refusal::Solver { found: Solver::Newton, .. }));
-    // No time step suits so soft a motion: the parameters of the method are at fault, not the start.
+    // No time step is valid for such a soft mode: the error is in the parameters of the method, not in the start.
     assert!(matches!(refusal(Load::MeanPressure(5e-324), Solver::Verlet, 1e-8), Refusal::Search(_)));
     let coarse = Grid::square(4, 1.0).unwrap();
     let small = Contact::new(&body, &coarse, &heights.slice(ndarray::s![..4, ..4])).unwrap();

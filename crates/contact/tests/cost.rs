@@ -1,5 +1,5 @@
-//! What an equilibration costs, in transform pairs: numbers that do not depend on the machine. The bounds are about a
-//! fifth above what was needed when they were set.
+//! Tests of the cost of an equilibration in transform pairs, which do not depend on the machine. The bounds are about a
+//! fifth above the numbers needed when they were set.
 
 use gfmd_contact::{Contact, Equilibrium, Load, Solution, Solver};
 use gfmd_field::Grid;
@@ -70,12 +70,13 @@ fn layers_of_any_height() {
 
 #[test]
 fn thin_rubber_is_left_to_the_plain_method() {
-    // Most waves are longer than the layer is thick, and the volume under each of them is kept: nothing moves alone.
+    // Most waves are longer than the thickness of the layer and conserve its volume, so that points do not move
+    // independently.
     let grid = Grid::square(256, 1.0).unwrap();
     let rubber = Body::slab(Material::from_contact_modulus(1.0, 0.5).unwrap(), 0.004).unwrap();
     let auto = press(grid, &rubber, 0.0, load(20.0), Solver::Auto);
     let plain = press(grid, &rubber, 0.0, load(20.0), Solver::ProjectedCg);
-    assert!(auto.effort.iterations > 100, "otherwise this is no test of what comes after");
+    assert!(auto.effort.iterations > 100, "the preconditioner must fail for this test");
     assert!(auto.effort.transform_pairs <= 350.0 && auto.residual.worst() <= 1e-8);
     let differing = auto.pressure.iter().zip(&plain.pressure).filter(|(a, b)| (**a > 0.0) != (**b > 0.0));
     assert_eq!(differing.count(), 0);

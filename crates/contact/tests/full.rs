@@ -1,4 +1,4 @@
-//! All components by dynamics against the normal component alone.
+//! Tests of the contact with all components against that with the normal component only.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use gfmd_green::{Body, Material};
 use gfmd_response::FullResponse;
 use ndarray::Array2;
 
-/// A few waves, none along a lattice direction only.
+/// The sum of a few waves, none of them along a lattice direction only.
 fn heights(grid: &Grid) -> Array2<f64> {
     let [nx, ny] = grid.points();
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -18,7 +18,7 @@ fn heights(grid: &Grid) -> Array2<f64> {
     })
 }
 
-/// On odd grids, without Nyquist modes, both are the same problem: in the plane and in space, on slabs and half-spaces.
+/// Without Nyquist modes, on odd grids, the two problems are equivalent: on lines and surfaces, slabs and half-spaces.
 #[test]
 fn frictionless_sideways_motion_does_not_change_the_normal_component() {
     let grids = [Grid::line(81, 1.0).unwrap(), Grid::new([21, 15], [1.0, 0.8]).unwrap()];
@@ -46,7 +46,8 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
             assert!(worst(&found.normal.displacement, &expected.displacement) < 1e-9 * 0.01, "{case}");
             assert!((found.normal.approach - expected.approach).abs() < 1e-9 * expected.approach, "{case}");
 
-            // Back through the stiffness: the pressure alone acts, but for means that the body does not answer to.
+            // The traction from the stiffness is the pressure only, except for means that do not affect the
+            // displacement.
             let mut displacement: Vec<f64> = found.lateral.iter().flatten().copied().collect();
             displacement.extend(&found.normal.displacement);
             let mut traction = vec![0.0; displacement.len()];
@@ -89,9 +90,9 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let mut watch = |now: &Progress| if now.iteration < 7 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
     let stopped = press(0.001).watch(&mut watch).solve().unwrap_err();
     assert!(matches!(&stopped, SolveError::Interrupted { state } if state.effort().iterations == 7));
-    // Started from where it was stopped, and from the end.
+    // One run starts from the interrupted state, one from the final state.
     let resting = press(0.001).starting_from(stopped.state()).solve().unwrap();
     let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
-    // As many steps as the touching points must have kept still.
+    // The number of steps for which the set of touching points must not have changed.
     assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
 }

@@ -1,14 +1,14 @@
-//! Result files: HDF5 with named dimensions and units, written beside their target and renamed when complete.
+//! Result files: HDF5 with named dimensions and units, written to a part file and renamed when complete.
 //!
-//! - [`Output::claim`] takes a path for this process; a second process is refused. The claim is a lock of the operating
-//!   system on `NAME.lock`, so it ends with the process, however that ends.
+//! - [`Output::claim`] reserves a path for this process; a second process is refused. The claim is a lock of the
+//!   operating system on `NAME.lock`, so that it ends with the process in any case.
 //! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target.
-//!   Until then an older file under that name stays as it is; an archive that is dropped before takes its part along.
+//!   Until then an older file under that name is unchanged; an unfinished archive removes its part when dropped.
 //! - Every variable has named dimensions, `units` and `long_name`. The dimension scales lie in the group of the
-//!   variables that use them, so that each group opens as a dataset of its own with its coordinates:
+//!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
-//! - [`Reader`] gets values back, for resuming and for input.
+//! - [`Reader`] reads values, for resuming and for input.
 
 mod reader;
 mod scale;
@@ -30,10 +30,10 @@ use scale::Scale;
 pub use reader::Reader;
 pub use variable::{Attribute, Coordinates, Dimension, Provenance, Variable};
 
-/// Raised whenever a name or a meaning in the files changes.
+/// Version of the file layout, increased whenever a name or its meaning changes.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Bytes of one chunk, before compression. Large enough for deflate and for few seeks, small enough to read a part.
+/// Bytes of one chunk before compression: large enough for deflate and few seeks, small enough for partial reads.
 const CHUNK_BYTES: usize = 1 << 21;
 
 /// Arrays below this size are stored in one piece, uncompressed.
@@ -43,18 +43,18 @@ const SMALL_BYTES: usize = 1 << 13;
 /// 80 % in time.
 const DEFLATE: u8 = 2;
 
-/// A file being written. Nothing is seen under the target's name before [`Archive::finish`].
+/// An HDF5 file being written. The target is replaced only by [`Archive::finish`].
 #[derive(Debug)]
 pub struct Archive<'a> {
     output: &'a Output,
     /// `None` only while closing.
     file: Option<File>,
-    /// By group and dimension.
+    /// Dimension scales by group and name.
     scales: BTreeMap<(String, String), Scale>,
 }
 
 impl<'a> Archive<'a> {
-    /// Starts `NAME.part` beside the claimed target, over any part that an earlier process left.
+    /// Creates `NAME.part` beside the claimed target; a part left by an earlier process is overwritten.
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let part = output.part();
         let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
@@ -76,7 +76,7 @@ impl<'a> Archive<'a> {
         Ok(archive)
     }
 
-    /// Writes a whole variable, row-major. Booleans and other types: write them as `u8` with the units `1`.
+    /// Writes a whole variable, row-major. Booleans are written as `u8` with the units `1`.
     pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         let dataset = self.new_dataset::<T>(path, variable, None)?;
@@ -85,7 +85,7 @@ impl<'a> Archive<'a> {
         written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
-    /// Writes a variable of words.
+    /// Writes a variable of strings.
     pub fn write_text<S: AsRef<str>>(
         &mut self,
         path: &str,
@@ -96,8 +96,8 @@ impl<'a> Archive<'a> {
         self.write(path, variable, &texts)
     }
 
-    /// Defines a variable whose entries along the first dimension come one by one, by [`Archive::write_slab`]. Entries
-    /// that never come are NaN.
+    /// Defines a variable whose entries along the first dimension are written one by one with [`Archive::write_slab`].
+    /// Entries that are not written are NaN.
     pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
@@ -122,7 +122,7 @@ impl<'a> Archive<'a> {
         write().map_err(|error| self.failed(path, &error))
     }
 
-    /// Writes an attribute beside the group or variable at `path`, which is made a group if it does not exist.
+    /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
     pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
         let file = self.file()?;
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
@@ -139,7 +139,7 @@ impl<'a> Archive<'a> {
         written.map_err(|error| self.failed(&whole, &error))
     }
 
-    /// Completes the file, syncs it to the disk, and gives it the target's name.
+    /// Completes the file, syncs it to the disk, and renames it to the target.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
         let part = self.output.part();
         for scale in self.scales.values() {
@@ -173,7 +173,7 @@ impl<'a> Archive<'a> {
         Err(FileError::Length { variable: path.into(), found, shape })
     }
 
-    /// The group at `path`, made with its parents if need be.
+    /// The group at `path`, created with its parents if it does not exist.
     fn group(&self, path: &str) -> Result<Group, FileError> {
         let mut group = self.file()?.as_group().map_err(|error| self.failed(path, &error))?;
         for name in path.split('/').filter(|name| !name.is_empty()) {
@@ -208,7 +208,7 @@ impl<'a> Archive<'a> {
         Ok(dataset)
     }
 
-    /// The scale of a dimension in a group, written at its first use.
+    /// Writes the scale of a dimension in a group at its first use.
     fn ensure_scale(&mut self, group: &Group, parent: &str, dimension: &Dimension) -> Result<(), FileError> {
         let key = (parent.to_owned(), dimension.name.clone());
         if let Some(scale) = self.scales.get(&key) {
@@ -257,8 +257,8 @@ impl Drop for Archive<'_> {
     }
 }
 
-/// Chunked by the first dimension and compressed, unless small; without time stamps, so that equal values give equal
-/// bytes.
+/// Creates a dataset, chunked along the first dimension and compressed unless small. It has no time stamps, so that
+/// equal values give equal bytes.
 fn create_dataset<T: H5Type>(
     group: &Group,
     name: &str,
@@ -276,7 +276,7 @@ fn create_dataset<T: H5Type>(
     builder.empty::<T>().shape(shape).create(name)
 }
 
-/// Whole rows, as many as fit into [`CHUNK_BYTES`]; one entry of the first dimension where there are three.
+/// The shape of a chunk: as many whole rows as fit into [`CHUNK_BYTES`]; one entry of the first of three dimensions.
 fn chunk(shape: &[usize], size: usize) -> Vec<usize> {
     let mut chunk = vec![1; shape.len()];
     let mut room = (CHUNK_BYTES / size).max(1);

@@ -1,9 +1,9 @@
-//! What can go wrong with result files, one clear line each.
+//! Errors of reading and writing files; each message is one line.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a file cannot be claimed, written or read.
+/// Reason why a file cannot be claimed, written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -13,25 +13,25 @@ pub enum FileError {
         /// The target.
         path: PathBuf,
     },
-    /// The target cannot be a file.
+    /// The target is not a valid path of a file.
     #[error("cannot write {}: {reason}", path.display())]
     Target {
         /// The target.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason in words.
         reason: String,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// The attempted operation.
         action: &'static str,
-        /// On which file.
+        /// The file.
         path: PathBuf,
-        /// What it said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The HDF5 library could not write.
+    /// The HDF5 library could not write a variable or attribute.
     #[error("cannot write {variable} to {}: {reason}", path.display())]
     Write {
         /// The part file.
@@ -41,7 +41,7 @@ pub enum FileError {
         /// The innermost message of the library.
         reason: String,
     },
-    /// The HDF5 library could not read.
+    /// The HDF5 library could not read a variable or attribute.
     #[error("cannot read {variable} from {}: {reason}", path.display())]
     Read {
         /// The file.
@@ -51,7 +51,7 @@ pub enum FileError {
         /// The innermost message of the library.
         reason: String,
     },
-    /// Not an HDF5 file.
+    /// The file is not an HDF5 file.
     #[error("cannot open {} as HDF5: {reason}", path.display())]
     Open {
         /// The file.
@@ -59,17 +59,17 @@ pub enum FileError {
         /// The innermost message of the library.
         reason: String,
     },
-    /// A name that the file does not have.
+    /// The file has no variable or attribute of this name.
     #[error("{} has no {variable}; its group has: {}", path.display(), listed(present))]
     Missing {
         /// The file.
         path: PathBuf,
-        /// What was asked for.
+        /// The requested name.
         variable: String,
-        /// What the group contains.
+        /// The names in its group.
         present: Vec<String>,
     },
-    /// Values that do not fill the dimensions.
+    /// The number of values does not match the dimensions.
     #[error("{variable} has {found} values for the shape {shape:?}")]
     Length {
         /// The variable.
@@ -79,7 +79,7 @@ pub enum FileError {
         /// Lengths of the dimensions.
         shape: Vec<usize>,
     },
-    /// A slab that does not fit.
+    /// A slab does not match its variable.
     #[error("slab {index} of {variable} has {found} values; the variable has the shape {shape:?}")]
     Slab {
         /// The variable.
@@ -91,21 +91,21 @@ pub enum FileError {
         /// Shape of the variable.
         shape: Vec<usize>,
     },
-    /// Two dimensions of one name in a group.
-    #[error("dimension {dimension} in group {group} was written before with other coordinates")]
+    /// A group has two dimensions of one name.
+    #[error("dimension {dimension} in group {group} was already written with other coordinates")]
     Dimension {
         /// The group.
         group: String,
         /// The name.
         dimension: String,
     },
-    /// A text that HDF5 cannot hold.
+    /// A text contains a zero byte.
     #[error("{variable} contains a zero byte, which HDF5 text cannot hold")]
     Text {
         /// The variable or attribute.
         variable: String,
     },
-    /// Used after an error closed the file.
+    /// The file was closed after an error.
     #[error("{} is closed", path.display())]
     Closed {
         /// The target.
@@ -131,7 +131,7 @@ fn listed(names: &[String]) -> String {
     if names.is_empty() { "nothing".into() } else { names.join(", ") }
 }
 
-/// The innermost message of the library, with the operating system's words alone where it quotes them.
+/// The innermost message of the library, or the message of the operating system if the library quotes one.
 pub(crate) fn reason(error: &hdf5::Error) -> String {
     let text = match error.stack().as_deref().and_then(|frames| frames.last()) {
         Some(innermost) => innermost.desc().to_owned(),

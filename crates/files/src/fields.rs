@@ -7,7 +7,7 @@ use ndarray::ArrayRef2;
 
 use crate::Dimension;
 
-/// The dimensions x and y of the fields on a grid, with the positions of its points.
+/// The dimensions x and y of a grid, with the positions of its points.
 pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
     let positions = |axis: usize| (0..grid.points()[axis]).map(|i| i as f64 * grid.spacing()[axis]).collect();
     [
@@ -16,7 +16,7 @@ pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
     ]
 }
 
-/// The values of a field, row-major as a file has them.
+/// The values of a field, row-major as in a file.
 pub fn contiguous(field: &ArrayRef2<f64>) -> Cow<'_, [f64]> {
     field.as_slice().map_or_else(|| field.iter().copied().collect::<Vec<_>>().into(), Into::into)
 }

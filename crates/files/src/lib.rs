@@ -1,10 +1,10 @@
-//! Files of contact mechanics, read and written safely. No physics, no clock, no terminal.
+//! Safe reading and writing of contact mechanics data. The crate contains no physics and uses no clock and no terminal.
 //!
-//! - [`Output`] claims a path; every writer here puts its bytes beside it, syncs them, and renames: an older file under
-//!   that name is good until the new one is.
+//! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
+//!   that name is valid until the new one is complete.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`vti::Image`] writes fields for ParaView; [`npy`] reads and writes arrays of NumPy.
-//! - [`Topography`] reads height maps in all these formats and in the text of instruments.
+//! - [`Topography`] reads height maps from HDF5, NumPy and text files.
 //!
 //! ```
 //! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};

@@ -1,4 +1,4 @@
-//! Arrays of NumPy.
+//! Files of NumPy arrays (`.npy`).
 
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -9,10 +9,10 @@ use ndarray_npy::{ReadNpyError, ReadNpyExt, WriteNpyExt};
 
 use crate::{FileError, Output};
 
-/// The floats of an `.npy` file of any shape.
+/// Reads an array of floats of any shape.
 ///
 /// # Errors
-/// A file that cannot be read or holds no floats, in words that do not name it.
+/// A file that cannot be read or does not contain floats. The message does not contain the path.
 pub fn read(path: impl AsRef<Path>) -> Result<ArrayD<f64>, String> {
     let open = || File::open(&path).map(BufReader::new).map_err(|error| error.to_string());
     let array = match ArrayD::<f64>::read_npy(open()?) {
@@ -21,7 +21,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<ArrayD<f64>, String> {
     };
     array.map_err(|error| match error {
         ReadNpyError::WrongDescriptor(found) => {
-            format!("floats of 64 or 32 bits ('<f8', '<f4') are allowed, found {found}")
+            format!("the entries have the type {found}; they must be floats of 64 or 32 bits ('<f8', '<f4')")
         }
         other => other.to_string(),
     })

@@ -1,4 +1,4 @@
-//! A path that belongs to this process while it writes there.
+//! Claims of output paths, so that one process at a time writes to a file.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::FileError;
 
-/// A claimed target. The claim ends when the value is dropped or the process ends.
+/// A claimed target file. The claim ends when the value is dropped or the process ends.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
@@ -15,21 +15,21 @@ pub struct Output {
 }
 
 impl Output {
-    /// Claims `path`, without touching what is there. Refused while another process holds it, if the folder does not
-    /// exist or cannot be written, or if `path` is a folder.
+    /// Claims `path` and leaves an existing file unchanged. Fails while another process holds the claim, if the folder
+    /// does not exist or cannot be written, or if `path` is a folder.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
         let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
         if path.file_name().is_none() || path.is_dir() {
-            return Err(refuse("it is a folder, a file name is needed"));
+            return Err(refuse("it is a folder; it must be a file name"));
         }
         let folder = folder(&path);
         if !folder.is_dir() {
             return Err(refuse(&format!("there is no folder {}", folder.display())));
         }
         let lock_path = beside(&path, ".lock");
-        // A file that was unlinked by its last holder may be locked by us while a third process locks its successor:
-        // the lock counts only if the name still leads to the file that is locked.
+        // The last holder may unlink the lock file after this process has opened it, and another process may then
+        // create and lock a new one. The lock is valid only if its file still has the name.
         for _ in 0..100 {
             let lock = OpenOptions::new()
                 .write(true)
@@ -49,23 +49,23 @@ impl Output {
         Err(FileError::Busy { path })
     }
 
-    /// The target.
+    /// The path of the target.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// `NAME.part` beside the target.
+    /// The path `NAME.part` beside the target.
     pub fn part(&self) -> PathBuf {
         self.beside(".part")
     }
 
-    /// `NAME` + `suffix` beside the target, for other files under the same claim.
+    /// The path `NAME` + `suffix` beside the target, for further files under this claim.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         beside(&self.path, suffix)
     }
 
-    /// Replaces the target by the bytes that `write` gives: written beside it, synced, renamed. After an error the older
-    /// file is there as it was.
+    /// Replaces the target by the bytes that `write` produces: they are written to the part, synced, and renamed. After
+    /// an error an older file is unchanged.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -79,8 +79,9 @@ impl Output {
     }
 }
 
-/// Replaces the file `path` by the bytes that `write` gives: written to `NAME.part` beside it, synced, renamed. After an
-/// error the older file is there as it was. For files beside a claimed one; [`Output::write`] is for that one.
+/// Replaces the file `path` by the bytes that `write` produces: they are written to `NAME.part`, synced, and renamed.
+/// After an error an older file is unchanged. Use [`Output::write`] for the target itself, and this for files beside
+/// it.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -112,7 +113,7 @@ fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
 
 impl Drop for Output {
     fn drop(&mut self) {
-        // Unlink first, unlock after: whoever waits for the lock then finds that the name is gone and starts over.
+        // Unlink before unlocking: a process that waits for the lock then finds the name gone and starts over.
         let _ = fs::remove_file(beside(&self.path, ".lock"));
         let _ = self.lock.unlock();
     }
@@ -124,7 +125,7 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Where a file of this name would lie.
+/// The folder of a path.
 pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -138,10 +139,10 @@ fn is_same_file(open: &File, path: &Path) -> bool {
 
 #[cfg(not(unix))]
 fn is_same_file(_: &File, path: &Path) -> bool {
-    path.exists() // An open file cannot be unlinked here.
+    path.exists() // An open file cannot be unlinked on this system.
 }
 
-/// Brings the names in a folder to the disk: a new or renamed file is there only then.
+/// Syncs a folder to the disk, so that a new or renamed file survives a crash.
 ///
 /// # Errors
 /// A folder that cannot be synced.

@@ -1,8 +1,9 @@
-//! VTK image data (`.vti`): values on a regular grid, for ParaView and the like, written plane by plane.
+//! VTK image data (`.vti`) for ParaView and similar programs: values on a regular grid, written plane by plane.
 //!
-//! The values follow the header as they are ("appended", "raw", little-endian, lengths of 64 bits), so that each plane of
-//! each array has its place in the file before it is known, and none is kept. x runs fastest, z slowest, upwards. (The
-//! crate `vtkio` writes the format from a model that holds the whole volume, and rests since 2022.)
+//! The values follow the header in binary form ("appended", "raw", little-endian, lengths of 64 bits). The position of
+//! each plane in the file is therefore known in advance, and no plane is kept in memory. x varies fastest; z varies
+//! slowest and points upwards. (The crate `vtkio` needs the whole volume in memory, and has not been developed since
+//! 2022.)
 
 use std::fmt::Write;
 use std::fs::File;
@@ -14,7 +15,7 @@ use crate::{FileError, Output};
 /// A regular grid of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
-    /// Points along x, y, z.
+    /// Number of points along x, y, z.
     pub points: [usize; 3],
     /// The first point.
     pub origin: [f64; 3],
@@ -25,9 +26,9 @@ pub struct Lattice {
 /// A quantity at every point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointArray {
-    /// Its name.
+    /// Name of the quantity.
     pub name: &'static str,
-    /// Names of its components; none of a scalar. ParaView takes 3 as a vector and 6 as a symmetric tensor.
+    /// Names of the components; empty for a scalar. ParaView reads 3 components as a vector, 6 as a symmetric tensor.
     pub components: &'static [&'static str],
 }
 
@@ -37,19 +38,19 @@ impl PointArray {
     }
 }
 
-/// A file being written under the name `NAME.part`; [`Image::finish`] gives it its own.
+/// An image file being written to `NAME.part`; [`Image::finish`] renames it to the target.
 #[derive(Debug)]
 pub struct Image<'a> {
     output: &'a Output,
     file: BufWriter<File>,
     lattice: Lattice,
-    /// Components of each array, and where its values begin.
+    /// Number of components of each array, and the offset of its values in the file.
     arrays: Vec<(usize, u64)>,
     finished: bool,
 }
 
 impl<'a> Image<'a> {
-    /// Starts a file with the values still to come.
+    /// Creates a file without values, which [`Image::write_plane`] then writes.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -59,7 +60,7 @@ impl<'a> Image<'a> {
         let write = || -> io::Result<BufWriter<File>> {
             let mut file = BufWriter::new(File::create(&part)?);
             file.write_all(header.as_bytes())?;
-            // The places between are zeros until their values come.
+            // Values that are not yet written are zero.
             let mut place = header.len() as u64;
             for &bytes in &bytes {
                 file.seek(SeekFrom::Start(place))?;
@@ -80,13 +81,13 @@ impl<'a> Image<'a> {
         Ok(Self { output, file, lattice, arrays: places.collect(), finished: false })
     }
 
-    /// Writes plane `level`, counted upwards, of array number `array`: values `[x, y, component]`.
+    /// Writes the values `[x, y, component]` of array number `array` on plane `level`, counted upwards.
     ///
     /// # Errors
     /// A file that cannot be written.
     ///
     /// # Panics
-    /// If there is no such array or plane, or if the values do not fill it.
+    /// If there is no such array or plane, or if the number of values is not that of the plane.
     pub fn write_plane(&mut self, array: usize, level: usize, values: &[f64]) -> Result<(), FileError> {
         let ([nx, ny, nz], (width, begin)) = (self.lattice.points, self.arrays[array]);
         assert!(level < nz && values.len() == nx * ny * width, "a plane of the lattice");
@@ -104,7 +105,7 @@ impl<'a> Image<'a> {
         write().map_err(|source| FileError::Io { action: "write", path: self.output.part(), source })
     }
 
-    /// Completes the file, syncs it to the disk, and gives it the target's name.
+    /// Completes the file, syncs it to the disk, and renames it to the target.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -125,13 +126,13 @@ impl Drop for Image<'_> {
     }
 }
 
-/// Bytes of a value, and of the length before an array.
+/// Bytes of a value, and of the length field before an array.
 const VALUE: usize = size_of::<f64>();
 const LENGTH: u64 = size_of::<u64>() as u64;
 
 const FOOTER: &str = "\n</AppendedData>\n</VTKFile>\n";
 
-/// The XML up to the first appended byte, and the length of each array in bytes.
+/// The XML header up to the first appended byte, and the length of each array in bytes.
 fn header(lattice: &Lattice, arrays: &[PointArray]) -> (String, Vec<u64>) {
     let Lattice { points, origin, spacing } = lattice;
     let extent = points.map(|n| format!("0 {}", n - 1)).join(" ");
@@ -185,7 +186,7 @@ mod tests {
         let number = |index: usize| f64::from_le_bytes(bytes[start + 8 + 8 * index..][..8].try_into().unwrap());
         assert_eq!(u64::from_le_bytes(bytes[start..][..8].try_into().unwrap()), 96);
         assert_eq!([0, 5, 6, 11].map(number), [0.0, 0.0, 1.0, 1.0]);
-        // Behind the second length: x runs fastest.
+        // The values after the second length field; x varies fastest.
         assert_eq!([13, 14, 15, 16, 17, 18, 19, 20].map(number), [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 1.0]);
         let text = String::from_utf8_lossy(&bytes[..start]).into_owned();
         assert!(text.contains("WholeExtent=\"0 2 0 1 0 1\"") && text.contains("offset=\"104\""), "{text}");

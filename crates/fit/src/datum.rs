@@ -1,4 +1,4 @@
-//! The input of a fit: kappa of the realisations at one discretisation.
+//! The data of a fit: kappa of the realisations at each discretisation.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,7 +15,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// All axes, in the order of every array over axes here.
+    /// All axes, in the order of every array over axes in this crate.
     pub const ALL: [Self; 3] = [Self::Thermodynamic, Self::Fractal, Self::Continuum];
 
     /// The letter t, f or c.
@@ -39,18 +39,18 @@ pub struct Datum {
     pub eps_f: f64,
     /// Grid spacing / shortest wavelength.
     pub eps_c: f64,
-    /// kappa by seed. Equal seeds in two data mean that the data were computed on the same random modes; data that
-    /// are independent must not have seeds in common.
+    /// kappa by seed. Two data with a common seed were computed on the same random modes; independent data must not
+    /// have seeds in common.
     pub kappa: BTreeMap<u64, f64>,
 }
 
 impl Datum {
-    /// The eps of one axis.
+    /// The value of eps on one axis.
     pub fn eps(&self, axis: Axis) -> f64 {
         self.all_eps()[axis as usize]
     }
 
-    /// (eps_t, eps_f, eps_c).
+    /// The array (eps_t, eps_f, eps_c).
     pub fn all_eps(&self) -> [f64; 3] {
         [self.eps_t, self.eps_f, self.eps_c]
     }
@@ -73,12 +73,12 @@ impl Datum {
     }
 }
 
-/// True for two eps that are meant to be the same.
+/// True if two values of eps are equal up to rounding.
 pub(crate) fn same_level(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-/// The distinct levels of an axis, largest first.
+/// The distinct levels (values of eps) on an axis, largest first.
 pub(crate) fn levels(data: &[Datum], axis: Axis) -> Vec<f64> {
     let mut all: Vec<f64> = data.iter().map(|datum| datum.eps(axis)).collect();
     all.sort_by(|a, b| b.total_cmp(a));

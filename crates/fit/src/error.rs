@@ -1,73 +1,76 @@
-//! Why there is no fit.
+//! Errors of a fit.
 
 use crate::Axis;
 
-/// Why there is no fit.
+/// Reason why a fit is impossible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// There is nothing to fit.
-    #[error("there are no data to fit; at least one is needed")]
+    /// There are no data.
+    #[error("the number of data is 0; it must be at least 1")]
     NoData,
-    /// A datum without values.
-    #[error("datum {datum} has no realisations; it must have at least one")]
+    /// A datum has no realisations.
+    #[error("datum {datum} has 0 realisations; it must have at least 1")]
     NoRealisations {
         /// Index of the datum.
         datum: usize,
     },
-    /// A kappa that is not a number.
-    #[error("datum {datum} has kappa = {found} for seed {seed}; finite numbers are allowed")]
+    /// A kappa is not finite.
+    #[error("kappa of datum {datum}, seed {seed}, is {found}; it must be finite")]
     BadKappa {
         /// Index of the datum.
         datum: usize,
         /// The seed.
         seed: u64,
-        /// What was found.
+        /// The kappa.
         found: f64,
     },
-    /// An eps that is no ratio of lengths.
-    #[error("datum {datum} has eps_{axis} = {found}; finite numbers above zero are allowed")]
+    /// An eps is not positive and finite.
+    #[error("eps_{axis} of datum {datum} is {found}; it must be finite and above zero")]
     BadEps {
         /// Index of the datum.
         datum: usize,
         /// The axis.
         axis: Axis,
-        /// What was found.
+        /// The eps.
         found: f64,
     },
-    /// Two data at one place.
-    #[error("data {first} and {second} have the same eps_t, eps_f and eps_c; merge their realisations")]
+    /// Two data have equal eps on all axes.
+    #[error("data {first} and {second} have equal eps_t, eps_f and eps_c; merge their realisations into one datum")]
     SameDatum {
         /// Index of the first.
         first: usize,
         /// Index of the second.
         second: usize,
     },
-    /// An exponent or its bounds out of range.
-    #[error("alpha_{axis} in [{min}, {max}] asked; 0 < min <= max <= 16 are allowed")]
+    /// An exponent or its bounds are out of range.
+    #[error("the range of alpha_{axis} is [{min}, {max}]; it must be increasing, above 0 and at most 16")]
     BadExponent {
         /// The axis.
         axis: Axis,
-        /// Lower bound found.
+        /// Lower bound.
         min: f64,
-        /// Upper bound found.
+        /// Upper bound.
         max: f64,
     },
-    /// A prior below zero or not finite.
-    #[error("weighting prior {found} asked; finite numbers >= 0 are allowed")]
+    /// A prior is negative or not finite.
+    #[error("the weighting prior is {found}; it must be finite and not negative")]
     BadPrior {
-        /// What was found.
+        /// The prior.
         found: f64,
     },
-    /// Fewer data than unknowns.
-    #[error("{parameters} parameters but only {data} data; fix exponents, leave out terms or add data")]
+    /// There are fewer data than parameters.
+    #[error(
+        "the number of data is {data}; it must be at least the number of parameters, {parameters}: fix exponents, \
+         leave out terms or add data"
+    )]
     TooFewData {
-        /// Number of unknowns.
+        /// Number of parameters.
         parameters: usize,
         /// Number of data.
         data: usize,
     },
-    /// The levels of the axes vary together, so their terms cannot be told apart.
-    #[error("the data do not tell the terms apart (levels of two axes vary together); vary one axis at a time")]
+    /// The levels of two axes vary together, so that their terms cannot be separated.
+    #[error("the data do not separate the terms: the levels of two axes vary together; vary one axis at a time")]
     Dependent,
 }

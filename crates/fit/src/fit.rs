@@ -1,4 +1,4 @@
-//! The fit: from data and settings to limit, terms and their intervals.
+//! The fit: limit, terms and their intervals from data and settings.
 
 #[cfg(test)]
 mod tests;
@@ -19,7 +19,7 @@ use crate::{
 /// Equal data and settings give equal bits for any number of threads.
 ///
 /// # Errors
-/// Data or settings that cannot be used, data that do not determine the model.
+/// Invalid data or settings; data that do not determine the model.
 pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
     check(data, settings)?;
     let mut warnings = Vec::new();
@@ -104,7 +104,7 @@ fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
     }
 }
 
-/// The terms that the levels allow, and the axes whose free exponent they leave undetermined.
+/// The terms that the levels determine, and the axes whose levels do not determine the free exponent.
 fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Shape>, Vec<Axis>) {
     let (mut shapes, mut held) = (Vec::new(), Vec::new());
     for axis in Axis::ALL {
@@ -134,7 +134,7 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
     (shapes, held)
 }
 
-/// The data with their weights; the flag says whether the weights are inverse variances.
+/// The data with their weights; the flag is true if the weights are inverse variances.
 fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
     let freedom = |datum: &Datum| (datum.kappa.len() - 1) as f64;
     let total: f64 = data.iter().map(freedom).sum();
@@ -148,7 +148,7 @@ fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
             }
             _ => pooled,
         };
-        // A datum whose few realisations happen to agree must not outweigh all others.
+        // A datum whose few realisations agree by chance must not dominate the fit.
         datum.kappa.len() as f64 / variance.max(1e-4 * pooled)
     };
     let means = Means {
@@ -159,7 +159,7 @@ fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
     (means, known)
 }
 
-/// chi^2 and kappa_TFC against the exponent of term `k`, everything else refitted.
+/// chi^2 and kappa_TFC against the exponent of term `k`, with all other parameters refitted.
 fn profile(means: &Means, shapes: &[Shape], k: usize, minimum: &Minimum) -> Vec<ProfilePoint> {
     const NODES: usize = 41;
     let (min, max) = if shapes[k].is_free() { (shapes[k].min, shapes[k].max) } else { (0.25, 4.0) };

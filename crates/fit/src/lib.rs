@@ -1,20 +1,20 @@
 //! Extrapolation to the thermodynamic, fractal and continuum limit (theory.md, section 11).
 //!
 //! kappa(eps_t, eps_f, eps_c) = kappa_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c, fitted to all
-//! data of a sweep at once by weighted least squares. Numbers in, numbers out: no files, no clocks, no printing.
+//! data of a sweep at once by weighted least squares. The crate uses no files, no clock and no terminal.
 //!
-//! - An axis with a single level has no term: kappa_TFC then still contains that axis' correction, and a warning says
-//!   so.
-//! - Intervals come from a bootstrap over realisations: seeds are resampled, the data computed on one seed stay
-//!   together (common random numbers), and everything is refitted. With few realisations the percentile interval is
-//!   stretched by Student's t and (n / (n - 1))^(1/2), because the bare percentiles are then too narrow.
-//! - Misfit of the model is not in these intervals. Look at `chi_squared`, at `kappa_tfc_without`, at the profiles, and
-//!   at a second fit with other exponents.
+//! - An axis with a single level has no term: kappa_TFC then still contains the correction of that axis, and a warning
+//!   says so.
+//! - Intervals come from a bootstrap over realisations: seeds are resampled, the data of one seed stay together
+//!   (common random numbers), and all parameters are refitted. Percentile intervals of few realisations are too narrow;
+//!   they are therefore stretched by Student's t and (n / (n - 1))^(1/2).
+//! - The intervals do not contain the misfit of the model. Check `chi_squared`, `kappa_tfc_without`, the profiles, and
+//!   a second fit with other exponents.
 //!
 //! ```
 //! use gfmd_fit::{Datum, Exponent, Model, Settings, fit};
 //!
-//! // kappa = 2 + 1.5 eps_c, four levels, the same three surfaces (seeds) at each.
+//! // kappa = 2 + 1.5 eps_c at four levels, with three surfaces (seeds) common to all levels.
 //! let data: Vec<Datum> = [0.5, 0.25, 0.125, 0.0625]
 //!     .iter()
 //!     .map(|&eps_c| Datum {

@@ -1,13 +1,13 @@
-//! The choices of a fit: terms and their exponents, weights, bootstrap.
+//! Settings of a fit: terms and their exponents, weights, bootstrap.
 
 use crate::Axis;
 
-/// What is known about the exponent of a term before the fit.
+/// The exponent of a term: fixed or fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
-    /// Given.
+    /// Fixed at a value.
     Fixed(f64),
-    /// Found by the fit, between bounds.
+    /// Fitted between bounds.
     Free {
         /// Smallest value, above zero.
         min: f64,
@@ -17,11 +17,11 @@ pub enum Exponent {
 }
 
 impl Exponent {
-    /// The range over which a free exponent is sought unless told otherwise: [1/4, 4].
+    /// A free exponent with the default bounds [1/4, 4].
     pub const FREE: Self = Self::Free { min: 0.25, max: 4.0 };
 }
 
-/// Which terms to fit. `None` leaves the term of an axis out although the axis has several levels.
+/// The terms of the model. `None` leaves the term of an axis out even if the axis has several levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
     /// Term in eps_t.
@@ -34,14 +34,14 @@ pub struct Model {
 
 impl Default for Model {
     /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
-    /// other two are conventions, to be checked against a fit with [`Model::free`].
+    /// exponents of the other two axes are conventions; check them against a fit with [`Model::free`].
     fn default() -> Self {
         Self { t: Some(Exponent::Fixed(1.0)), f: Some(Exponent::Fixed(1.0)), c: Some(Exponent::Fixed(1.0)) }
     }
 }
 
 impl Model {
-    /// All three exponents sought in [1/4, 4].
+    /// All three exponents fitted within [1/4, 4].
     pub fn free() -> Self {
         Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE) }
     }
@@ -51,22 +51,23 @@ impl Model {
     }
 }
 
-/// The variance given to one realisation of a datum. A datum's weight is its number of realisations over this variance.
+/// The variance assigned to one realisation of a datum. The weight of a datum is its number of realisations over this
+/// variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
-    /// The datum's own variance and the variance pooled over all data, averaged by degrees of freedom, the pool
-    /// counting as `prior` of them: with few realisations the pool decides, with many the datum.
+    /// The average of the datum's own variance and the variance pooled over all data, weighted by degrees of freedom,
+    /// with `prior` degrees of freedom for the pooled one: it dominates for few realisations, the own one for many.
     Shrunk {
-        /// Degrees of freedom given to the pooled variance.
+        /// Degrees of freedom assigned to the pooled variance.
         prior: f64,
     },
     /// The pooled variance for all data.
     Pooled,
-    /// One weight for all data, for any number of realisations.
+    /// Equal weights for all data, for any number of realisations.
     Equal,
 }
 
-/// How to fit.
+/// Settings of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The terms and their exponents.
@@ -77,7 +78,7 @@ pub struct Settings {
     pub resamples: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
-    /// If true, the data of one seed are resampled together. False only tests the method.
+    /// If true, the data of one seed are resampled together. False is only for tests of the method.
     pub paired: bool,
 }
 

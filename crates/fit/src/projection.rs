@@ -7,14 +7,14 @@
 /// The largest number of terms: one per axis.
 pub(crate) const AXES: usize = 3;
 
-/// A pivot below this fraction of the column's length makes the columns dependent.
+/// Columns count as dependent if a pivot is below this fraction of the column's length.
 const DEPENDENT: f64 = 1e-10;
 
-/// A step of the exponents below which they count as found. Steps shrink at least tenfold each, so the next would be
-/// far below.
+/// The search ends with a step of the exponents below this length. Steps shrink at least tenfold, so that the next step
+/// would be negligible.
 const SHORT: f64 = 1e-10;
 
-/// One term C eps^alpha of the sum, with alpha given (`min == max`) or to be found.
+/// One term C eps^alpha of the sum, with alpha fixed (`min == max`) or fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     pub(crate) axis: usize,
@@ -50,7 +50,7 @@ impl Parameters {
     }
 }
 
-/// The means of the data as a fit sees them: abscissae, ordinates, square roots of the weights.
+/// The means of the data: abscissae, ordinates, square roots of the weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Means {
     pub(crate) eps: Vec<[f64; AXES]>,
@@ -65,21 +65,21 @@ pub(crate) struct Minimum {
     pub(crate) sum_of_squares: f64,
 }
 
-/// The columns do not tell the terms apart.
+/// Error: the columns of the design matrix are linearly dependent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dependent;
 
-/// How densely the box of exponents is looked through before the descent.
+/// Density of the grid over the box of exponents that is searched before the descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Search {
     /// For a first fit.
     Thorough,
-    /// For a refit of similar data, which has a good guess besides.
+    /// For a refit of similar data, which also has a good guess.
     Near,
 }
 
-/// The nodes of a grid over the free exponents with their factorised columns, which do not depend on the ordinates and
-/// serve all resamples.
+/// The nodes of a grid over the free exponents with their factorised columns. They do not depend on the ordinates and
+/// are therefore shared by all resamples.
 pub(crate) struct Nodes {
     shapes: Vec<Shape>,
     free: Vec<usize>,
@@ -113,7 +113,7 @@ impl Nodes {
         if nodes.is_empty() { Err(Dependent) } else { Ok(Self { shapes: shapes.to_vec(), free, nodes }) }
     }
 
-    /// Minimises over the coefficients and the free exponents; `guess` is a further start beside the nodes.
+    /// Minimises over the coefficients and the free exponents, from the best of the nodes and `guess`.
     pub(crate) fn minimise(&self, means: &Means, guess: Option<&Parameters>) -> Result<Minimum, Dependent> {
         let values = means.weighted_values();
         let mut least = f64::INFINITY;
@@ -137,7 +137,7 @@ impl Nodes {
 }
 
 impl Means {
-    /// One minimisation on its own.
+    /// Minimises once, with nodes of its own.
     pub(crate) fn minimise(
         &self,
         shapes: &[Shape],
@@ -192,7 +192,7 @@ impl Means {
         Ok(here.into_minimum(shapes, &exponents))
     }
 
-    /// The best coefficients at given exponents.
+    /// The optimal coefficients at given exponents.
     fn project(&self, shapes: &[Shape], exponents: &[f64]) -> Result<Projection, Dependent> {
         let qr = Qr::new(self.columns(shapes, exponents))?;
         let rotated = qr.rotate(self.weighted_values());
@@ -200,8 +200,8 @@ impl Means {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each datum): kappa_TFC, the coefficients, then the free exponents not at a
-    /// bound.
+    /// The rows d(parameter)/d(kappa of each datum) of kappa_TFC, the coefficients, and the free exponents that are not
+    /// at a bound.
     pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
             self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()
@@ -226,7 +226,7 @@ impl Means {
     }
 }
 
-/// A free exponent that did not stop at its bound.
+/// True for a free exponent that did not stop at its bound.
 pub(crate) fn is_interior(shape: &Shape, exponent: f64) -> bool {
     shape.is_free() && exponent > shape.min && exponent < shape.max
 }
@@ -240,7 +240,7 @@ pub(crate) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
     }
 }
 
-/// A solved linear problem, in the coordinates rotated by its Q.
+/// A solved linear problem, in coordinates rotated by Q.
 struct Projection {
     qr: Qr,
     rotated: Vec<f64>,
@@ -256,7 +256,8 @@ impl Projection {
         square(self.residual())
     }
 
-    /// d(residual)/d(exponent of term `k`), Kaufman's form: exact in the gradient of the sum of squares.
+    /// d(residual)/d(exponent of term `k`) in Kaufman's approximation, for which the gradient of the sum of squares is
+    /// exact.
     fn slope(&self, means: &Means, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
         let coefficient = self.coefficients[k + 1];
         let column = means.eps.iter().zip(&means.root_weight).map(|(eps, w)| {
@@ -277,7 +278,7 @@ impl Projection {
     }
 }
 
-/// (J^T J + damping diag J^T J) step = -gradient over the moving exponents.
+/// Solves (J^T J + damping diag J^T J) step = -gradient for the moving exponents.
 fn damped_step(slopes: &[Vec<f64>], gradient: &[f64], moving: &[usize], damping: f64) -> Vec<f64> {
     let n = moving.len();
     let mut rows: Vec<Vec<f64>> = moving
@@ -306,7 +307,7 @@ fn damped_step(slopes: &[Vec<f64>], gradient: &[f64], moving: &[usize], damping:
     step.iter().map(|s| if s.is_finite() { *s } else { 0.0 }).collect()
 }
 
-/// Householder QR of a tall matrix given by columns; each reflector is kept as a vector of unit length.
+/// Householder QR of a tall matrix given by columns; each reflector is stored as a unit vector.
 struct Qr {
     reflectors: Vec<Vec<f64>>,
     /// R by columns; column k holds its k + 1 entries.

@@ -1,4 +1,4 @@
-//! What a fit says about itself.
+//! The result of a fit, with its diagnostics and warnings.
 
 use std::fmt;
 
@@ -6,28 +6,28 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{Axis, Datum, Parameters, Richardson};
 
-/// A number and what is known of its error.
+/// A fitted number with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The value of the fit to the means.
+    /// Value from the fit to the means.
     pub value: f64,
-    /// Linear error propagation of the scatter (or misfit) into this number; `None` if it is given, at its bound, or if
-    /// nothing is known.
+    /// Standard error by linear propagation of the scatter (or misfit); `None` if the number is fixed or at its bound,
+    /// or if its error is unknown.
     pub standard_error: Option<f64>,
     /// 95 % interval; see [`Uncertainty`] for its source.
     pub ci95: Option<[f64; 2]>,
 }
 
-/// Where the intervals come from.
+/// Source of the intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainty {
     /// Bootstrap over realisations.
     Realisations,
-    /// Linear propagation of the scatter of realisations (no bootstrap was asked for, or none of its refits worked).
+    /// Linear propagation of the scatter of realisations (no bootstrap was requested, or all its refits failed).
     Propagated,
-    /// One realisation per datum: the misfit of the model stands for the noise.
+    /// Misfit of the model, in place of the noise: there is one realisation per datum.
     Misfit,
-    /// One realisation per datum and as many parameters as data: nothing is known.
+    /// No source: there is one realisation per datum and there are as many parameters as data.
     None,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Uncertainty {
 /// One term C eps^alpha of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
-    /// Its axis.
+    /// Axis of the term.
     pub axis: Axis,
     /// Number of levels of the axis in the data.
     pub levels: usize,
@@ -53,28 +53,28 @@ pub struct Term {
     pub coefficient: Estimate,
     /// alpha.
     pub exponent: Estimate,
-    /// Whether the exponent was fitted.
+    /// True if the exponent was fitted.
     pub free: bool,
-    /// Whether the exponent was to be fitted but two levels do not determine it; it is then held at one.
+    /// True if the exponent should be fitted but two levels do not determine it; it is then held at one.
     pub held: bool,
-    /// Whether the fitted exponent stopped at a bound.
+    /// True if the fitted exponent stopped at a bound.
     pub at_bound: bool,
-    /// chi^2 and kappa_TFC against this exponent, everything else refitted; rising exponents.
+    /// chi^2 and kappa_TFC against this exponent, with all other parameters refitted; exponents increase.
     pub profile: Vec<ProfilePoint>,
 }
 
 /// One point of a profile likelihood.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
-    /// The exponent, held.
+    /// The fixed exponent.
     pub exponent: f64,
-    /// The least chi^2 with it.
+    /// The least chi^2 with this exponent.
     pub chi_squared: f64,
-    /// kappa_TFC there.
+    /// kappa_TFC at the least chi^2.
     pub kappa_tfc: f64,
 }
 
-/// One datum as the fit sees it.
+/// The part of one datum in the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DatumReport {
     /// Mean over realisations.
@@ -83,27 +83,27 @@ pub struct DatumReport {
     pub standard_error: Option<f64>,
     /// Weight in the sum of squares.
     pub weight: f64,
-    /// The model's value.
+    /// Value of the fitted model.
     pub fitted: f64,
-    /// kappa_TFC of a fit without this datum; `None` where the other data do not determine the model.
+    /// kappa_TFC of a fit without this datum; `None` if the other data do not determine the model.
     pub kappa_tfc_without: Option<f64>,
 }
 
-/// What the bootstrap did.
+/// The result of the bootstrap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BootstrapReport {
-    /// Resamples asked for.
+    /// Number of requested resamples.
     pub resamples: usize,
-    /// Resamples without a fit: a datum lost all its realisations, or the terms could not be told apart.
+    /// Number of resamples without a fit: a datum had no realisation, or the terms could not be separated.
     pub failed: usize,
     /// For each free exponent, the number of resamples in which it stopped at a bound.
     pub at_bound: Vec<(Axis, usize)>,
-    /// The seed.
+    /// Seed of the draws.
     pub seed: u64,
-    /// By which the deviations of the percentiles of kappa_TFC were multiplied because realisations are few; tends to
-    /// one.
+    /// Factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and tends to one
+    /// for many.
     pub stretch: f64,
-    /// The refitted parameters, failed resamples left out, in the order of the draws.
+    /// The refitted parameters of the successful resamples, in the order of the draws.
     pub samples: Vec<Parameters>,
 }
 
@@ -112,31 +112,32 @@ pub struct BootstrapReport {
 pub struct Fit {
     /// kappa in the thermodynamic, fractal and continuum limit.
     pub kappa_tfc: Estimate,
-    /// The terms, in the order t, f, c, only those fitted.
+    /// The fitted terms, in the order t, f, c.
     pub terms: Vec<Term>,
-    /// All fitted numbers once more, as arrays over the axes.
+    /// All fitted numbers as arrays over the axes.
     pub parameters: Parameters,
-    /// The weighted sum of squares. Data that share seeds are correlated, so that it tends to fall below the degrees
-    /// of freedom; with `noise_known` false it is a plain sum of squares in units of kappa^2.
+    /// The weighted sum of squares. Data with common seeds are correlated, so that it tends to be below the degrees of
+    /// freedom; if `noise_known` is false, it is the unweighted sum of squares in units of kappa^2.
     pub chi_squared: f64,
-    /// Whether the weights are inverse variances. False for equal weights and without scatter to take them from.
+    /// True if the weights are inverse variances. False for equal weights, and if there is no scatter to estimate
+    /// variances from.
     pub noise_known: bool,
-    /// Data minus parameters.
+    /// Number of data minus number of parameters.
     pub degrees_of_freedom: usize,
     /// One report for each datum, in the order of the data.
     pub data: Vec<DatumReport>,
     /// Three-level extrapolations along single axes, a check on the joint fit.
     pub richardson: Vec<Richardson>,
-    /// Where the intervals come from.
+    /// Source of the intervals.
     pub uncertainty: Uncertainty,
-    /// The bootstrap, if there was one.
+    /// The bootstrap, if one was made.
     pub bootstrap: Option<BootstrapReport>,
-    /// What a reader of the numbers has to know.
+    /// Limitations of the result.
     pub warnings: Vec<Warning>,
 }
 
 impl Fit {
-    /// The term of an axis, if it was fitted.
+    /// The fitted term of an axis, if any.
     pub fn term(&self, axis: Axis) -> Option<&Term> {
         self.terms.iter().find(|term| term.axis == axis)
     }
@@ -146,7 +147,7 @@ impl Fit {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a datum with the terms of all axes but `axis` taken off: what to plot against eps^alpha of that axis.
+    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against eps^alpha of that axis.
     pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
         datum.mean() - others.map(|&other| self.parameters.term(other as usize, datum.eps(other))).sum::<f64>()
@@ -190,29 +191,29 @@ impl Fit {
     }
 }
 
-/// What a reader of the numbers has to know.
+/// A limitation of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// One level: no term, and kappa_TFC contains the correction of this axis.
+    /// The axis has one level and thus no term; kappa_TFC contains the correction of this axis.
     SingleLevel {
         /// The axis.
         axis: Axis,
-        /// Its level.
+        /// The level.
         eps: f64,
     },
     /// The model leaves the term out although the axis has several levels.
     TermLeftOut {
         /// The axis.
         axis: Axis,
-        /// Its number of levels.
+        /// Number of levels of the axis.
         levels: usize,
     },
     /// Two levels do not determine an exponent.
     ExponentHeld {
         /// The axis.
         axis: Axis,
-        /// Where the exponent is held.
+        /// The value at which the exponent is held.
         alpha: f64,
     },
     /// A free exponent stopped at its bound.
@@ -222,13 +223,13 @@ pub enum Warning {
         /// The bound.
         alpha: f64,
     },
-    /// In more than 5 % of the resamples a free exponent stopped at its bound: the intervals depend on the bounds.
+    /// A free exponent stopped at its bound in more than 5 % of the resamples: the intervals depend on the bounds.
     RefitsAtBound {
         /// The axis.
         axis: Axis,
         /// Number of resamples at a bound.
         stuck: usize,
-        /// Of so many.
+        /// Number of resamples.
         resamples: usize,
     },
     /// The interval of a coefficient contains zero.
@@ -238,32 +239,32 @@ pub enum Warning {
         /// The interval of the coefficient.
         ci95: [f64; 2],
     },
-    /// As many parameters as data.
+    /// There are as many parameters as data.
     Interpolation,
-    /// chi^2 is larger than noise explains.
+    /// chi^2 is larger than the noise explains.
     Misfit {
         /// The weighted sum of squares.
         chi_squared: f64,
-        /// Data minus parameters.
+        /// Number of data minus number of parameters.
         degrees_of_freedom: usize,
-        /// Probability of so large a chi^2.
+        /// Probability of a chi^2 at least this large.
         chance: f64,
     },
-    /// Some groups of data have one realisation, whose scatter is missing in the intervals.
+    /// Some groups of data have one realisation, so that the intervals lack their scatter.
     SingleRealisation {
         /// Number of such groups.
         groups: usize,
     },
-    /// Fewer than four realisations of some datum.
+    /// Some datum has fewer than four realisations.
     FewRealisations {
-        /// The smallest number.
+        /// The smallest number of realisations.
         least: usize,
     },
-    /// Resamples without a fit.
+    /// Some resamples gave no fit.
     FailedRefits {
-        /// So many.
+        /// Number of resamples without a fit.
         failed: usize,
-        /// Of so many.
+        /// Number of resamples.
         resamples: usize,
     },
 }
@@ -272,26 +273,26 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::SingleLevel { axis, eps } => {
-                write!(f, "eps_{axis} has one level ({eps}): no term in it, kappa_TFC still contains its correction")
+                write!(f, "eps_{axis} has one level ({eps}) and no term: kappa_TFC still contains its correction")
             }
             Self::TermLeftOut { axis, levels } => {
                 write!(f, "eps_{axis} has {levels} levels but its term is left out of the model")
             }
             Self::ExponentHeld { axis, alpha } => {
-                write!(f, "eps_{axis} has two levels, too few to fit alpha_{axis}: held at {alpha}")
+                write!(f, "eps_{axis} has two levels, too few to fit alpha_{axis}: it is held at {alpha}")
             }
             Self::ExponentAtBound { axis, alpha } => write!(f, "alpha_{axis} stopped at its bound {alpha}"),
             Self::RefitsAtBound { axis, stuck, resamples } => {
                 write!(
                     f,
-                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: intervals depend on bounds"
+                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: the intervals depend on the bounds"
                 )
             }
             Self::NotSignificant { axis, ci95: [low, high] } => {
                 write!(f, "C_{axis} is not distinguishable from zero (95 %: {low:.3} to {high:.3})")
             }
             Self::Interpolation => {
-                write!(f, "as many parameters as data: interpolation, no uncertainty from misfit")
+                write!(f, "there are as many parameters as data: their misfit gives no uncertainty")
             }
             Self::Misfit { chi_squared, degrees_of_freedom, chance } => write!(
                 f,
@@ -299,17 +300,17 @@ impl fmt::Display for Warning {
                  the model does not describe the data within their noise, and the intervals do not contain this"
             ),
             Self::SingleRealisation { groups } => {
-                write!(f, "{groups} groups of data have one realisation: their scatter is not in the intervals")
+                write!(f, "{groups} groups of data have one realisation: the intervals do not contain their scatter")
             }
             Self::FewRealisations { least } => {
-                write!(f, "only {least} realisations of some data: intervals are rough, four or more are better")
+                write!(f, "some data have only {least} realisations: the intervals are rough; four or more are better")
             }
             Self::FailedRefits { failed, resamples } => write!(f, "{failed} of {resamples} resamples gave no fit"),
         }
     }
 }
 
-/// The probability of a chi^2 at least this large, if the model and the noise are right.
+/// The probability of a chi^2 at least this large if the model and the noise are correct.
 fn chance_of_misfit(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
     ChiSquared::new(degrees_of_freedom as f64).ok().map(|distribution| distribution.sf(chi_squared))
 }

@@ -1,4 +1,4 @@
-//! Resampling of realisations: which data share them, how means follow from a draw, and the spread they imply.
+//! Resampling of realisations: groups of data with common realisations, means of a draw, and the resulting spread.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,8 @@ pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
 /// The 97.5 % quantile of Student's t, whose degrees of freedom (at least one) need not be whole.
 pub(crate) fn student_975(freedom: f64) -> f64 {
     if freedom > 100.0 {
-        // Fisher's expansion about the normal quantile, right to 2e-6 here; `statrs` does not return for large numbers.
+        // Fisher's expansion about the normal quantile is accurate to 2e-6 here; `statrs` does not terminate for large
+        // degrees of freedom.
         let z = NORMAL_975;
         let cube = z * z * z;
         return z
@@ -24,31 +25,31 @@ pub(crate) fn student_975(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// Data that share realisations, and the realisations that they share. Strata are independent of each other.
+/// Data with common seeds, and these seeds. Strata are independent of each other.
 #[derive(Clone, Debug)]
 struct Stratum {
     seeds: Vec<u64>,
     data: Vec<usize>,
 }
 
-/// The strata of the data: groups that common seeds hold together.
+/// The strata of the data: groups connected by common seeds.
 #[derive(Clone, Debug)]
 pub(crate) struct Strata<'a> {
     data: &'a [Datum],
     strata: Vec<Stratum>,
 }
 
-/// The variance of a linear combination of the data's means, and how well it is known.
+/// The variance of a linear combination of the means of the data, and its accuracy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spread {
     pub(crate) standard_error: f64,
-    /// By which the deviations of the bootstrap are multiplied: Student's t over the normal quantile, with the degrees
-    /// of freedom of Welch and Satterthwaite, times the (n / (n - 1))^(1/2) that resampling n values leaves out.
+    /// Factor on the deviations of the bootstrap: Student's t over the normal quantile, with the degrees of freedom of
+    /// Welch and Satterthwaite, times (n / (n - 1))^(1/2), since resampling n values gives too small a variance.
     pub(crate) stretch: f64,
 }
 
 impl<'a> Strata<'a> {
-    /// With `paired` false every datum is a stratum of its own, as if it had been computed on surfaces of its own.
+    /// Groups the data. If `paired` is false, every datum is a stratum, as if all data had different surfaces.
     pub(crate) fn new(data: &'a [Datum], paired: bool) -> Self {
         let mut strata: Vec<(BTreeSet<u64>, Vec<usize>)> = Vec::new();
         for (index, datum) in data.iter().enumerate() {
@@ -81,8 +82,8 @@ impl<'a> Strata<'a> {
         self.single() < self.strata.len()
     }
 
-    /// The data's means over one draw of realisations with replacement; `None` if a datum is left without any.
-    /// The draw depends on `seed` and `index` alone.
+    /// The means of the data over one draw of realisations with replacement; `None` if a datum has none in the draw.
+    /// The draw depends only on `seed` and `index`.
     pub(crate) fn draw(&self, seed: u64, index: u64) -> Option<Vec<f64>> {
         let mut rng = Pcg64::seed_from_u64(seed.wrapping_add(index.wrapping_mul(0x9E37_79B9_7F4A_7C15)));
         let mut means = vec![0.0; self.data.len()];
@@ -101,7 +102,7 @@ impl<'a> Strata<'a> {
         Some(means)
     }
 
-    /// The spread of sum_i a_i kappa_i over realisations, from the scatter of the seeds' own contributions.
+    /// The spread of sum_i a_i kappa_i over realisations, from the scatter of the contributions of single seeds.
     pub(crate) fn spread(&self, combination: &[f64]) -> Option<Spread> {
         let (mut variance, mut of_resampling, mut satterthwaite) = (0.0, 0.0, 0.0);
         for stratum in self.strata.iter().filter(|stratum| stratum.seeds.len() > 1) {

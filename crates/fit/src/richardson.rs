@@ -1,29 +1,29 @@
-//! Three levels along one axis: the exponent and the limit that pass through them (theory.md, section 11).
+//! Richardson extrapolation: the power law through three levels of one axis (theory.md, section 11).
 
 use crate::datum::same_level;
 use crate::{Axis, Datum};
 
-/// Three data that differ in one eps alone, at a constant ratio of levels, and what extrapolates from them.
+/// Three data that differ in one eps only, with a constant ratio of levels, and their extrapolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Richardson {
     /// The axis along which the levels differ.
     pub axis: Axis,
     /// Indices of the data, coarse to fine.
     pub data: [usize; 3],
-    /// rho = (k1 - k2) / (k2 - k3). No power law passes through the three unless it exceeds one.
+    /// rho = (k1 - k2) / (k2 - k3). A power law through the three data exists only if rho > 1.
     pub ratio: f64,
-    /// The limit and exponent, if there are any.
+    /// Limit and exponent of the power law, if it exists.
     pub limit: Option<RichardsonLimit>,
 }
 
 /// The power law through three levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RichardsonLimit {
-    /// kappa for eps -> 0 along this axis alone; the terms of the other axes are still in it.
+    /// kappa for eps -> 0 along this axis only; it still contains the terms of the other axes.
     pub kappa: f64,
     /// The exponent ln rho / ln r, with r the ratio of levels.
     pub exponent: f64,
-    /// Standard error of `kappa`, from the scatter of the realisations that all three levels share (at least two).
+    /// Standard error of `kappa`, from the scatter of the realisations common to all three levels (at least two).
     pub standard_error: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn triples(data: &[Datum], axis: Axis) -> Vec<Richardson> {
             let third = data
                 .iter()
                 .position(|fine| same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine));
-            // Only neighbouring levels: 1, 1/2, 1/4, not 1, 1/4, 1/16 as well.
+            // Only neighbouring levels are used, 1, 1/2, 1/4 but not 1, 1/4, 1/16.
             let skips = data.iter().any(|between| {
                 others(coarse, between)
                     && between.eps(axis) < coarse.eps(axis) * (1.0 - 1e-9)

@@ -1,4 +1,4 @@
-//! Intervals: bootstrap over realisations, linear propagation, or the misfit, whichever the data allow.
+//! Intervals from a bootstrap over realisations, from linear propagation, or from the misfit, as the data permit.
 
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::projection::{Means, Minimum, Nodes, Search, Shape, is_interior};
 use crate::resample::{NORMAL_975, Strata, quantile, student_975};
 use crate::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
 
-/// One of the fitted numbers; terms are counted in the order of the shapes.
+/// One of the fitted numbers; terms are numbered in the order of the shapes.
 #[derive(Clone, Copy)]
 pub(crate) enum Quantity {
     Limit,
@@ -14,7 +14,7 @@ pub(crate) enum Quantity {
     Exponent(usize),
 }
 
-/// Where the uncertainties come from, ready to be asked for each quantity.
+/// The source of the uncertainties, with the data needed to evaluate them for each quantity.
 pub(crate) struct Errors<'a> {
     means: &'a Means,
     shapes: &'a [Shape],
@@ -119,7 +119,7 @@ impl<'a> Errors<'a> {
         }
     }
 
-    /// The row d(quantity)/d(kappa of each datum); `None` for an exponent that is given or at its bound.
+    /// The row d(quantity)/d(kappa of each datum); `None` for an exponent that is fixed or at its bound.
     fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
         let row = match quantity {
             Quantity::Limit => 0,

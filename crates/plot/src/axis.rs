@@ -1,8 +1,8 @@
-//! Ranges and ticks: round numbers, superscripts for powers of ten, true minus signs.
+//! Ranges and ticks of an axis: round numbers, superscripts for powers of ten, true minus signs.
 
 use super::{PlotError, Scale};
 
-/// An axis with its ends fixed and its ticks chosen.
+/// An axis with its range and its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     scale: Scale,
@@ -15,7 +15,7 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// `about` is the number of labels for which there is room.
+    /// Chooses the ticks; `about` is the number of labels for which there is room.
     pub(super) fn new(scale: Scale, range: [f64; 2], about: f64) -> Result<Self, PlotError> {
         let [low, high] = range;
         if !(low.is_finite() && high.is_finite() && low < high) {
@@ -28,7 +28,7 @@ impl Ticks {
         }
     }
 
-    /// 0 at the lower end, 1 at the upper; beyond them outside.
+    /// The position of a value along the axis: 0 at the lower end, 1 at the upper end.
     pub(super) fn fraction(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.scale {
@@ -47,7 +47,8 @@ impl Ticks {
             .unwrap_or((10.0, 5));
         let step = multiple * decade;
         let largest = low.abs().max(high.abs());
-        // Plain numbers from 0.001 to 99999; else a common power of ten, a multiple of three, that leaves 0.1 to 99.
+        // Numbers from 0.001 to 99999 are written in full; all others have a common power of ten, with an exponent
+        // divisible by three, that leaves 0.1 to 99.
         let power = if (1e-3..1e5).contains(&largest) { 0 } else { 3 * ((largest.log10() + 1.0) / 3.0).floor() as i32 };
         let unit = 10_f64.powi(power);
         let decimals = (-(step / unit * 1.000_001).log10().floor()).max(0.0) as usize;
@@ -81,7 +82,7 @@ impl Ticks {
             let minor = if every == 1 { between(&[2, 3, 4, 5, 6, 7, 8, 9]) } else { decades };
             (major.collect(), minor)
         } else {
-            // Fewer than three decades: label within them too, from sparse to dense.
+            // Fewer than three decades also get labels within a decade: the sparsest choice with three labels.
             let choices: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
             let enough = choices.iter().map(|digits| between(digits)).find(|positions| positions.len() >= 3);
             (enough.unwrap_or_else(|| between(choices[3])), between(choices[3]))
@@ -89,7 +90,7 @@ impl Ticks {
         let plain = positions.iter().all(|&value| (0.000_99..10_001.0).contains(&value)) && last - first < 4;
         let major: Vec<(f64, String)> = positions.into_iter().map(|v| (v, log_label(v, plain))).collect();
         if major.len() < 2 {
-            // A range within one decimal digit: linear labels on the logarithmic axis.
+            // A range within one decimal digit gets linear labels on the logarithmic axis.
             let linear = Self::linear(range, about);
             return Self { scale: Scale::Log, ..linear };
         }
@@ -109,7 +110,7 @@ fn log_label(value: f64, plain: bool) -> String {
     if digit == 1.0 { format!("10^{{{power}}}") } else { format!("{digit}×10^{{{power}}}") }
 }
 
-/// With a minus sign instead of a hyphen; no sign before zero.
+/// A number with a minus sign instead of a hyphen, and without a sign before zero.
 pub(super) fn minus(number: &str) -> String {
     match number.strip_prefix('-') {
         Some(digits) if digits.chars().all(|c| "0.".contains(c)) => digits.to_owned(),
@@ -118,7 +119,7 @@ pub(super) fn minus(number: &str) -> String {
     }
 }
 
-/// The range of an axis over some values, with room at both ends.
+/// The range of an axis that shows the values, with room at both ends; `None` without values.
 pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low > high {

@@ -23,9 +23,9 @@ pub const TWO_COLUMNS: f64 = 516.0;
 /// Panels side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// From left to right.
+    /// Panels from left to right.
     pub panels: Vec<Panel>,
-    /// Whether all panels have one common ordinate, labelled at the left.
+    /// True if all panels have one common ordinate, labelled at the left.
     pub share_y: bool,
     /// Width of the figure in points.
     pub width: f64,
@@ -34,7 +34,7 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// One panel fills a column, several fill two; several share their ordinate.
+    /// A chart one column wide if it has one panel, else two columns wide with a common ordinate.
     pub fn new(panels: Vec<Panel>) -> Self {
         let several = panels.len() > 1;
         Self { panels, share_y: several, width: if several { TWO_COLUMNS } else { COLUMN }, height: 150.0 }
@@ -76,7 +76,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
     let above = if titled || factored { LABEL + GAP + 1.0 } else { 0.0 };
     let top = EDGE + legend_height + above + 0.5 * TICK;
 
-    // Margins: tick labels and the label of the ordinate at the left, names of reference lines at the right.
+    // The margins hold tick labels and the label of the ordinate at the left, names of reference lines at the right.
     let lefts: Vec<f64> = (0..count)
         .map(|i| if i == 0 || !chart.share_y { left_margin(&y_ticks[i], &chart.panels[i].y) } else { 0.0 })
         .collect();
@@ -103,7 +103,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
     Ok(Drawing { width: chart.width, height: bottom, pictures: Vec::new(), elements: svg })
 }
 
-/// Every value is finite, and above zero on a logarithmic axis.
+/// Checks that every value is finite, and above zero on a logarithmic axis.
 fn check(panel: &Panel) -> Result<(), PlotError> {
     let one = |found: f64, axis: &Axis, place: &dyn Fn() -> String| {
         if !found.is_finite() {
@@ -122,7 +122,7 @@ fn check(panel: &Panel) -> Result<(), PlotError> {
             let place = || format!("point {i} of series \"{}\"", series.label);
             one(point.x, &panel.x, &place)?;
             one(point.y, &panel.y, &place)?;
-            // An error bar that reaches zero is cut at the frame, not refused.
+            // An error bar that reaches zero on a logarithmic axis is no error: it is clipped at the frame.
             for end in point.range.into_iter().flatten() {
                 one(end, &Axis::default(), &place)?;
             }
@@ -134,7 +134,7 @@ fn check(panel: &Panel) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// The ends of x and y for each panel.
+/// The ranges of x and y for each panel.
 fn ranges(chart: &Chart) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
     let xs = |panel: &Panel| -> Vec<f64> { panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.x)).collect() };
     let ys = |panel: &Panel| -> Vec<f64> {
@@ -204,7 +204,7 @@ fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: usize, bare
     }
 }
 
-/// Names of the reference lines at the right, moved apart where they would touch.
+/// Writes the names of the reference lines at the right, moved apart where they would overlap.
 fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
     let mut names: Vec<(f64, Text)> = panel
         .levels

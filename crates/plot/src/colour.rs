@@ -1,18 +1,18 @@
-//! Colours: eight that colour-blind readers tell apart, and a perceptually uniform scale.
+//! Colours: seven that colour-blind readers can distinguish, and a perceptually uniform scale.
 
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
 
-/// Text, axes, first choice.
+/// Colour of text and axes.
 pub(super) const INK: Rgb = [0x22, 0x22, 0x22];
 
-/// Reference lines and their labels.
+/// Colour of reference lines and their labels.
 pub(super) const REFERENCE: Rgb = [0x6b, 0x6b, 0x6b];
 
-/// Where there is nothing to show on a map.
+/// Colour of uncoloured points on a map.
 pub(super) const PALE: Rgb = [0xe9, 0xe9, 0xe6];
 
-/// Okabe and Ito's colours (Color Universal Design, 2008) without yellow, which is too light for lines; darkest first.
+/// Okabe and Ito's colours (Color Universal Design, 2008) without yellow, which is too light for lines.
 const HUES: [Rgb; 7] = [
     [0x00, 0x72, 0xb2],
     [0xd5, 0x5e, 0x00],
@@ -31,12 +31,12 @@ pub(super) fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The scale of the maps at 0 to 1: viridis, dark to light, equal steps look equal.
+/// The colour of the maps at a fraction from 0 to 1: viridis, dark to light, perceptually uniform.
 pub(super) fn sequential(fraction: f64) -> Rgb {
     colorous::VIRIDIS.eval_continuous(fraction.clamp(0.0, 1.0)).as_array()
 }
 
-/// `share` of `a` over `b`, mixed as light mixes.
+/// The mixture of `share` of `a` with 1 − `share` of `b`, linear in light intensity.
 pub(super) fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
     let light = |c: u8| (f64::from(c) / 255.0).powf(2.2);
     let channel = |a, b| (255.0 * (share * light(a) + (1.0 - share) * light(b)).powf(1.0 / 2.2)).round() as u8;

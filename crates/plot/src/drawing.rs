@@ -1,4 +1,4 @@
-//! A finished figure: SVG text and the images in it; PNG by `resvg` with the bundled font alone.
+//! A finished figure: SVG text with embedded images, rendered to PNG by `resvg` with the bundled font only.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,22 +18,22 @@ const RESOLUTION: f64 = 300.0;
 /// Points per inch.
 const POINTS: f64 = 72.0;
 
-/// A rectangle of pixels, first row at the top.
+/// An image in the drawing; its first row is at the top.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
-    /// Left, top, width and height in the drawing, points.
+    /// Left, top, width and height in the drawing, in points.
     pub(super) frame: [f64; 4],
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) pixels: Vec<Rgb>,
 }
 
-/// Everything in points, y downwards.
+/// A figure; all lengths are in points, y points downwards.
 #[derive(Clone, Debug)]
 pub(super) struct Drawing {
     pub(super) width: f64,
     pub(super) height: f64,
-    /// Under the elements.
+    /// Images, drawn below the elements.
     pub(super) pictures: Vec<Picture>,
     pub(super) elements: String,
 }
@@ -69,7 +69,7 @@ impl Drawing {
         for picture in &self.pictures {
             picture.paint(&mut page, scale).ok_or_else(|| render(&"a picture has no area"))?;
         }
-        // `usvg` counts in its own pixels.
+        // `usvg` has converted points to pixels of its own size.
         let stretch = width as f32 / tree.size().width();
         resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
         let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
@@ -102,7 +102,7 @@ impl Drawing {
 }
 
 impl Picture {
-    /// Pixels so large that they are meant to be seen.
+    /// True if the pixels are so large that they should be visible as squares.
     fn is_coarse(&self) -> bool {
         self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
     }

@@ -1,40 +1,48 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why there is no figure.
+/// Reason why a figure cannot be drawn or saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// Nothing to draw.
+    /// There is nothing to draw.
     #[error("nothing to plot: {what}")]
     Empty {
-        /// What is missing.
+        /// Description of the missing data.
         what: &'static str,
     },
-    /// A value that is not a number.
-    #[error("cannot plot {found} in {place}; finite numbers are allowed")]
+    /// A value is not finite.
+    #[error("{place} is {found}; it must be finite")]
     NotFinite {
-        /// What was found.
+        /// The value.
         found: f64,
-        /// Where.
+        /// Its place in the figure.
         place: String,
     },
-    /// A value at or below zero on a logarithmic axis.
-    #[error("cannot plot {found} in {place} on a logarithmic axis; numbers above zero are allowed")]
+    /// A value on a logarithmic axis is not positive.
+    #[error("{place} is {found}; it must be above zero on a logarithmic axis")]
     NotPositive {
-        /// What was found.
+        /// The value.
         found: f64,
-        /// Where.
+        /// Its place in the figure.
         place: String,
     },
-    /// An axis from and to the same place, or backwards.
-    #[error("an axis from {} to {} asked; the second end must be above the first", range[0], range[1])]
+    /// The range of an axis is empty or reversed, or not positive on a logarithmic axis.
+    #[error(
+        "the range of an axis is {} to {}; it must be finite and increasing, and above zero if logarithmic",
+        range[0],
+        range[1]
+    )]
     BadRange {
-        /// What was found.
+        /// Lower and upper end.
         range: [f64; 2],
     },
-    /// A field that does not fill its grid.
-    #[error("{found} values for a map of {} x {}; at least 2 x 2 are needed, one value each", shape[0], shape[1])]
+    /// The number of values does not match the grid, or the grid is too small.
+    #[error(
+        "a map of {} x {} points has {found} values; it must have one value per point and at least 2 x 2 points",
+        shape[0],
+        shape[1]
+    )]
     Shape {
         /// Number of values.
         found: usize,
@@ -44,15 +52,15 @@ pub enum PlotError {
     /// The drawing could not be turned into an image.
     #[error("cannot render the figure: {reason}")]
     Render {
-        /// In the words of the library.
+        /// Message of the library.
         reason: String,
     },
     /// The file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

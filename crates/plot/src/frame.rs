@@ -1,4 +1,4 @@
-//! A pair of axes in the drawing: the box, its ticks and their labels.
+//! A pair of axes in the drawing: box, ticks and labels.
 
 use std::fmt::Write;
 
@@ -7,17 +7,17 @@ use super::axis::Ticks;
 use super::colour::{INK, hex};
 use super::text::{Anchor, Text, number};
 
-/// Font sizes, points.
+/// Font sizes in points.
 pub(super) const LABEL: f64 = 8.0;
 pub(super) const TICK: f64 = 7.0;
 
-/// Lengths, points.
+/// Lengths in points.
 pub(super) const GAP: f64 = 3.0;
 pub(super) const EDGE: f64 = 4.0;
 const MAJOR: f64 = 3.2;
 const MINOR: f64 = 1.8;
 
-/// Where a pair of axes lies in the drawing.
+/// A pair of axes and its position in the drawing, in points.
 pub(super) struct Frame {
     pub(super) left: f64,
     pub(super) top: f64,
@@ -29,7 +29,7 @@ pub(super) struct Frame {
 
 impl Frame {
     pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        // Far outside is as good as infinitely far, and SVG renderers prefer it.
+        // Points far outside are clipped anyway, and SVG renderers need moderate coordinates.
         let far = |fraction: f64| fraction.clamp(-50.0, 50.0);
         (self.left + far(self.x.fraction(x)) * self.width, self.top + (1.0 - far(self.y.fraction(y))) * self.height)
     }
@@ -41,7 +41,7 @@ pub(super) fn left_margin(ticks: &Ticks, axis: &Axis) -> f64 {
     widest + GAP + label
 }
 
-/// The box, its ticks, their labels and the labels of the axes; without `y` the ordinate has no words.
+/// Draws the box, the ticks and all labels; without `y` the ordinate has no labels.
 pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: &Axis, y: Option<&Axis>) {
     let Frame { left, top, width, height, .. } = frame;
     let (right, bottom) = (left + width, top + height);

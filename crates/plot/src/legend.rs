@@ -1,4 +1,4 @@
-//! The legend: each label once, with the marks that carry it.
+//! The legend: each label once, with the marks of all series of that label.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use super::{Mark, Panel, Series};
 
 const SAMPLE: f64 = 16.0;
 
-/// What the legend names: each label once, with all marks that carry it, by colour.
+/// A label of the legend, with the marks of all series of that label, by colour.
 pub(super) struct Entry {
     text: Text,
     samples: Vec<Vec<Series>>,
@@ -46,7 +46,7 @@ pub(super) fn legend(panels: &[Panel]) -> Vec<Entry> {
     entries.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// Rows of entries that fit into `width`, and their height.
+/// Rows of entries that fit into `width`, and the height of all rows.
 pub(super) fn arrange(entries: &[Entry], width: f64) -> (Vec<Vec<&Entry>>, f64) {
     let mut rows: Vec<Vec<&Entry>> = Vec::new();
     let mut used = f64::INFINITY;

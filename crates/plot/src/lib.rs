@@ -1,12 +1,13 @@
-//! Figures for print: charts with error bars and reference lines, maps of fields, as SVG and PNG. Numbers and words in,
-//! no physics here.
+//! Figures for print as SVG and PNG: charts with error bars and reference lines, and maps of fields. The input is
+//! numbers and labels; this crate knows no physics.
 //!
-//! One look for all: Arimo 8 pt (bundled, with the widths of Arial, so no system font is needed and both files look the
-//! same), the colour-blind-safe colours of Okabe and Ito, ticks inside on all sides, true minus signs and superscripts.
-//! Sizes are those of journal columns; PNG files have 300 dots per inch. Equal input gives equal bytes.
+//! All figures have one style: Arimo 8 pt (bundled, so that no system font is needed, and as wide as Arial, so that the
+//! SVG and the PNG agree), the colour-blind-safe colours of Okabe and Ito, ticks inside on all sides, true minus signs
+//! and superscripts. The sizes are those of journal columns; PNG files have 300 dots per inch. Equal input gives equal
+//! bytes.
 //!
-//! Words may contain markup: `*kappa*` is italic, `a_r`, `10^{-3}` are sub- and superscripts, `\` takes the next
-//! character as it is.
+//! Labels may contain markup: `*kappa*` is italic, `a_r` and `10^{-3}` are sub- and superscripts, `\` takes the next
+//! character literally.
 //!
 //! ```
 //! use gfmd_plot::{Axis, Chart, Level, Panel, Point, Series};

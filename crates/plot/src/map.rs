@@ -1,4 +1,4 @@
-//! A field on a plane, coloured, in its physical axes, with a colour bar.
+//! Colour maps of fields on a plane, with axes in physical units and a colour bar.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -11,17 +11,18 @@ use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
 use super::text::{Anchor, Text, number};
 use super::{Axis, PlotError, Scale};
 
-/// More pixels than this along one side are not seen in print at one column width.
+/// Largest number of pixels along one side: more are not visible in print at one column width.
 const PIXELS: usize = 1024;
 
+/// Width of the colour bar in points.
 const BAR: f64 = 9.0;
 
 /// A map of values on a regular grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map<'a> {
-    /// Row-major `[x, y]`.
+    /// Values, row-major `[x, y]`.
     pub values: &'a [f64],
-    /// Points along x and y.
+    /// Number of points along x and y.
     pub shape: [usize; 2],
     /// Length along x and y.
     pub size: [f64; 2],
@@ -31,26 +32,26 @@ pub struct Map<'a> {
     pub y: String,
     /// Label of the colour bar.
     pub label: String,
-    /// Values that are not coloured.
+    /// Values that are drawn pale instead of coloured.
     pub below: Option<Below>,
-    /// Ends of the colours; from the values if absent. Values beyond an end take its colour, and the bar has a point
-    /// there.
+    /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
+    /// bar then has a triangle there.
     pub range: Option<[f64; 2]>,
     /// Width of the figure in points.
     pub width: f64,
 }
 
-/// Values up to a threshold are drawn pale, as the absence of something.
+/// A class of values up to a threshold that is drawn pale, such as "no contact".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Below {
-    /// The largest value of this kind.
+    /// The largest value of the class.
     pub threshold: f64,
     /// Its name beside the colour bar.
     pub label: String,
 }
 
 impl<'a> Map<'a> {
-    /// A map of `values` on a cell of `size`, one column wide, coloured over its whole range.
+    /// A map of `values` on a cell of `size`, one column wide, with all values coloured.
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
         Self { values, shape, size, x, y, label, below: None, range: None, width: COLUMN }
@@ -62,7 +63,7 @@ impl<'a> Map<'a> {
 }
 
 impl Map<'_> {
-    /// The figure as SVG text, the field in it as an embedded PNG image.
+    /// The figure as SVG text, with the field as an embedded PNG image.
     pub fn svg(&self) -> Result<String, PlotError> {
         Ok(draw(self)?.svg())
     }
@@ -93,11 +94,12 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let bar_labels = bar_ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
     let below_label = map.below.as_ref().map_or(0.0, |below| Text::new(&below.label, TICK).width());
     let y_label = Axis::linear(&map.y);
-    // The height follows from the width, and the ticks from the height; their labels hardly change in width.
+    // The height follows from the width, and the final ticks from the height. The margin is computed from preliminary
+    // ticks, whose labels have about the width of the final ones.
     let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
     let left = EDGE + left_margin(&ticks([0.0, map.size[1]], 4.0)?, &y_label);
     let width = (map.width - left - right - EDGE).max(40.0);
-    // Not so flat that the labels along y have no room.
+    // A flat map is stretched so that the labels along y fit.
     let lowest = Text::new(&map.y, LABEL).width().max(Text::new(&map.label, LABEL).width()).min(width);
     let height = (width * map.size[1] / map.size[0]).clamp(lowest, 3.0 * width);
     let (x, y) = (ticks([0.0, map.size[0]], width / 40.0)?, ticks([0.0, map.size[1]], height / 40.0)?);
@@ -112,10 +114,10 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     Ok(Drawing { width: map.width, height: bottom, pictures: vec![picture], elements: svg })
 }
 
-/// The ends of the colours, and whether values lie beyond the lower and the upper one.
+/// The range of the colour scale, and two flags: values lie below it, values lie above it.
 ///
-/// A field with singular edges has a few values far above the rest: without a given range the scale ends where 99.5 %
-/// of the coloured values are below, if the largest is more than half as far again.
+/// A field with singular edges has a few extremely large values. Unless the range is given, the scale therefore ends at
+/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
@@ -137,7 +139,8 @@ fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     Ok((range, [least < range[0], most > range[1]]))
 }
 
-/// One pixel per block of points: the colour of the mean over its coloured points, over the pale ground by their share.
+/// The image with one pixel per block of points: the colour of the mean over its coloured points, mixed with the pale
+/// colour in proportion to their number.
 fn paint(map: &Map, range: [f64; 2], frame: [f64; 4]) -> Picture {
     let [nx, ny] = map.shape;
     let block = [nx.div_ceil(PIXELS), ny.div_ceil(PIXELS)];
@@ -171,7 +174,7 @@ fn paint(map: &Map, range: [f64; 2], frame: [f64; 4]) -> Picture {
 fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
     let ink = hex(INK);
     let left = frame.left + frame.width + 3.0 * GAP;
-    // Room below for the swatch of what is not coloured, and for the points of a range that is exceeded.
+    // Space below for the pale swatch, and for the triangles of values beyond the range.
     let swatch = if map.below.is_some() { 0.8 * BAR + 2.0 * GAP } else { 0.0 };
     let points = beyond.map(|beyond| if beyond { BAR } else { 0.0 });
     let (top, bottom) = (frame.top + points[1], frame.top + frame.height - swatch - points[0]);

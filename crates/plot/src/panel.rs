@@ -12,28 +12,28 @@ pub struct Point {
 }
 
 impl Point {
-    /// Without an error bar.
+    /// A point without an error bar.
     pub fn new(x: f64, y: f64) -> Self {
         Self { x, y, range: None }
     }
 
-    /// With the error bar y - error to y + error.
+    /// A point with an error bar from y - error to y + error.
     pub fn with_error(x: f64, y: f64, error: f64) -> Self {
         Self { x, y, range: Some([y - error, y + error]) }
     }
 
-    /// With the error bar from `range[0]` to `range[1]`.
+    /// A point with an error bar from `range[0]` to `range[1]`.
     pub fn within(x: f64, y: f64, range: [f64; 2]) -> Self {
         Self { x, y, range: Some(range) }
     }
 }
 
-/// How a series is drawn.
+/// Style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// A symbol at each point; error bars where there are errors.
+    /// A symbol at each point, with error bars.
     Points,
-    /// A hollow symbol at each point, for what is derived, not measured.
+    /// A hollow symbol at each point, for derived instead of measured values.
     HollowPoints,
     /// A line from point to point.
     Line,
@@ -43,14 +43,14 @@ pub enum Mark {
     JoinedPoints,
 }
 
-/// Points that belong together.
+/// Points of one label, colour and style.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Its name in the legend; none if empty.
+    /// Name in the legend; no entry if empty.
     pub label: String,
-    /// Index of its colour and symbol; a fit takes that of its data.
+    /// Index of the colour and symbol; a fit has the index of its data.
     pub hue: usize,
-    /// Symbols or lines.
+    /// Style: symbols or lines.
     pub mark: Mark,
     /// The points, in the order of the line.
     pub points: Vec<Point>,
@@ -69,22 +69,22 @@ impl Series {
     }
 }
 
-/// A horizontal reference: a line, or a band if it has a width.
+/// A horizontal reference line, or a band if its two ends differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Lower and upper end; equal for a line.
+    /// Lower and upper end; they are equal for a line.
     pub range: [f64; 2],
-    /// Written at the right of the axes.
+    /// Label at the right of the axes.
     pub label: String,
 }
 
 impl Level {
-    /// A line.
+    /// A line at `y`.
     pub fn line(y: f64, label: &str) -> Self {
         Self { range: [y, y], label: label.into() }
     }
 
-    /// A band.
+    /// A band over `range`.
     pub fn band(range: [f64; 2], label: &str) -> Self {
         Self { range, label: label.into() }
     }
@@ -112,26 +112,26 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Linear, range from the data.
+    /// A linear axis with its range from the data.
     pub fn linear(label: &str) -> Self {
         Self { label: label.into(), scale: Scale::Linear, range: None }
     }
 
-    /// Logarithmic, range from the data.
+    /// A logarithmic axis with its range from the data.
     pub fn log(label: &str) -> Self {
         Self { label: label.into(), scale: Scale::Log, range: None }
     }
 
-    /// The same with given ends.
+    /// This axis with a given range.
     pub fn over(self, range: [f64; 2]) -> Self {
         Self { range: Some(range), ..self }
     }
 }
 
-/// One pair of axes and what is drawn in it.
+/// One pair of axes with its data.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
-    /// Written above the axes, if not empty.
+    /// Title above the axes; none if empty.
     pub title: String,
     /// Abscissa.
     pub x: Axis,

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use super::text::number;
 
-/// Half the size of a symbol, points.
+/// Half the size of a symbol, in points.
 pub(super) const SYMBOL: f64 = 2.3;
 
-/// The outline of a symbol; each colour has its own, so that a figure can be read without colours.
+/// The outline of a symbol; each colour has its own symbol, so that a figure can be read without colours.
 pub(super) fn symbol(hue: usize, (x, y): (f64, f64)) -> String {
     let polygon = |corners: &[(f64, f64)]| {
         let mut path = String::new();

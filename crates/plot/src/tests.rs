@@ -1,6 +1,6 @@
 use super::*;
 
-/// A chart with all that charts have: levels, bands, both kinds of marks, a shared ordinate, a legend.
+/// A chart with all features: levels, bands, all marks, a shared ordinate, a legend.
 fn everything() -> Chart {
     let panel = |title: &str, axis: &str| Panel {
         title: title.into(),
@@ -57,7 +57,7 @@ fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     (info.width, info.height, pixels)
 }
 
-/// The words of each `<text>` of an SVG, in order; panics if the text is not well-formed XML.
+/// The text of each `<text>` element of an SVG, in order; panics if the SVG is not well-formed XML.
 fn words(svg: &str) -> Vec<String> {
     let document = resvg::usvg::roxmltree::Document::parse(svg).unwrap();
     let texts = document.descendants().filter(|node| node.has_tag_name("text"));
@@ -119,7 +119,7 @@ fn images_have_300_dots_per_inch_and_ink() {
         let dark = pixels.chunks_exact(3).filter(|p| p.iter().all(|&c| c < 100)).count() as f64;
         let share = dark / f64::from(columns * rows);
         assert!((0.003..0.1).contains(&share), "axes and words cover {share}");
-        // Nothing touches the edge: neither words nor lines are cut off.
+        // The edge is blank: neither text nor lines are cut off.
         let edge = |i: usize| {
             let (x, y) = (i as u32 % columns, i as u32 / columns);
             x < 3 || y < 3 || x + 3 >= columns || y + 3 >= rows
@@ -183,7 +183,7 @@ fn maps_lie_the_right_way_round() {
     assert_eq!((picture.columns, picture.rows), (8, 4));
     assert_eq!(picture.pixels[0], colour::sequential(1.0));
     assert!(picture.pixels[1..].iter().all(|&pixel| pixel == colour::PALE));
-    // The same in the rendered page.
+    // The rendered page has these colours, too.
     let (columns, _, pixels) = decode(&map.png().unwrap());
     let scale = 300.0 / 72.0;
     let [left, top, width, height] = picture.frame;
@@ -197,7 +197,7 @@ fn maps_lie_the_right_way_round() {
     approx::assert_relative_eq!(width / height, 2.0, max_relative = 1e-9);
 }
 
-/// Of a flat section in its true proportions, not even the labels would be seen.
+/// A flat section in its true proportions would have no room for its labels.
 #[test]
 fn a_flat_map_is_high_enough_for_its_labels() {
     let field = bumps(64, 4);
@@ -222,7 +222,7 @@ fn blocks_of_points_become_one_pixel_of_their_mean_and_share() {
 }
 
 #[test]
-fn a_few_singular_values_do_not_eat_the_colours() {
+fn a_few_singular_values_do_not_set_the_colour_range() {
     let mut field: Vec<f64> = (0..10_000).map(|i| f64::from(i) / 10_000.0).collect();
     let plain = pressure_map(&field, [100, 100]).svg().unwrap();
     field[17] = 1e6;
@@ -233,20 +233,20 @@ fn a_few_singular_values_do_not_eat_the_colours() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn invalid_input_is_refused() {
     let with = |change: &dyn Fn(&mut Panel)| {
         let mut chart = residuals();
         change(&mut chart.panels[0]);
         chart.svg().unwrap_err().to_string()
     };
     let line = with(&|panel| panel.series[0].points[3].y = f64::NAN);
-    assert_eq!(line, "cannot plot NaN in point 3 of series \"projected CG\"; finite numbers are allowed");
+    assert_eq!(line, "point 3 of series \"projected CG\" is NaN; it must be finite");
     let line = with(&|panel| panel.series[0].points[3].y = 0.0);
-    assert!(line.ends_with("on a logarithmic axis; numbers above zero are allowed"), "{line}");
+    assert!(line.ends_with("is 0; it must be above zero on a logarithmic axis"), "{line}");
     assert!(with(&|panel| panel.levels[0].range = [f64::INFINITY; 2]).contains("reference \"tolerance\""));
     assert!(with(&|panel| panel.series[0].points[0].range = Some([f64::NAN, 1.0])).contains("NaN"));
     assert_eq!(with(&|panel| panel.series.clear()), "nothing to plot: a panel has no points");
-    assert!(with(&|panel| panel.x.range = Some([1.0, 1.0])).starts_with("an axis from 1 to 1 asked"));
+    assert!(with(&|panel| panel.x.range = Some([1.0, 1.0])).starts_with("the range of an axis is 1 to 1;"));
     assert!(matches!(Chart::new(vec![]).png(), Err(PlotError::Empty { .. })));
 
     let field = bumps(4, 4);
@@ -265,7 +265,7 @@ fn what_cannot_be_drawn_is_refused() {
 
 #[test]
 fn degenerate_data_are_drawn() {
-    // One point, equal points, a constant field, no contact at all, error bars beyond zero on a logarithmic axis.
+    // One point, equal points, a constant field, no contact, error bars beyond zero on a logarithmic axis.
     let one = |y: Axis, points: Vec<Point>| {
         Chart::new(vec![Panel {
             x: Axis::linear("x"),

@@ -1,4 +1,4 @@
-//! Words with italics, sub- and superscripts: parsed, measured with the bundled font, written as SVG.
+//! Text with italics, sub- and superscripts: parsed, measured with the bundled font, written as SVG.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -8,10 +8,10 @@ use ttf_parser::Face;
 pub(super) const REGULAR: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
 pub(super) const ITALIC: &[u8] = include_bytes!("../fonts/Arimo-Italic.ttf");
 
-/// The bundled font first, then fonts of the same widths.
+/// The bundled font, followed by fonts with equal widths.
 pub(super) const FAMILY: &str = "Arimo, Liberation Sans, Arial, Helvetica, sans-serif";
 
-/// Size of sub- and superscripts, and how far they are moved, as fractions of the font size.
+/// Size and vertical offsets of sub- and superscripts, as fractions of the font size.
 const SCRIPT_SIZE: f64 = 0.72;
 const RAISE: f64 = 0.36;
 const LOWER: f64 = 0.2;
@@ -34,7 +34,7 @@ struct Run {
     level: Level,
 }
 
-/// Where a piece of text is fixed.
+/// The point of a text that is placed at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -42,7 +42,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A piece of text, parsed.
+/// A parsed piece of text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Text {
     runs: Vec<Run>,
@@ -88,7 +88,7 @@ impl Text {
         self.runs.iter().map(width).collect()
     }
 
-    /// Start of each run, and the end of the whole. A superscript after a subscript stands above it.
+    /// Start of each run, and the end of the text. A superscript after a subscript stands above it.
     fn starts(&self) -> (Vec<f64>, f64) {
         let (mut x, mut end) = (0.0, 0.0_f64);
         let mut starts = Vec::with_capacity(self.runs.len());
@@ -112,10 +112,10 @@ impl Text {
         self.runs.iter().map(|run| run.text.as_str()).collect()
     }
 
-    /// One `<text>` element, its baseline through (x, y), turned by `angle` degrees about that point.
+    /// Writes one `<text>` element with its baseline through (x, y), rotated by `angle` degrees about that point.
     ///
-    /// Runs follow each other as the viewer's font has it, moved only to return from scripts: with another font than the
-    /// bundled one words become wider, not overlapping.
+    /// Runs have relative positions, given only where a script ends: in a viewer with another font the text becomes
+    /// wider or narrower, but runs do not overlap.
     pub(super) fn write(&self, svg: &mut String, x: f64, y: f64, anchor: Anchor, angle: f64, fill: &str) {
         let _ =
             write!(svg, r#"<text x="{}" y="{}" font-size="{}" fill="{fill}""#, number(x), number(y), number(self.size));
@@ -159,7 +159,7 @@ impl Text {
     }
 }
 
-/// Advance of a character as a fraction of the font size.
+/// The advance width of a character as a fraction of the font size.
 fn advance(c: char, italic: bool) -> f64 {
     let Some(faces) = FACES.as_ref() else { return 0.55 };
     let face = &faces[usize::from(italic)];
@@ -167,7 +167,7 @@ fn advance(c: char, italic: bool) -> f64 {
     advance.map_or(0.55, |advance| f64::from(advance) / f64::from(face.units_per_em()))
 }
 
-/// A coordinate with as many digits as are seen.
+/// A coordinate rounded to 0.01 points, without trailing zeros.
 pub(super) fn number(value: f64) -> String {
     let mut text = format!("{value:.2}");
     while text.ends_with('0') {
@@ -179,7 +179,7 @@ pub(super) fn number(value: f64) -> String {
     if text == "-0" { "0".into() } else { text }
 }
 
-/// As XML character data; characters that XML forbids are left out.
+/// Text escaped as XML character data; characters that XML forbids are left out.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! Bounds that act by a force, so that the inertia may be a matrix.
+//! Augmented Lagrangian: the bounds are replaced by a force, so that the inertia may be a matrix.
 
 use gfmd_vector::{for_each, pass};
 
@@ -7,13 +7,13 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// A convex energy U(u) = ½⟨u, K u⟩ − ⟨b, u⟩ with bounds on u, that can be minimised together with springs of one
-/// stiffness ϱ tied to every entry.
+/// A convex energy U(u) = ½⟨u, K u⟩ − ⟨b, u⟩ with bounds on u, whose sum with springs of stiffness ϱ on every entry can
+/// be minimised directly.
 pub trait Proximal {
     /// Number of entries of u.
     fn len(&self) -> usize;
 
-    /// Whether there is nothing to minimise.
+    /// True if there are no entries.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -21,26 +21,26 @@ pub trait Proximal {
     /// The allowed values of u.
     fn bounds(&self) -> Bounds<'_>;
 
-    /// The stiffness ϱ of the springs; between the softest and the stiffest mode is best.
+    /// The stiffness ϱ of the springs; the best value is between those of the softest and the stiffest mode.
     fn penalty(&self) -> f64;
 
-    /// `u` ← (K + ϱ)⁻¹ (b + ϱ `anchor`): the minimum of U + ϱ/2 |u − anchor|², bounds apart.
+    /// `u` ← (K + ϱ)⁻¹ (b + ϱ `anchor`): the minimum of U + ϱ/2 |u − anchor|² without bounds.
     fn settle(&mut self, anchor: &[f64], u: &mut [f64]);
 
-    /// Dimensionless distance from the solution, judged from how far the two positions w and u of
-    /// [`AugmentedLagrangian`] are apart.
+    /// Dimensionless distance from the solution, computed from the difference of the two positions w and u of
+    /// [`AugmentedLagrangian`].
     fn residual(&self, mismatch: &[f64]) -> f64;
 }
 
-/// A [`Proximal`] problem as a [`Landscape`] without bounds, whose inertia is K + ϱ and whose bounds act by a force: the
+/// A [`Proximal`] problem as a [`Landscape`] without bounds, with inertia K + ϱ and a force in place of the bounds: the
 /// augmented Lagrangian with the multiplier λ = ϱ (v − w) updated at every step (theory.md, section 6.3).
 ///
-/// Its entries v are those of the surface w = Π v, and how far they go beyond their bounds is the reaction λ there.
-/// The force is M⁻¹ (b − K w − λ) with M = K + ϱ, which needs M⁻¹ only once: it is u − w, with u = M⁻¹ (b + ϱ (w − λ/ϱ)).
-/// Where it vanishes, b − K w = λ: no force on free entries, and one that presses on those at a bound. Steps
-/// v + τ M⁻¹ f with 0 < τ < 2 converge from anywhere, for every ϱ (Douglas and Rachford 1956, Lions and Mercier 1979);
-/// [`Nesterov`](crate::Nesterov) makes them fast. There is no energy: in its place stands ½ ϱ |u − w|², which goes
-/// down in every plain step.
+/// The position is w = Π v; the excess of v over the bounds is the reaction λ divided by ϱ. The force is M⁻¹ (b − K w −
+/// λ) with M = K + ϱ, which needs M⁻¹ only once: it is u − w, with u = M⁻¹ (b + ϱ (w − λ/ϱ)). If it vanishes, b − K w =
+/// λ: free entries have no force, and entries at a bound are pressed against it. Steps v + τ M⁻¹ f with 0 < τ < 2
+/// converge from any start for every ϱ (Douglas and Rachford 1956, Lions and Mercier 1979);
+/// [`Nesterov`](crate::Nesterov) accelerates them. There is no energy; its substitute ½ ϱ |u − w|² decreases in every
+/// step without momentum.
 #[derive(Clone, Debug)]
 pub struct AugmentedLagrangian<P> {
     problem: P,
@@ -59,12 +59,12 @@ impl<P: Proximal> AugmentedLagrangian<P> {
         &self.problem
     }
 
-    /// The problem, to change what leaves its solution where it is.
+    /// The problem, for changes that do not change its solution.
     pub fn problem_mut(&mut self) -> &mut P {
         &mut self.problem
     }
 
-    /// λ = ϱ (v − Π v), what the bounds exert against being exceeded: positive at an upper bound.
+    /// The reaction λ = ϱ (v − Π v) of the bounds, positive at an upper bound.
     pub fn reaction(&self, v: &[f64]) -> Vec<f64> {
         let mut reaction = v.to_vec();
         self.problem.bounds().project(&mut reaction);

@@ -1,4 +1,4 @@
-//! What a landscape allows: each entry between a lower and an upper bound.
+//! Bounds of a landscape: a lower and an upper bound for each entry.
 
 use std::ops::Range;
 
@@ -6,12 +6,12 @@ use gfmd_vector::{for_each, reduce};
 
 use crate::RelaxError;
 
-/// Where the entries of `u` may lie. Vectors hold one bound per entry, in the unit of `u`; ±∞ leaves a side open, and
-/// equal bounds hold the entry fixed.
+/// The bounds of the entries of `u`. Vectors contain one bound per entry, in the unit of `u`; ±∞ means no bound, and
+/// equal bounds fix the entry.
 ///
-/// Bounds are data, not a function, so that clipping, masking and moving are one sweep over the vectors. They act entry
-/// by entry, and so do the methods of this crate with their scalar mass: only then is the point where clipped steps
-/// stop the constrained minimum (theory.md, section 6.3).
+/// Bounds are data, not a function, so that clipping, masking and moving are one sweep over the vectors. They act on
+/// each entry separately, and so do the methods of this crate with their scalar mass: only then do clipped steps stop
+/// at the constrained minimum (theory.md, section 6.3).
 #[derive(Clone, Copy, Debug)]
 pub enum Bounds<'a> {
     /// Every value is allowed.
@@ -44,21 +44,21 @@ impl Bounds<'_> {
         within!(*self, wall => clip(wall, u));
     }
 
-    /// Largest |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`,
-    /// (upper − u) / `length_scale`): zero exactly where the constrained minimum is (theory.md, section 6.6). It sees a
-    /// force on a free entry, an entry held back by its bound, and a bound that is exceeded. NaN if any entry is NaN.
+    /// Largest |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`, (upper − u) /
+    /// `length_scale`), which vanishes exactly at the constrained minimum (theory.md, section 6.6). It measures forces
+    /// on free entries, forces that pull entries off their bounds, and violated bounds. NaN if any entry is NaN.
     ///
     /// # Panics
     /// If `u`, `force` and the bounds differ in length.
     pub fn natural_residual(&self, u: &[f64], force: &[f64], force_scale: f64, length_scale: f64) -> f64 {
         fn largest(wall: impl Wall, u: &[f64], force: &[f64], length_per_force: f64) -> f64 {
-            assert_eq!(u.len(), force.len(), "displacement and force have the same length");
+            assert_eq!(u.len(), force.len(), "displacement and force have equal lengths");
             let leaf = |range: Range<usize>| {
                 let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
                 u.iter().zip(force).enumerate().fold(0, |largest, (k, (&u, &f))| {
                     let (down, up) = wall.room(k, u);
                     let residual = if u.is_nan() { u } else { clamp(f * length_per_force, down, up) };
-                    // Bit patterns of positive numbers are ordered as the numbers are, and NaN comes last.
+                    // Bit patterns of positive numbers have the order of the numbers, with NaN last.
                     u64::max(largest, residual.abs().to_bits())
                 })
             };
@@ -68,7 +68,7 @@ impl Bounds<'_> {
         within!(*self, wall => largest(wall, u, force, length_per_force)) / length_scale
     }
 
-    /// Whether its bound holds the entry `index`: it lies on it and its force does not pull it off.
+    /// True if the entry `index` is held by its bound: it lies on the bound and its force does not pull it off.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -76,7 +76,7 @@ impl Bounds<'_> {
         within!(*self, wall => wall.holds(index, u, force))
     }
 
-    /// An error unless there is one bound per entry, none is NaN, and each lower bound is at most the upper one.
+    /// Checks that there is one bound per entry, that none is NaN, and that no lower bound exceeds the upper one.
     pub(crate) fn check(&self, length: usize) -> Result<(), RelaxError> {
         self.check_length(length)?;
         let wrong = match *self {
@@ -103,7 +103,8 @@ impl Bounds<'_> {
     }
 }
 
-/// Evaluates an expression with `wall` the [`Wall`] of the bounds: one copy of the expression per kind.
+/// Evaluates an expression with `wall` bound to the [`Wall`] of the bounds: one copy of the expression per kind of
+/// bounds.
 macro_rules! within {
     ($bounds:expr, $wall:ident => $body:expr) => {
         match $bounds {
@@ -124,18 +125,18 @@ macro_rules! within {
 }
 pub(crate) use within;
 
-/// The bounds as the inner loops see them: one type per kind, so that no loop branches on the kind and none streams a
-/// vector that is not there.
+/// The bounds in inner loops: one type per kind, so that no loop branches on the kind or reads a vector that it does
+/// not need.
 pub(crate) trait Wall: Copy + Sync {
     /// The wall of the entries in `range`.
     fn stretch(self, range: Range<usize>) -> Self;
     /// The nearest allowed value.
     fn clip(self, k: usize, u: f64) -> f64;
-    /// Whether u lies on its bound.
+    /// True if u lies on its bound.
     fn touches(self, k: usize, u: f64) -> bool;
-    /// Whether u lies on its bound and the force does not pull it off.
+    /// True if u lies on its bound and the force does not pull it off.
     fn holds(self, k: usize, u: f64, force: f64) -> bool;
-    /// How far u may move down (≤ 0) and up (≥ 0).
+    /// The largest allowed moves of u, down (≤ 0) and up (≥ 0).
     fn room(self, k: usize, u: f64) -> (f64, f64);
 }
 
@@ -214,7 +215,7 @@ impl Wall for Inside<'_> {
     }
 }
 
-/// As `f64::clamp`, but never panics; NaN stays NaN, where `f64::min` would return the bound and hide it.
+/// As `f64::clamp`, but without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
 fn clamp(x: f64, lower: f64, upper: f64) -> f64 {
     let x = if x > upper { upper } else { x };
     if x < lower { lower } else { x }

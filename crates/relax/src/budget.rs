@@ -3,21 +3,21 @@ use std::ops::RangeInclusive;
 /// The accuracy asked of an iterative search, and the effort allowed for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// Every residual must fall to this.
+    /// Largest allowed residual.
     pub tolerance: f64,
-    /// Iterations, or time steps, after which the search is given up.
+    /// Largest number of iterations or time steps.
     pub max_iterations: u64,
 }
 
 impl Default for Budget {
-    /// 1e-8 within 100 000 iterations.
+    /// A tolerance of 1e-8 and at most 100 000 iterations.
     fn default() -> Self {
         Self { tolerance: 1e-8, max_iterations: 100_000 }
     }
 }
 
 impl Budget {
-    /// Tolerances that make sense: rounding prevents a smaller one, and with a larger one nothing is solved.
+    /// The allowed tolerances: rounding prevents smaller ones, and with larger ones the problem is not solved.
     pub const TOLERANCES: RangeInclusive<f64> = 1e-15..=0.1;
 
     /// Checks the tolerance.
@@ -37,7 +37,7 @@ impl Budget {
     Budget::TOLERANCES.start(), Budget::TOLERANCES.end()
 )]
 pub struct ToleranceError {
-    /// The tolerance asked for.
+    /// The tolerance.
     pub found: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What damping does to a single mode of stiffness k: eigenvalues, regimes, and the best choices.
+//! Damped motion of a single mode of stiffness k: eigenvalues, regimes, and optimal parameters.
 
 use std::f64::consts::LN_10;
 
@@ -17,13 +17,14 @@ use std::f64::consts::LN_10;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Damping {
-    /// β = 1 − η Δt²: the part of a step that is repeated in the next. 0 is plain descent, 1 is undamped.
+    /// β = 1 − η Δt², the momentum: the fraction of a step that is repeated in the next. 0 is gradient descent, 1 is
+    /// undamped.
     pub beta: f64,
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
 }
 
-/// How the error of one mode evolves.
+/// The evolution of the error of one mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// Two complex eigenvalues: the mode oscillates.
@@ -38,29 +39,30 @@ pub enum Motion {
         /// λ = (1 + β − τ k) / 2.
         eigenvalue: f64,
     },
-    /// Two real eigenvalues. Positive: the mode creeps. Negative: the step is so long that the mode flips every step.
+    /// Two real eigenvalues. If positive, the mode creeps; if negative, it changes its sign in every step, since the
+    /// step is too long.
     OverDamped {
         /// The eigenvalue of larger magnitude.
         slow: f64,
-        /// The other one.
+        /// The eigenvalue of smaller magnitude.
         fast: f64,
     },
 }
 
 impl Damping {
-    /// Damps a mode of stiffness `k` critically at time step `dt` and unit mass: β = (1 − √k Δt)², that is
+    /// Critical damping of a mode of stiffness `k` at time step `dt` and unit mass: β = (1 − √k Δt)², that is
     /// η = 2√k/Δt − k (theory.md, section 6.1).
     pub fn critical(k: f64, dt: f64) -> Self {
         Self { beta: (1.0 - k.sqrt() * dt).powi(2), tau: dt * dt }
     }
 
-    /// The largest time step for which [`Damping::critical`] of the softest mode leaves the stiffest one stable:
+    /// The largest time step for which the stiffest mode is stable with [`Damping::critical`] of the softest mode:
     /// Δt < 2 / (√k_min + √(k_max − k_min)), where τ k_max = 2 (1 + β).
     pub fn critical_dt_limit(k_min: f64, k_max: f64) -> f64 {
         2.0 / (k_min.sqrt() + (k_max - k_min).sqrt())
     }
 
-    /// The best single damping and time step for all stiffnesses in [`k_min`, `k_max`]: √τ = 2 / (√k_min + √k_max),
+    /// The optimal damping and time step for all stiffnesses in [`k_min`, `k_max`]: √τ = 2 / (√k_min + √k_max),
     /// √β = (√κ − 1) / (√κ + 1) with κ = k_max / k_min (theory.md, section 6.2). The softest and the stiffest mode are
     /// both critically damped.
     pub fn optimal(k_min: f64, k_max: f64) -> Self {
@@ -68,18 +70,19 @@ impl Damping {
         Self { beta: ((stiff - soft) / (stiff + soft)).powi(2), tau: (2.0 / (soft + stiff)).powi(2) }
     }
 
-    /// The best plain gradient descent (β = 0) for the same band, τ = 2 / (k_min + k_max): for comparison.
+    /// The optimal gradient descent (β = 0) for stiffnesses in [`k_min`, `k_max`], τ = 2 / (k_min + k_max); for
+    /// comparison.
     pub fn plain_descent(k_min: f64, k_max: f64) -> Self {
         Self { beta: 0.0, tau: 2.0 / (k_min + k_max) }
     }
 
-    /// The same scheme for a damping force −γ (u₊ − u₋) / 2Δt, centred in time, at unit mass (theory.md, section 6.1).
+    /// The scheme with a damping force −γ (u₊ − u₋) / 2Δt, centred in time, at unit mass (theory.md, section 6.1).
     pub fn central(gamma: f64, dt: f64) -> Self {
         let x = 0.5 * gamma * dt;
         Self { beta: (1.0 - x) / (1.0 + x), tau: dt * dt / (1.0 + x) }
     }
 
-    /// The γ with which [`Damping::central`] damps a mode of stiffness `k` critically: 2 √(k (1 − k Δt²/4)), in 1/time.
+    /// The γ of critical damping of a mode of stiffness `k` in [`Damping::central`]: 2 √(k (1 − k Δt²/4)), in 1/time.
     pub fn central_critical(k: f64, dt: f64) -> f64 {
         2.0 * (k * (1.0 - 0.25 * k * dt * dt)).sqrt()
     }
@@ -90,16 +93,16 @@ impl Damping {
         (1.0 - self.beta) / self.tau
     }
 
-    /// The stiffness below which every mode is stable, 2 (1 + β)/τ; also needs |β| < 1 (theory.md, section 6.1).
+    /// The stiffness below which every mode is stable, 2 (1 + β)/τ, if |β| < 1 (theory.md, section 6.1).
     pub fn stiffness_limit(&self) -> f64 {
         2.0 * (1.0 + self.beta) / self.tau
     }
 
-    /// Eigenvalues of a mode of stiffness `k`. A double root is recognised within rounding.
+    /// The eigenvalues of a mode of stiffness `k`. A double root is recognised up to rounding.
     pub fn motion(&self, k: f64) -> Motion {
         let (beta, kappa) = (self.beta, self.tau * k);
         let trace = 1.0 + beta - kappa;
-        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, come out without
+        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, are then free of
         // cancellation.
         let discriminant = if beta >= 0.0 {
             let root = beta.sqrt();
@@ -117,7 +120,7 @@ impl Damping {
         }
     }
 
-    /// Largest |λ| of a mode of stiffness `k`: its error shrinks by this factor per step in the long run.
+    /// The largest |λ| of a mode of stiffness `k`: asymptotically, its error decreases by this factor per step.
     pub fn spectral_radius(&self, k: f64) -> f64 {
         match self.motion(k) {
             Motion::UnderDamped { modulus, .. } => modulus,
@@ -126,16 +129,17 @@ impl Damping {
         }
     }
 
-    /// Predicted steps for one decimal of accuracy when all stiffnesses lie in [`k_min`, `k_max`]; infinite when
-    /// unstable. The worst mode sits at one of the ends.
+    /// The predicted number of steps per decimal digit for stiffnesses in [`k_min`, `k_max`]; infinite if unstable. The
+    /// slowest mode is at one of the ends.
     ///
-    /// Bounds only help: fixing entries keeps the spectrum inside the band (theory.md, section 6.5).
+    /// With bounds convergence is at least as fast, since fixing entries keeps the spectrum in the band (theory.md,
+    /// section 6.5).
     pub fn steps_per_decade(&self, k_min: f64, k_max: f64) -> f64 {
         let radius = self.spectral_radius(k_min).max(self.spectral_radius(k_max));
         if radius < 1.0 { -LN_10 / radius.ln() } else { f64::INFINITY }
     }
 
-    /// Error of a mode of stiffness `k` after `step` steps, released at rest at 1.
+    /// The error of a mode of stiffness `k` after `step` steps, released at rest at 1.
     pub fn amplitude(&self, k: f64, step: u32) -> f64 {
         let n = f64::from(step);
         let power = |base: f64| if step == 0 { 1.0 } else { base.signum().powf(n) * base.abs().powf(n) };
@@ -152,12 +156,12 @@ impl Damping {
         }
     }
 
-    /// Steps after which the error of a mode of stiffness `k`, released at rest at 1, stays within `tolerance`; `None`
-    /// if it never does.
+    /// The number of steps after which the error of a mode of stiffness `k`, released at rest at 1, stays within
+    /// `tolerance`; `None` if it never does.
     pub fn steps_to(&self, k: f64, tolerance: f64) -> Option<u32> {
         let envelope = |step: u32| match self.motion(k) {
             Motion::UnderDamped { modulus, angle } => {
-                // The swing is large near critical damping, but for n steps it counts no more than n sin θ.
+                // Near critical damping the coefficient of sin nθ is large, but |sin nθ| ≤ n sin θ.
                 let swing = self.swing(k, modulus, angle).abs();
                 let n = f64::from(step);
                 modulus.powf(n) * 1.0f64.hypot(swing).min(1.0 + swing * n * angle.sin())
@@ -165,7 +169,7 @@ impl Damping {
             _ => self.amplitude(k, step).abs(),
         };
         let stable = self.spectral_radius(k) < 1.0 && tolerance > 0.0;
-        // The last step outside lies below the first power of two from which on all are inside.
+        // The last step outside the tolerance is below the first power of two from which on all steps are inside.
         let mut high = 1u32;
         while stable && (envelope(high) > tolerance || envelope(2 * high) > tolerance) {
             high = high.checked_mul(2).filter(|high| *high < u32::MAX / 2)?;
@@ -178,16 +182,16 @@ impl Damping {
         stable.then_some(high)
     }
 
-    /// Part of sin nθ, next to cos nθ, in the oscillation of a mode released at rest.
+    /// The coefficient of sin nθ, relative to that of cos nθ, in the oscillation of a mode released at rest.
     fn swing(&self, k: f64, modulus: f64, angle: f64) -> f64 {
         ((1.0 - self.tau * k) / modulus - angle.cos()) / angle.sin()
     }
 }
 
-/// root² − κ, zero within the rounding error of both.
+/// root² − κ, rounded to zero within the rounding error of both.
 fn distance(root: f64, kappa: f64) -> f64 {
     let distance = root * root - kappa;
-    // √β and β carry an absolute error of the order of ε, which 1 ∓ √β hands on.
+    // √β and β have an absolute error of the order of ε, and so does 1 ∓ √β.
     let rounding = 8.0 * f64::EPSILON * (root.abs() + kappa);
     if distance.abs() <= rounding { 0.0 } else { distance }
 }

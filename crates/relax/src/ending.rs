@@ -1,6 +1,6 @@
 use crate::Divergence;
 
-/// The end of a search that could be started.
+/// The way in which a search ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// The tolerance is met.
@@ -15,26 +15,26 @@ pub enum Ending {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Why {
-    /// The iterations ran out.
+    /// The limit of iterations was reached.
     #[error("the iteration limit")]
     Iterations,
     /// The target of the method would have to be below the rounding error.
     #[error("rounding keeps the recomputed residuals above the tolerance")]
     Rounding,
     /// The residuals recomputed from the final fields exceed the estimate of the method.
-    #[error("the recomputed residuals are larger than the solver's")]
+    #[error("the recomputed residuals are larger than those of the solver")]
     Certificate,
-    /// No descent, or no curvature, along a search direction.
+    /// The function does not decrease, or has no curvature, along a search direction.
     #[error("no descent, or no curvature, along the search direction")]
     Direction,
-    /// In this precision the function cannot be lowered any more.
-    #[error("no way down: in this precision the function cannot be lowered any more")]
+    /// The function cannot be decreased any further in this precision.
+    #[error("the function cannot be decreased any further in this precision")]
     NoDescent,
-    /// The search returns to points where it has been.
-    #[error("the search goes in circles")]
+    /// The search returns to earlier points.
+    #[error("the search returns to earlier points")]
     Circles,
-    /// Every step for a long time went uphill.
-    #[error("{found} steps in a row went uphill, allowed are {allowed}")]
+    /// Too many steps in a row went uphill.
+    #[error("{found} steps in a row went uphill; at most {allowed} are allowed")]
     Uphill {
         /// Steps uphill.
         found: u32,
@@ -44,7 +44,7 @@ pub enum Why {
     /// The motion does not come to rest with any time step that was tried.
     #[error("the motion does not settle")]
     Unsettled,
-    /// The search moves away from any solution, or meets numbers that are not finite.
+    /// The search moves away from any solution, or numbers are not finite.
     #[error("diverged: {0}")]
     Diverged(Divergence),
 }

@@ -1,15 +1,15 @@
-//! What can go wrong, with what was found and what is allowed.
+//! Errors, with the value found and the values allowed.
 
 use crate::{Status, Stop};
 
-/// Why a relaxation did not start or did not end well. The state stays with the caller in every case.
+/// Reason why a relaxation did not start or failed. The caller keeps the state in every case.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RelaxError {
-    /// A vector does not fit the problem.
-    #[error("{what} have {found} entries, the problem has {allowed}")]
+    /// The length of a vector is not that of the problem.
+    #[error("{what} have {found} entries; they must have {allowed}")]
     Length {
-        /// Which vector.
+        /// Name of the vector.
         what: &'static str,
         /// Its length.
         found: usize,
@@ -17,16 +17,16 @@ pub enum RelaxError {
         allowed: usize,
     },
     /// A bound is NaN, or a lower bound exceeds its upper one.
-    #[error("entry {index} must lie between {lower:e} and {upper:e}, which no value does")]
+    #[error("the bounds of entry {index} are {lower:e} and {upper:e}; the lower must be at most the upper")]
     Bounds {
-        /// Which entry.
+        /// Index of the entry.
         index: usize,
-        /// Its lower bound.
+        /// Lower bound.
         lower: f64,
-        /// Its upper bound.
+        /// Upper bound.
         upper: f64,
     },
-    /// A non-negative variable starts negative, infinite or as NaN.
+    /// The start value of a non-negative variable is negative, infinite or NaN.
     #[error("variable {index} starts at {found:e}; it must be finite and not negative")]
     Start {
         /// Index of the variable.
@@ -35,35 +35,35 @@ pub enum RelaxError {
         found: f64,
     },
     /// Every variable starts at zero although their mean is prescribed.
-    #[error("every variable starts at zero; where the mean is prescribed one of them must be positive")]
+    #[error("every variable starts at zero; at least one must be positive if the mean is prescribed")]
     AllZero,
-    /// A parameter of a method has no meaning.
-    #[error("{name} is {found:e}, allowed is {allowed}")]
+    /// A parameter of a method is invalid.
+    #[error("{name} is {found:e}; it must be {allowed}")]
     Parameter {
-        /// Which parameter.
+        /// Name of the parameter.
         name: &'static str,
         /// Its value.
         found: f64,
-        /// The values that make sense.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// The time step is beyond the stability limit (theory.md, section 6.1).
-    #[error("the time step {found:e} is unstable, allowed is less than {allowed:e}")]
+    #[error("the time step is {found:e}; it must be less than {allowed:e} for stability")]
     TimeStep {
-        /// The time step asked for.
+        /// The time step.
         found: f64,
         /// The stability limit.
         allowed: f64,
     },
-    /// The steps ran out.
+    /// The limit of steps was reached.
     #[error(
         "not converged after {} steps: residual {:e} (asked {:e}), active bounds unchanged for {} steps (asked {})",
         reached.step, reached.residual, asked.residual, reached.settled, asked.settled
     )]
     NotConverged {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
-        /// What was asked.
+        /// The criteria.
         asked: Stop,
     },
     /// The run moves away from any solution.
@@ -72,24 +72,24 @@ pub enum RelaxError {
          is the problem stiffer?", reached.step
     )]
     Diverged {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
-        /// The sign of it.
+        /// The criterion that was met.
         reason: Divergence,
-        /// Largest stiffness (per mass) that the method can handle with its parameters.
+        /// Largest stiffness (per mass) for which the method is stable with its parameters.
         stable_up_to: f64,
     },
-    /// Every step for a long time went uphill (FIRE).
-    #[error("{found} steps in a row went uphill, allowed are {allowed}; residual {:e}", reached.residual)]
+    /// Too many steps in a row went uphill (FIRE).
+    #[error("{found} steps in a row went uphill; at most {allowed} are allowed; residual {:e}", reached.residual)]
     Uphill {
-        /// Where the run ended.
+        /// Status at the end of the run.
         reached: Status,
         /// Steps uphill.
         found: u32,
-        /// As many as the method puts up with.
+        /// Largest number that the method accepts.
         allowed: u32,
     },
-    /// An observer could not do its work.
+    /// An observer failed.
     #[error("an observer failed")]
     Observer(#[from] std::io::Error),
 }
@@ -104,15 +104,15 @@ impl RelaxError {
     }
 }
 
-/// How a divergence shows.
+/// The criterion of a divergence.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Divergence {
-    /// Displacement, energy or residual is infinite or not a number.
+    /// Displacement, energy or residual is infinite or NaN.
     #[error("displacement, energy or residual is not finite")]
     NotFinite,
     /// The energy is far above its scale at the start.
-    #[error("the energy is {found:e}, allowed is {allowed:e}")]
+    #[error("the energy is {found:e}; it must be at most {allowed:e}")]
     Energy {
         /// The energy.
         found: f64,

@@ -1,4 +1,5 @@
-//! FIRE: a skier who stops when the slope turns upwards.
+//! FIRE (Bitzek et al. 2006): molecular dynamics with an adaptive time step; the velocity is reset if P = F·v is
+//! negative.
 
 use std::ops::Range;
 
@@ -9,14 +10,14 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Fast inertial relaxation engine (theory.md, section 6.4). Needs no softest mode, only a time step that the stiffest
-/// one can bear, and finds its own damping: velocities turn towards the force, the time step grows while the motion
-/// goes downhill, and everything stops when it does not.
+/// Fast inertial relaxation engine (theory.md, section 6.4). It needs no stiffness of the softest mode, only a time
+/// step for which the stiffest mode is stable, and adapts the damping: velocities are mixed with the direction of the
+/// force, the time step grows while the motion goes downhill, and the velocity is set to zero when it goes uphill.
 ///
-/// Entries held by their bound count with zero force and zero velocity: one that has just arrived still carries the
-/// velocity of the *projected* motion, and stepping back with it would take it off its bound again, for ever if no
-/// other entry moves. The mass is one number, 1, as for [`Verlet`](crate::Verlet). Both published versions move as FIRE
-/// 2.0 does: semi-implicit Euler, velocities turned after the force has acted on them.
+/// Entries held by their bound have zero force and zero velocity. An entry that has just reached its bound still has
+/// the velocity of the *projected* motion; stepping back with it would take the entry off its bound again, endlessly if
+/// no other entry moves. The mass is 1 for all entries, as for [`Verlet`](crate::Verlet). Both published versions are
+/// integrated as FIRE 2.0: semi-implicit Euler, with velocities mixed after the force has acted on them.
 ///
 /// Every parameter is public: `Fire { delay: 10, ..Fire::v2(dt_max) }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,26 +30,26 @@ pub struct Fire {
     pub dt_min: f64,
     /// Steps downhill before the time step grows, N_delay. 2006: 5; 2.0: 20.
     pub delay: u32,
-    /// Steps at the beginning during which going uphill does not shorten the time step. 2006: 0; 2.0: N_delay.
+    /// Number of initial steps in which going uphill does not shorten the time step. 2006: 0; 2.0: N_delay.
     pub grace: u64,
     /// Growth of the time step, f_inc. Both versions: 1.1.
     pub dt_grow: f64,
     /// Reduction of the time step after going uphill, f_dec. Both versions: 0.5.
     pub dt_shrink: f64,
-    /// How much of the velocity turns towards the force per step at first, α₀. 2006: 0.1; 2.0: 0.25.
+    /// Initial fraction of the velocity that is turned towards the force per step, α₀. 2006: 0.1; 2.0: 0.25.
     pub alpha_start: f64,
     /// Reduction of α per step downhill, f_α. Both versions: 0.99.
     pub alpha_shrink: f64,
-    /// What else to do after going uphill. 2006: [`Uphill::Halt`]; 2.0: [`Uphill::StepBack`].
+    /// Further action after going uphill. 2006: [`Uphill::Halt`]; 2.0: [`Uphill::StepBack`].
     pub uphill: Uphill,
-    /// Steps uphill in a row before giving up. 2006: no limit; 2.0: 2000.
+    /// Largest number of steps uphill in a row. 2006: no limit; 2.0: 2000.
     pub max_uphill: u32,
 }
 
-/// How [`Fire`] stops when a step has gone uphill.
+/// Action of [`Fire`] after a step uphill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uphill {
-    /// v ← 0 where it is.
+    /// v ← 0 without a change of position.
     Halt,
     /// u ← Π(u − ½ Δt v) with the shortened time step, then v ← 0. Costs one more evaluation of the force.
     StepBack,
@@ -57,23 +58,24 @@ pub enum Uphill {
 /// [`State`] of [`Fire`].
 pub type FireState = State<Flight>;
 
-/// What [`Fire`] remembers.
+/// Memory of [`Fire`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flight {
     /// Velocities after projection, in displacement per time.
     pub velocity: Vec<f64>,
     /// Time step Δt.
     pub dt: f64,
-    /// Fraction α of the velocity that turns towards the force.
+    /// Fraction α of the velocity that is turned towards the force.
     pub alpha: f64,
-    /// Steps downhill since the last one uphill.
+    /// Number of steps downhill since the last step uphill.
     pub downhill: u32,
-    /// Steps uphill since the last one downhill.
+    /// Number of steps uphill since the last step downhill.
     pub uphill: u32,
 }
 
 impl Fire {
-    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch, Phys. Rev. Lett. 97, 170201), with unit mass.
+    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch, Phys. Rev. Lett. 97, 170201), with unit
+    /// mass.
     pub fn bitzek(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,
@@ -90,8 +92,8 @@ impl Fire {
         }
     }
 
-    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek, Comput. Mater. Sci. 175, 109584), with unit
-    /// mass.
+    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek, Comput. Mater. Sci. 175, 109584), with
+    /// unit mass.
     pub fn v2(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,
@@ -106,7 +108,7 @@ impl Fire {
         }
     }
 
-    /// The largest time step worth trying, 1.9/√k_max at unit mass: undamped motion is stable below 2/√k_max.
+    /// The largest recommended time step, 1.9/√k_max at unit mass: undamped motion is stable below 2/√k_max.
     pub fn largest_dt(k_max: f64) -> f64 {
         1.9 / k_max.sqrt()
     }
@@ -125,7 +127,7 @@ impl Fire {
     }
 }
 
-/// What one look at force and velocity tells, over the entries that no bound holds.
+/// Sums over the entries that are not held by a bound.
 #[derive(Clone, Copy)]
 struct Balance {
     /// Σ f v.
@@ -149,8 +151,8 @@ fn weigh(wall: impl Wall, u: &[f64], force: &[f64], velocity: &[f64]) -> Balance
     Balance { power, force, speed }
 }
 
-/// v ← `keep` v + `turn` f (0 where held), then u ← Π(u + Δt v) and v ← the velocity of the projected motion; returns
-/// how many entries reached or left their bound. One sweep.
+/// v ← `keep` v + `turn` f (0 for held entries), then u ← Π(u + Δt v) and v ← the velocity of the projected motion, in
+/// one sweep. Returns the number of entries that reached or left their bound.
 fn glide(wall: impl Wall, [keep, turn, dt]: [f64; 3], force: &[f64], u: &mut [f64], velocity: &mut [f64]) -> u64 {
     let per_dt = 1.0 / dt;
     let leaf = |start: usize, [u, v]: [&mut [f64]; 2]| {
@@ -162,7 +164,7 @@ fn glide(wall: impl Wall, [keep, turn, dt]: [f64; 3], force: &[f64], u: &mut [f6
             let aim = *u + dt * speed;
             let next = wall.clip(k, aim);
             changes += u64::from(wall.touches(k, next) != wall.touches(k, *u));
-            // Off the bounds (u₊ − u)/Δt is the speed itself, without the digits that the difference would lose.
+            // Off the bounds (u₊ − u)/Δt equals the speed, and the difference would lose digits.
             *v = if next == aim { speed } else { (next - *u) * per_dt };
             *u = next;
         }
@@ -210,7 +212,7 @@ impl Method for Fire {
                 changes += glided(problem, state, back);
                 state.evaluate(problem);
             }
-            // From rest the force alone gives the direction: nothing to turn.
+            // At rest there is no velocity to turn.
             [0.0, state.memory.dt]
         } else {
             if power > 0.0 {

@@ -1,6 +1,6 @@
 use crate::{Landscape, worst};
 
-/// The landscape U = ½ u·K u without bounds, of a linear operator: motion about rest under the stiffness K alone.
+/// The harmonic landscape U = ½ u·K u without bounds, for a linear operator K.
 ///
 /// ```
 /// use gfmd_relax::{Damping, Harmonic, Method, Verlet};
@@ -41,7 +41,7 @@ impl<F: FnMut(&[f64], &mut [f64])> Landscape for Harmonic<F> {
         -0.5 * gfmd_vector::dot(u, force)
     }
 
-    /// The largest |u|: the minimum is at zero.
+    /// The largest |u|, since the minimum is at zero.
     fn residual(&self, u: &[f64], _: &[f64]) -> f64 {
         worst(u.iter().map(|u| u.abs()))
     }

@@ -1,17 +1,17 @@
-//! Inertia that is a matrix, where that is legitimate.
+//! Inertia that is a matrix, for problems without bounds.
 
 use crate::Landscape;
 
-/// An energy without bounds that knows a matrix of inertia M, best one near the stiffness: all modes then take the same
-/// few steps, however many there are (theory.md, section 6.3).
+/// An energy without bounds, with an inertia matrix M. If M is close to the stiffness, the number of steps is small and
+/// does not depend on the number of modes (theory.md, section 6.3).
 ///
-/// There is nothing here to say a bound with, because a projection after steps M⁻¹ f stops at a wrong point:
-/// [`AugmentedLagrangian`](crate::AugmentedLagrangian) is for those who have both.
+/// The trait has no bounds, because projection after steps M⁻¹ f stops at a wrong point. Use
+/// [`AugmentedLagrangian`](crate::AugmentedLagrangian) for problems with bounds.
 pub trait Smooth {
     /// Number of entries of u.
     fn len(&self) -> usize;
 
-    /// Whether there is nothing to minimise.
+    /// True if there are no entries.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -19,7 +19,7 @@ pub trait Smooth {
     /// Writes M⁻¹ f into `acceleration`, with f = −∂U/∂u, and returns U.
     fn accelerate(&mut self, u: &[f64], acceleration: &mut [f64]) -> f64;
 
-    /// Dimensionless distance from the minimum, judged from the acceleration: zero where that is.
+    /// Dimensionless distance from the minimum, computed from the acceleration; zero if the acceleration is zero.
     fn residual(&self, u: &[f64], acceleration: &[f64]) -> f64;
 }
 

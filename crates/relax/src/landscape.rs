@@ -1,13 +1,13 @@
-//! What a relaxation method may ask of a problem.
+//! The interface between relaxation methods and problems.
 
 use crate::Bounds;
 
-/// An energy U(u) to minimise over the u that [`Landscape::bounds`] allows.
+/// An energy U(u) to be minimised over the u within [`Landscape::bounds`].
 ///
-/// The methods call each function once per step with whole vectors, so `dyn` costs nothing. The unit of `force` is that
-/// of U over that of u; the mass is 1, so that a stiffness (second derivative of U) is a squared frequency.
+/// The methods call each function once per step with whole vectors, so that `dyn` costs nothing. The unit of `force` is
+/// that of U divided by that of u; the mass is 1, so that a stiffness (second derivative of U) is a squared frequency.
 ///
-/// A quadratic, U = u₀² − u₀ u₁ + 3/2 u₁² − u₀ − u₁ with its minimum at (4, 3)/5:
+/// A quadratic function, U = u₀² − u₀ u₁ + 3/2 u₁² − u₀ − u₁, with its minimum at (4, 3)/5:
 ///
 /// ```
 /// use gfmd_relax::{Bounds, Fire, Landscape, Method, Stop, relax};
@@ -41,7 +41,7 @@ use crate::Bounds;
 /// };
 /// let u = minimum([f64::INFINITY; 2])?;
 /// assert!((u[0] - 0.8).abs() < 1e-11 && (u[1] - 0.6).abs() < 1e-11);
-/// // Held at u₀ = 1/2, u₁ is free to follow: 1 − 3 u₁ + 1/2 = 0.
+/// // With u₀ = 1/2 at its bound, u₁ is free: 1 − 3 u₁ + 1/2 = 0.
 /// let u = minimum([0.5, f64::INFINITY])?;
 /// assert!(u[0] == 0.5 && (u[1] - 0.5).abs() < 1e-11);
 /// # Ok(())
@@ -51,24 +51,24 @@ pub trait Landscape {
     /// Number of entries of u.
     fn len(&self) -> usize;
 
-    /// Whether there is nothing to minimise.
+    /// True if there are no entries.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Writes −∂U/∂u into `force` and returns U. The one expensive call: methods make it once per step.
+    /// Writes −∂U/∂u into `force` and returns U. This is the expensive call; methods make it once per step.
     ///
-    /// A hard wall is not part of it: that is a constraint, not a force (theory.md, section 6.5).
+    /// A hard wall is not included, since it is a constraint, not a force (theory.md, section 6.5).
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64;
 
-    /// The allowed values of u. They stay the same while a relaxation runs; after a change, start a new
+    /// The allowed values of u. They are constant during a relaxation; after a change, start a new
     /// [`State`](crate::State) from the old u.
     fn bounds(&self) -> Bounds<'_> {
         Bounds::Free
     }
 
-    /// Dimensionless distance from the constrained minimum, zero there, from the force at u. Only the problem can judge
-    /// it, because only the problem knows what is large; [`Bounds::natural_residual`] with the problem's own scales is
-    /// a good choice (theory.md, section 6.6).
+    /// Dimensionless distance from the constrained minimum, computed from the force at u; zero at the minimum. It is
+    /// defined by the problem, because methods do not know the scales of forces and lengths;
+    /// [`Bounds::natural_residual`] with the scales of the problem is a good choice (theory.md, section 6.6).
     fn residual(&self, u: &[f64], force: &[f64]) -> f64;
 }

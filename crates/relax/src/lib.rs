@@ -1,17 +1,18 @@
-//! Relaxation methods for constrained minimisation: U(u) → min, each entry of u within its bounds. No physics inside.
+//! Relaxation methods for constrained minimisation: U(u) → min, with bounds on each entry of u. The crate contains no
+//! physics.
 //!
-//! | method                            | asks of the problem              | good at                                 |
+//! | method                            | required of the problem          | suitable for                            |
 //! |-----------------------------------|----------------------------------|-----------------------------------------|
 //! | [`Verlet`], [`ModeDamped`]        | force, softest and stiffest mode | convex problems; [`Damping`] has rates  |
 //! | [`Nesterov`]                      | force, stiffest mode             | convex problems                         |
-//! | [`Fire`]                          | force, stiffest mode             | landscapes of which little is known     |
+//! | [`Fire`]                          | force, stiffest mode             | landscapes that are not convex          |
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
 //!
-//! For all but the last a problem is a [`Landscape`]: energy, force, [`Bounds`], and a residual in its own units. A
-//! [`Method`] holds parameters, a [`State`] all that changes; [`relax`] joins the two until [`Stop`] is satisfied, and
-//! an [`Observer`] may watch. Every sweep over the vectors has the same bits for any number of threads.
+//! For all methods but the last two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
+//! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
+//! satisfied, and an [`Observer`] may watch. Results are equal bit by bit for any number of threads.
 //!
-//! A chain of springs between two fixed ends, pulled down everywhere, and held up by a table in a second run:
+//! A chain of springs between two fixed ends with a weight on every node, and in a second run a table below it:
 //!
 //! ```
 //! use gfmd_relax::{Bounds, Landscape, Method, Outcome, Stop, Verlet, relax};
@@ -63,11 +64,10 @@
 //! # }
 //! ```
 //!
-//! The mass is one number, 1. Inertia that follows the stiffness makes convergence independent of the size, but together
-//! with projection it stops at a wrong point (theory.md, section 6.3), so a [`Landscape`] with bounds cannot have it:
-//! [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`] turns them into a force.
-//!
-//! Not here: what u means.
+//! The mass is 1 for all entries. With an inertia matrix close to the stiffness, convergence does not depend on the
+//! size, but with projection the motion stops at a wrong point (theory.md, section 6.3). A [`Landscape`] with bounds
+//! therefore has no such matrix: [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`] replaces bounds by a
+//! force.
 
 mod augmented_lagrangian;
 mod bounds;

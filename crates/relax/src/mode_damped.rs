@@ -1,27 +1,27 @@
-//! Damping that differs between entries or modes.
+//! Damping with different coefficients for entries or modes.
 
 use gfmd_vector::for_each;
 
 use crate::{Landscape, Method, RelaxError, State, Trail, bounds::within, verlet::advance};
 
-/// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), as modes with coefficients
-/// η(q) of their own need it: B = 1 − τ η.
+/// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), for damping coefficients
+/// η(q) that depend on the mode: B = 1 − τ η.
 ///
-/// The damping force vanishes at rest, so every B leaves the solution where it is, whatever the bounds. Critical
-/// damping of every mode, β(q) = (1 − √(τ k(q)))², takes all oscillation away, but the softest mode decays no faster than
-/// with [`Verlet::critical`](crate::Verlet::critical) (theory.md, section 6.2).
+/// The damping force vanishes at rest, so that no B changes the solution, with or without bounds. Critical damping of
+/// every mode, β(q) = (1 − √(τ k(q)))², prevents all oscillation, but the softest mode decays no faster than with
+/// [`Verlet::critical`](crate::Verlet::critical) (theory.md, section 6.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeDamped<B> {
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
-    /// Largest stiffness for which this is stable, 4/τ if every mode is critically damped.
+    /// Largest stiffness for which the method is stable, 4/τ if every mode is critically damped.
     pub stiffness_limit: f64,
-    /// In place, d ← B d.
+    /// Function d ← B d, in place.
     pub retain: B,
 }
 
 impl<B: Fn(&mut [f64])> ModeDamped<B> {
-    /// Critical damping of every mode: `retain` multiplies each by (1 − √(τ k))², see
+    /// Critical damping of every mode: `retain` must multiply each mode by (1 − √(τ k))², see
     /// [`Damping::critical`](crate::Damping::critical).
     pub fn critical(tau: f64, retain: B) -> Self {
         Self { tau, stiffness_limit: 4.0 / tau, retain }

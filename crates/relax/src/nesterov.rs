@@ -1,4 +1,4 @@
-//! Nesterov's accelerated steps, restarted when they no longer pay.
+//! Nesterov's accelerated gradient method with adaptive restart.
 
 use gfmd_vector::{pass, reduce};
 
@@ -8,30 +8,30 @@ use crate::{
 };
 
 /// Accelerated steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊,
-/// t₊ = (1 + √(1 + 4 t²))/2 (Nesterov 1983), and starting over whenever a step x₊ − y is longer than the one before
-/// (adaptive restart, O'Donoghue and Candès 2015). Needs no softest mode: the restarts find the damping.
+/// t₊ = (1 + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the one before (adaptive
+/// restart, O'Donoghue and Candès 2015). The restarts replace the damping, so that the softest mode need not be known.
 ///
-/// It also suits the iterations of [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy: without
-/// momentum their steps only ever get shorter, so a longer one tells that the momentum does harm.
+/// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy:
+/// without momentum its steps never become longer, so that a longer step means too much momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nesterov {
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
 }
 
-/// What [`Nesterov`] remembers.
+/// Memory of [`Nesterov`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Momentum {
     /// x of the last step; [`State::u`] is y.
     pub previous: Vec<f64>,
-    /// t: 1 when the momentum starts over.
+    /// t; it is 1 after a restart.
     pub age: f64,
     /// Length of the last step x₊ − y.
     pub length: f64,
 }
 
 impl Nesterov {
-    /// The step that suits stiffnesses up to `k_max`: τ = 1/k_max.
+    /// The method for stiffnesses up to `k_max`: τ = 1/k_max.
     ///
     /// # Errors
     /// A stiffness that is not positive and finite.
@@ -51,7 +51,7 @@ impl Nesterov {
         reduce(y.len(), &leaf, &|a, b| a + b).sqrt()
     }
 
-    /// x₊ in place of x and y₊ in place of y; returns how many entries reached or left their bound.
+    /// Replaces x by x₊ and y by y₊; returns the number of entries that reached or left their bound.
     fn advance(&self, wall: impl Wall, beta: f64, force: &[f64], y: &mut [f64], x: &mut [f64]) -> u64 {
         let leaf = |start: usize, [y, x]: [&mut [f64]; 2]| {
             let range = start..start + y.len();
@@ -97,7 +97,7 @@ impl Method for Nesterov {
         Ok(())
     }
 
-    /// Without momentum steps are stable up to τ k = 2, with any momentum up to 4/3.
+    /// Steps are stable up to τ k = 2 without momentum, and up to 4/3 with any momentum.
     fn stiffness_limit(&self) -> f64 {
         4.0 / (3.0 * self.tau)
     }

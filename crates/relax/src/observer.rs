@@ -1,14 +1,15 @@
-//! Those who watch a relaxation.
+//! Observers of a relaxation.
 
 use std::{io, ops::ControlFlow};
 
 use crate::Status;
 
-/// Looks, never touches; may ask to stop. Logs, traces, checkpoint files, Ctrl-C: observers, outside this crate.
+/// An observer, which reads the state without changing it and may stop the run. Logs, traces, checkpoint files and the
+/// handling of Ctrl-C are observers outside of this crate.
 ///
-/// An observer is called before every step and once after the last. A resumed run shows its first state again, so
-/// whatever is written should be keyed by [`Status::step`]. Closures are observers, `()` is one that looks away, and
-/// a pair is one that asks both.
+/// An observer is called before every step and once after the last. A resumed run shows its first state again, so that
+/// output should be keyed by [`Status::step`]. Closures are observers, `()` is an observer without effect, and a pair
+/// of observers calls both.
 ///
 /// ```
 /// use gfmd_relax::{Observer, Status};
@@ -52,9 +53,9 @@ impl<S, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
 /// Shows `inner` the steps that are a multiple of `steps` (zero: none).
 #[derive(Clone, Copy, Debug)]
 pub struct Every<O> {
-    /// Distance between two looks.
+    /// Number of steps between two calls.
     pub steps: u64,
-    /// Who looks.
+    /// The observer.
     pub inner: O,
 }
 

@@ -8,22 +8,22 @@ use crate::{Ending, RelaxError, Watch, Why};
 /// The constrained conjugate gradients of Polonsky and Keer (1999), theory.md, section 7: conjugate directions on the
 /// variables that are positive, restarted whenever a variable at zero has to leave it.
 ///
-/// With a prescribed mean the directions are kept free of a mean, so that a step keeps it too and the exact step length
-/// needs only the [`curvature`](Quadratic::curvature) of the direction, not the image of it.
+/// With a prescribed mean the directions have zero mean, so that steps do not change the mean. The exact step length
+/// needs only the [`curvature`](Quadratic::curvature) of the direction, not its image.
 ///
-/// It converges on contact problems, but there is no proof, and on small dense ones it may cycle.
+/// The method converges on contact problems, but without proof; on small dense problems it may cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PolonskyKeer;
 
-/// The positive variables count as at rest when their rms gradient is this part of the lowest gradient outside.
+/// The positive variables count as at rest if their rms gradient is below this fraction of the lowest gradient at zero.
 const AT_REST: f64 = 1e-3;
 
 impl PolonskyKeer {
-    /// Minimises from `x` on, in place; `watch` sees every iterate. The last image of the iteration, the gradient, is
-    /// not kept: judge the result afresh.
+    /// Minimises from the start `x`, in place; `watch` sees every iterate. The final gradient is not returned:
+    /// recompute it to certify the result.
     ///
     /// # Errors
-    /// A start or a target that cannot be used. A search without success is no error but an [`Ending`].
+    /// An invalid start or target. A search without success is not an error but an [`Ending`].
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
@@ -50,7 +50,7 @@ impl PolonskyKeer {
                 return Ok(Minimum { reached: now, ending });
             }
 
-            // Where the positive variables are at rest among themselves, those that want to enter have to move them.
+            // If the positive variables are at rest, the direction must contain the variables that enter.
             let at_rest = sweep.squares <= positive as f64 * (AT_REST * sweep.judged.lowest).powi(2);
             let ratio = if conjugate && !at_rest { sweep.squares / residual_before } else { 0.0 };
             let mean = match target.mean {
@@ -62,7 +62,7 @@ impl PolonskyKeer {
             let free = |x: f64, g: f64| x > 0.0 || (at_rest && g < 0.0);
             let mut slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
             if slope < LEAST_DESCENT * sweep.squares {
-                // What is left of the old direction, on fewer variables, leads uphill: start over.
+                // The old direction, restricted to fewer variables, leads uphill: restart.
                 slope = turn(&mut direction, x, &gradient, 0.0, 0.0, &free);
             }
             let Some(step) = step_length(slope, problem.curvature(&direction)) else {
@@ -117,8 +117,8 @@ fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) ->
     )
 }
 
-/// x ← max(0, x − step d) where x > 0; variables at zero with a negative gradient enter with −step g. Returns how many
-/// entered, and Σ x.
+/// x ← max(0, x − step d) where x > 0; variables at zero with a negative gradient enter with −step g. Returns the
+/// number of variables that entered, and Σ x.
 fn advance(x: &mut [f64], direction: &[f64], gradient: &[f64], step: f64) -> (usize, f64) {
     pass(
         [x],

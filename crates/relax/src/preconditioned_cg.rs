@@ -3,46 +3,46 @@ use gfmd_vector::{add, for_each, pass, reduce};
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Optimality, Quadratic, Target, rescale, total};
 use crate::{Ending, RelaxError, Watch, Why};
 
-/// Projected conjugate gradients for problems that can nearly invert A on the free variables
+/// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
 /// ([`Quadratic::precondition`]). An iteration takes one image and one preconditioning.
 ///
-/// As z = M g is nearly Newton's step, its length is 1: M is expected not to be smaller than the inverse of A, so that
-/// 1 is never too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The gradient has
-/// to be computed there anyway, and between it and the old one the function is a known parabola along the segment from
-/// the old x to the new: if its lowest point was left behind, x steps back to it, which costs no further image. So the
-/// function falls in every iteration, and no curvature is asked for.
+/// Since z = M g is nearly Newton's step, the step length is 1; M should not be smaller than the inverse of A, so that
+/// this is not too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. With the old
+/// gradient and the new one, which is needed anyway, the function is a known parabola along the segment from the old x
+/// to the new x. If its minimum lies inside the segment, x steps back to it, which costs no further image. The function
+/// thus decreases in every iteration, and no curvature has to be computed.
 ///
-/// While no variable reaches zero these are exact line searches, and directions are made conjugate to the last step.
-/// When some do, a step that lowers the function is kept whole, since stepping back would take the zeros away again, and
-/// the next length is between this and what it should have been. When it has to step back nevertheless, the next length
-/// is that much shorter, as steps to the same end on a segment would get nowhere.
+/// While no variable reaches zero, these are exact line searches, and directions are made conjugate to the last step.
+/// If some variables reach zero, a step that lowers the function is kept whole, since stepping back would make them
+/// positive again; the next length is between the present and the optimal one. If a step back is necessary, the next
+/// length is shorter by its factor, since steps to one and the same end of a segment would make no progress.
 ///
-/// One direction in 25, and any that the projection turns uphill, is the gradient itself. Projected gradients
-/// with a step that lowers the function converge whatever happens in between (Bertsekas 1976).
+/// Every 25th direction, and any direction that the projection turns uphill, is the gradient. Projected gradients with
+/// a step that lowers the function converge for any steps in between (Bertsekas 1976).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreconditionedCg;
 
-/// Every so many directions one is the gradient itself.
+/// Number of directions of which one is the gradient.
 const PLAIN: u64 = 25;
 
-/// A step that brings variables to zero is kept where this part of it, or more, was downhill. Half: then the function
-/// has not risen.
+/// A step that brings variables to zero is kept if at least this fraction of it was downhill. For one half the function
+/// has not increased.
 const DOWNHILL: f64 = 0.5;
 
-/// A length changes by no more than this from one step to the next.
+/// Largest factor by which the length changes from one step to the next.
 const CHANGE: f64 = 10.0;
 
-/// How often a step is halved until it begins downhill.
+/// Largest number of times that a step is halved until it begins downhill.
 const HALVINGS: usize = 30;
 
-/// How well μ has to keep the mean; a factor does the rest.
+/// Relative accuracy of the mean in the search for μ; a factor then makes the mean exact.
 const MEAN: f64 = 1e-2;
 
 impl PreconditionedCg {
-    /// Minimises from `x` on, in place; `watch` sees every iterate.
+    /// Minimises from the start `x`, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// A start or a target that cannot be used. A search without success is no error but an [`Ending`].
+    /// An invalid start or target. A search without success is not an error but an [`Ending`].
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
@@ -89,7 +89,7 @@ impl PreconditionedCg {
             advance(x, &mut step, &path);
             problem.apply(x, &mut other_gradient);
             sums = measure(problem.linear(), &mut other_gradient, x, &step, multiplier);
-            // Along the step the slope has changed in proportion to the way.
+            // Along the step the slope changes linearly.
             let rise = sums.slope - path.slope;
             let lowest = if rise > 0.0 { -path.slope / rise } else { f64::INFINITY };
             settled = sums.clipped == 0;
@@ -111,7 +111,7 @@ impl PreconditionedCg {
     }
 }
 
-/// Sums over one iterate; gradients count from the multiplier before it.
+/// Sums over one iterate; gradients are relative to the multiplier before it.
 struct Sums {
     x: f64,
     x_gradient: f64,
@@ -120,7 +120,7 @@ struct Sums {
     lowest: f64,
     /// ⟨g, step⟩ at the end of the step.
     slope: f64,
-    /// Variables that the step has brought to zero.
+    /// Number of variables that the step has brought to zero.
     clipped: usize,
 }
 
@@ -182,7 +182,7 @@ fn measure(b: &[f64], gradient: &mut [f64], x: &[f64], step: &[f64], level: f64)
     )
 }
 
-/// x ← x − (1 − part) s, and the gradient between the one before the step and the one after it.
+/// x ← x − (1 − part) s; the gradient is interpolated between those before and after the step.
 fn step_back(x: &mut [f64], step: &[f64], gradient: &mut [f64], after: &[f64], part: f64, level: f64) -> Sums {
     pass(
         [x, gradient],
@@ -200,7 +200,7 @@ fn step_back(x: &mut [f64], step: &[f64], gradient: &mut [f64], after: &[f64], p
 }
 
 /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
-/// A s is in proportion to the difference of the two gradients, of which β needs no more.
+/// A s is proportional to the difference of the two gradients, and β does not depend on the factor.
 fn conjugate(z: &mut [f64], s: &[f64], gradient: &[f64], other: &[f64], multiplier: f64) {
     let [z_image, s_image, z_gradient, s_gradient] = reduce(
         z.len(),
@@ -223,7 +223,7 @@ fn conjugate(z: &mut [f64], s: &[f64], gradient: &[f64], other: &[f64], multipli
     }
 }
 
-/// z ← g − λ on the free variables, without mean where one is prescribed; zero elsewhere. Returns ⟨z, z⟩.
+/// z ← g − λ on the free variables, with zero mean if the mean is prescribed; zero elsewhere. Returns ⟨z, z⟩.
 fn steepest(x: &[f64], gradient: &[f64], multiplier: f64, constrained: bool, z: &mut [f64]) -> f64 {
     let is_free = |x: f64, g: f64| x > 0.0 || g < multiplier;
     let [sum, count] = reduce(
@@ -254,19 +254,19 @@ struct Path {
     length: f64,
     mu: f64,
     factor: f64,
-    /// ⟨g, step⟩ at its beginning.
+    /// ⟨g, step⟩ at the beginning of the step.
     slope: f64,
 }
 
 impl Path {
     fn end(&self, x: f64, z: f64) -> f64 {
-        // Without branches, which would be taken at random.
+        // Without branches, which could not be predicted.
         let end = x - self.length * z - self.mu;
         if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 }
     }
 }
 
-/// The point at `length`, or at half of it, and so on, to which the way begins downhill.
+/// The point of the path at `length`, halved until the step to it begins downhill.
 fn downhill(x: &[f64], z: &[f64], length: f64, gradient: &[f64], multiplier: f64, mean: Option<f64>) -> Option<Path> {
     let mut path = Path { length, mu: 0.0, factor: 1.0, slope: 0.0 };
     for _ in 0..HALVINGS {
@@ -293,7 +293,7 @@ fn downhill(x: &[f64], z: &[f64], length: f64, gradient: &[f64], multiplier: f64
                 path.slope += (path.factor - 1.0) * along;
                 break;
             }
-            // Newton's method on a convex, piecewise linear function: it meets it in a few steps.
+            // Newton's method on a convex, piecewise linear function takes a few steps.
             let mu = path.mu + excess / positive;
             if !mu.is_finite() || mu == path.mu {
                 return None;

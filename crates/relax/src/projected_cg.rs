@@ -8,19 +8,19 @@ use crate::{Ending, RelaxError, Watch, Why};
 /// Projected conjugate gradients that are never restarted when the set of positive variables changes (Vollebregt 2014,
 /// Bugnicourt et al. 2018).
 ///
-/// The free set is `{x > 0}` and the variables at zero that want to leave it (`g < 0`). On it the direction is the
-/// Polak–Ribière combination of the gradient, without mean where one is prescribed, with the last direction, the step
-/// is exact, and the result is projected back to `x ≥ 0`. Variables that enter or leave disturb the conjugacy of their
-/// neighbourhood only, so the directions stay useful; Polak–Ribière with β ≥ 0 turns into steepest descent by itself
-/// where they do not.
+/// The free set contains `{x > 0}` and the variables at zero with `g < 0`. On it the direction is the Polak–Ribière
+/// combination of the last direction with the gradient, whose mean is removed if the mean is prescribed. The step
+/// length is exact, and the result is projected to `x ≥ 0`. Variables that enter or leave disturb the conjugacy only in
+/// their neighbourhood, so that the directions remain useful; otherwise Polak–Ribière with β ≥ 0 becomes steepest
+/// descent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProjectedCg;
 
 impl ProjectedCg {
-    /// Minimises from `x` on, in place; `watch` sees every iterate.
+    /// Minimises from the start `x`, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// A start or a target that cannot be used. A search without success is no error but an [`Ending`].
+    /// An invalid start or target. A search without success is not an error but an [`Ending`].
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
@@ -63,7 +63,7 @@ impl ProjectedCg {
             let shift = residual_mean + beta * mean(direction_sum);
             let mut slope = turn(&mut direction, x, &residual, beta, shift, &is_free);
             if slope < LEAST_DESCENT * product {
-                // What the projection left of the old direction leads uphill: start over from steepest descent.
+                // The projected old direction leads uphill: restart with steepest descent.
                 slope = turn(&mut direction, x, &residual, 0.0, residual_mean, &is_free);
             }
             let Some(step) = step_length(slope, problem.curvature(&direction)) else {
@@ -76,7 +76,7 @@ impl ProjectedCg {
     }
 }
 
-/// Whether a variable may move: `residual` is zero at the others.
+/// True if a variable is free; `residual` is zero for variables that are not.
 fn is_free(x: f64, residual: f64) -> bool {
     x > 0.0 || residual < 0.0
 }
@@ -114,7 +114,7 @@ fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Sweep {
     )
 }
 
-/// r ← r − mean where x > 0. The few variables that are about to enter keep theirs, and with it their sign.
+/// r ← r − mean where x > 0. The few variables that are about to enter keep their residual, and thus its sign.
 fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
     for_each([residual], &|start, [r]| {
         for (r, x) in r.iter_mut().zip(&x[start..]) {
@@ -125,7 +125,7 @@ fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
     });
 }
 
-/// Over the free set: Σ r, Σ r², Σ r r_before, Σ r_before, Σ d.
+/// The sums Σ r, Σ r², Σ r r_before, Σ r_before, Σ d over the free set.
 fn products(x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [f64; 5] {
     gfmd_vector::reduce(
         x.len(),

@@ -2,36 +2,36 @@ use gfmd_vector::{for_each, pass, reduce};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Watch, Why, worst};
 
-/// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`: what the constrained
-/// conjugate-gradient methods minimise. A is symmetric and positive (semi-)definite, and only its action is needed.
+/// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
+/// conjugate-gradient methods. A is symmetric and positive (semi-)definite, and only its action is needed.
 pub trait Quadratic {
     /// b, one value for each variable.
     fn linear(&self) -> &[f64];
     /// `out ← A x`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
-    /// `⟨d, A d⟩`, the sum over all variables. Often cheaper than [`apply`](Self::apply).
+    /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
-    /// `out ← M (gradient − multiplier)`, nearly the step to where the gradient of the free variables is the multiplier;
-    /// zero for the others. Free are those with x > 0, and those at zero that are to leave it; their gradient is below
-    /// the multiplier. M depends on which are free. It is symmetric, positive, and near the inverse of A on the free
-    /// variables, rather above it than below.
+    /// `out ← M (gradient − multiplier)` on the free variables, zero elsewhere: approximately the step to the point
+    /// where the gradient of the free variables equals the multiplier. Variables are free if x > 0, or if they are at
+    /// zero with a gradient below the multiplier. M depends on the free set; it is symmetric positive definite and
+    /// approximates A⁻¹ on this set. Overestimating A⁻¹ is safer than underestimating it.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]);
 }
 
-/// The minimum that is asked for.
+/// The constraint and the accuracy of a minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Mean of x over all variables, when it is prescribed. The gradient is then determined up to a constant, the
+    /// Mean of x over all variables, if it is prescribed. The gradient is then determined up to a constant, the
     /// multiplier of this constraint.
     pub mean: Option<f64>,
-    /// The size of gradient that counts as one: gradients are judged relative to it.
+    /// The scale of gradients in the residuals.
     pub gradient_scale: f64,
-    /// Both parts of [`Optimality`] must fall to its tolerance.
+    /// The budget; both parts of [`Optimality`] must be at most its tolerance.
     pub budget: Budget,
 }
 
-/// Distance from the minimum, by the conditions that define it: `x ≥ 0`, `g ≥ 0`, `x g = 0`, with `g = A x + b − λ` and
-/// λ the multiplier of the prescribed mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
+/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0`, with `g = A x + b − λ` and λ the
+/// multiplier of the prescribed mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Optimality {
     /// `Σ x g / (Σ x · gradient_scale)`.
@@ -41,7 +41,7 @@ pub struct Optimality {
 }
 
 impl Optimality {
-    /// The larger of the two parts, in magnitude; NaN if either is.
+    /// The larger of the two parts, in magnitude; NaN if either is NaN.
     pub fn worst(&self) -> f64 {
         worst([self.complementarity.abs(), self.violation])
     }
@@ -50,7 +50,7 @@ impl Optimality {
 /// Status of a constrained minimisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Iterate {
-    /// Iterations done.
+    /// Number of iterations.
     pub iteration: u64,
     /// Distance from the minimum.
     pub optimality: Optimality,
@@ -60,12 +60,12 @@ pub struct Iterate {
     pub positive: usize,
 }
 
-/// Result of a constrained minimisation; x is that of the last iterate.
+/// Result of a constrained minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum {
-    /// The last iterate.
+    /// Status of the last iterate.
     pub reached: Iterate,
-    /// How the search ended.
+    /// The way in which the search ended.
     pub ending: Ending,
 }
 
@@ -84,7 +84,7 @@ impl Target {
         if x.iter().all(|x| *x == 0.0) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 
-    /// How the search ends with this iterate, if it does.
+    /// The ending of the search, if it ends with this iterate.
     pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch) -> Option<Ending> {
         let worst = now.optimality.worst();
         let stop = watch.see(&Progress { iteration: now.iteration, residual: worst }).is_break();
@@ -113,7 +113,7 @@ pub(crate) fn total(x: &[f64]) -> f64 {
     reduce(x.len(), &|range| x[range].iter().sum::<f64>(), &|a, b| a + b)
 }
 
-/// g ← g + b; returns Σ g and the number of entries over x > 0.
+/// g ← g + b; returns Σ g over x > 0, and the number of these entries.
 pub(crate) fn add_linear(b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, usize) {
     pass(
         [gradient],
@@ -132,13 +132,14 @@ pub(crate) fn add_linear(b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, us
     )
 }
 
-/// The exact step ⟨g, d⟩/⟨d, A d⟩ along −d, if the way leads down to a lowest point.
+/// The exact step length ⟨g, d⟩/⟨d, A d⟩ along −d, if the function has a minimum in this direction.
 pub(crate) fn step_length(slope: f64, curvature: f64) -> Option<f64> {
     let step = slope / curvature;
     (step.is_finite() && step > 0.0).then_some(step)
 }
 
-/// Part of the steepest descent that a direction must keep to be used. Exact conjugacy would keep all of it.
+/// Smallest descent of an accepted direction, relative to the steepest descent. It is 1 for exactly conjugate
+/// directions.
 pub(crate) const LEAST_DESCENT: f64 = 0.1;
 
 /// d ← g + ratio d − mean on the free variables, zero elsewhere; returns ⟨g, d⟩.
@@ -164,7 +165,7 @@ pub(crate) fn turn(
     )
 }
 
-/// Sums over one iterate that judge it, with gradients less the multiplier.
+/// Sums over one iterate for its residuals, with gradients less the multiplier.
 #[derive(Clone, Copy)]
 pub(crate) struct Judged {
     pub(crate) x: f64,

@@ -1,52 +1,52 @@
-//! The driver: one method, one state, until it is done.
+//! The driver, which makes steps of one method on one state until an end criterion is met.
 
 use std::ops::ControlFlow;
 
 use crate::{Bounds, Divergence, Landscape, Observer, RelaxError};
 
-/// A run counts as diverged when its energy is this many times [`State::energy_scale`]. A stable scheme started
-/// from rest stays far below: the strongest transient, that of the stiffest mode under optimal damping, gains about
-/// k_max / (7 k_min).
+/// A run counts as diverged if its energy exceeds [`State::energy_scale`] by this factor. A stable scheme started from
+/// rest stays far below: the strongest transient, that of the stiffest mode under optimal damping, has a factor of
+/// about k_max / (7 k_min).
 const GROWTH: f64 = 1e8;
 
-/// A way to relax: parameters only, no memory.
+/// A relaxation method; it contains parameters only, no memory.
 pub trait Method {
-    /// What the method remembers from step to step, besides what every [`State`] holds.
+    /// Variables of the method in addition to those of every [`State`].
     type Memory;
 
-    /// Begins at the allowed point nearest to `u`, at rest. Costs one evaluation of the force.
+    /// Starts at the allowed point nearest to `u`, at rest. Costs one evaluation of the force.
     fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<State<Self::Memory>, RelaxError>;
 
-    /// One step, in place, without allocation. After an error the state holds what caused it.
+    /// Makes one step in place, without allocation. After an error the state is that which caused it.
     fn step(&self, problem: &mut dyn Landscape, state: &mut State<Self::Memory>) -> Result<(), RelaxError>;
 
-    /// Largest stiffness per mass for which the method is stable, in 1/time².
+    /// The largest stiffness per mass for which the method is stable, in 1/time².
     fn stiffness_limit(&self) -> f64;
 }
 
-/// All that changes from step to step: a checkpoint is exactly this, and a run resumed from it continues bit by bit.
+/// All variables of a run. A checkpoint consists of this state, and a run resumed from it continues bit by bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<Memory> {
     /// The point, allowed by the bounds.
     pub u: Vec<f64>,
-    /// −∂U/∂u there.
+    /// The force −∂U/∂u at `u`.
     pub force: Vec<f64>,
-    /// U there.
+    /// The energy U at `u`.
     pub energy: f64,
-    /// Steps done.
+    /// Number of steps.
     pub step: u64,
-    /// Steps since an entry last reached or left its bound.
+    /// Number of steps since an entry last reached or left its bound.
     pub settled: u64,
-    /// Evaluations of [`Landscape::force`] so far.
+    /// Number of evaluations of [`Landscape::force`].
     pub evaluations: u64,
-    /// What counts as much energy: |U| at the start plus the work of the forces over a first step.
+    /// Scale of the energy: |U| at the start plus the work of the forces over a first step.
     pub energy_scale: f64,
-    /// What the method remembers.
+    /// Variables of the method.
     pub memory: Memory,
 }
 
 impl<Memory> State<Memory> {
-    /// At rest at the allowed point nearest to `u`; `tau` is the squared time step over the mass.
+    /// A state at rest at the allowed point nearest to `u`; `tau` is the squared time step over the mass.
     pub(crate) fn at_rest(
         problem: &mut dyn Landscape,
         mut u: Vec<f64>,
@@ -58,12 +58,12 @@ impl<Memory> State<Memory> {
         problem.bounds().project(&mut u);
         let mut force = vec![0.0; u.len()];
         let energy = problem.force(&u, &mut force);
-        // The work tells where U itself happens to be zero.
+        // The work gives a scale even if U is zero.
         let energy_scale = energy.abs() + tau * gfmd_vector::dot(&force, &force);
         Ok(Self { u, force, energy, step: 0, settled: 0, evaluations: 1, energy_scale, memory })
     }
 
-    /// Where the run stands. Costs one [`Landscape::residual`], no force.
+    /// The status of the run. Costs one [`Landscape::residual`], but no force.
     pub fn status(&self, problem: &dyn Landscape) -> Status {
         Status {
             step: self.step,
@@ -74,13 +74,13 @@ impl<Memory> State<Memory> {
         }
     }
 
-    /// The force at the present u, counted.
+    /// Evaluates and counts the force at the present u.
     pub(crate) fn evaluate(&mut self, problem: &mut dyn Landscape) {
         self.energy = problem.force(&self.u, &mut self.force);
         self.evaluations += 1;
     }
 
-    /// An error unless state and bounds fit the problem.
+    /// Checks that state and bounds have the lengths of the problem.
     pub(crate) fn check(&self, problem: &dyn Landscape) -> Result<(), RelaxError> {
         RelaxError::check_length("displacements", self.u.len(), problem.len())?;
         RelaxError::check_length("forces", self.force.len(), problem.len())?;
@@ -99,34 +99,34 @@ impl<Memory> State<Memory> {
     }
 }
 
-/// Where a run stands.
+/// The status of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
-    /// Steps done.
+    /// Number of steps.
     pub step: u64,
-    /// U.
+    /// Energy U.
     pub energy: f64,
     /// [`Landscape::residual`]: dimensionless distance from the solution.
     pub residual: f64,
-    /// Steps since an entry last reached or left its bound.
+    /// Number of steps since an entry last reached or left its bound.
     pub settled: u64,
-    /// Evaluations of [`Landscape::force`] so far.
+    /// Number of evaluations of [`Landscape::force`].
     pub evaluations: u64,
 }
 
-/// When a run ends.
+/// End criteria of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Converged when the residual is at most this …
+    /// Largest residual of a converged run.
     pub residual: f64,
-    /// … and for this many steps no entry has reached or left its bound (theory.md, section 6.6: 20). Without bounds it
-    /// does not matter.
+    /// Number of steps for which no entry must have reached or left its bound in a converged run (theory.md, section
+    /// 6.6: 20). It has no effect without bounds.
     pub settled: u64,
-    /// Not converged if the state has done this many steps (all of them, those before a restart too).
+    /// Largest number of steps of the state, including those before a restart.
     pub max_steps: u64,
 }
 
-/// How a run ended well.
+/// The outcome of a run without error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// [`Stop`] is satisfied.
@@ -135,9 +135,9 @@ pub enum Outcome {
     Interrupted(Status),
 }
 
-/// Steps until `stop` is satisfied. Whatever the result, `state` stays with the caller: to save, to inspect, to resume.
+/// Makes steps until `stop` is satisfied. The caller keeps `state` in any case, to save, inspect or resume it.
 ///
-/// The residual is judged from the force that the next step uses, so it costs no evaluation.
+/// The residual is computed from the force that the next step uses, so that it costs no evaluation.
 pub fn relax<M: Method>(
     problem: &mut dyn Landscape,
     method: &M,

@@ -2,32 +2,32 @@ use gfmd_vector::{add, for_each, reduce};
 
 use crate::{Budget, Ending, Progress, Watch, Why};
 
-/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set that is easy to project on.
+/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set with a known projection.
 pub trait OnConvexSet {
-    /// `out` ← A `direction`. Entries that the set fixes may be left 0.
+    /// `out` ← A `direction`. Entries that are fixed by the set may be 0.
     fn apply(&mut self, direction: &[f64], out: &mut [f64]);
 
     /// `x` ← the nearest point of the set.
     fn project(&self, x: &mut [f64]);
 
-    /// Distance of `x` from the minimum, comparable with the tolerance; the gradient there is A x + b.
+    /// Distance of `x` from the minimum, to be compared with the tolerance; `gradient` is A x + b.
     fn residual(&self, x: &[f64], gradient: &[f64]) -> f64;
 }
 
-/// Projected gradients with the step lengths of Barzilai and Borwein, each ended at the lowest point of its segment (Birgin,
-/// Martínez & Raydan 2000, with an exact search in place of theirs).
+/// Projected gradients with the step lengths of Barzilai and Borwein and an exact line search along each segment
+/// (Birgin, Martínez & Raydan 2000, whose line search is not exact).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralProjectedGradient {
-    /// Length of the first step: x over gradient.
+    /// Length of the first step, in the unit of x over that of the gradient.
     pub first_step: f64,
 }
 
-/// The way from the start to where [`SpectralProjectedGradient::minimise`] ended.
+/// The result of [`SpectralProjectedGradient::minimise`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descended {
-    /// Steps taken.
+    /// Number of steps.
     pub steps: u64,
-    /// How the search ended.
+    /// The way in which the search ended.
     pub ending: Ending,
 }
 
@@ -75,7 +75,7 @@ impl SpectralProjectedGradient {
                 },
                 &add,
             );
-            // NaN ends the descent here, too.
+            // NaN also ends the descent.
             if !(slope < 0.0 && curvature > 0.0) {
                 return Descended { steps, ending: Ending::GaveUp(Why::NoDescent) };
             }
@@ -134,7 +134,7 @@ mod tests {
     fn the_minimum_is_found_inside_the_set_and_on_its_edge() {
         let ([x, y], _) = minimise(10.0, [1.0, 100.0]);
         assert!((x - 1.0).abs() < 1e-11 && (y - 1.0).abs() < 1e-11, "{x} {y}");
-        // On the edge the gradient points inwards: (k + λ) x = b.
+        // At the edge the gradient is parallel to x: (k + λ) x = b.
         let ([x, y], _) = minimise(0.5, [1.0, 100.0]);
         let multiplier = 1.0 / x - 1.0;
         assert!((x.hypot(y) - 0.5).abs() < 1e-11 && multiplier > 0.0);

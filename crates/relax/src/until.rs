@@ -3,15 +3,16 @@ use std::ops::ControlFlow;
 use crate::{Budget, Divergence, Ending, Landscape, Method, Outcome, Progress, RelaxError, State, Status, Stop, Watch};
 use crate::{Why, relax};
 
-/// Steps for which the entries at their bounds must have stayed the same (theory.md, section 6.6).
+/// Number of steps for which the set of entries at their bounds must not have changed (theory.md, section 6.6).
 const SETTLED: u64 = 20;
 
-/// Relaxes until `certify` confirms the tolerance of the budget. `certify` returns the largest residual of the problem at
-/// a state, recomputed and not taken from the method. While it exceeds the tolerance although the method has converged,
-/// the target of the method is tightened.
+/// Relaxes until `certify` confirms the tolerance of the budget. `certify` returns the largest residual of the problem
+/// at a state, recomputed independently of the method. If it exceeds the tolerance although the method has converged,
+/// the target of the method is reduced.
 ///
 /// # Errors
-/// A state or bounds that do not fit the landscape. A search without success is no error but an [`Ending`].
+/// A state or bounds with another length than the landscape. A search without success is not an error but an
+/// [`Ending`].
 pub fn relax_until<L: Landscape, M: Method>(
     landscape: &mut L,
     method: &M,
@@ -43,8 +44,8 @@ pub fn relax_until<L: Landscape, M: Method>(
             return Ok(Ending::GaveUp(Why::Diverged(Divergence::NotFinite)));
         }
         stop.residual = now.residual * (0.5 * budget.tolerance / worst).clamp(1e-3, 0.5);
-        // Rounding keeps residuals, which are relative, above such a target, so that the method would never end. A target
-        // of zero would be met at once, again and again.
+        // Residuals are relative, so that rounding keeps them above such a target, and the method would never end. A
+        // target of zero would be met at once, again and again.
         if stop.residual < f64::EPSILON {
             return Ok(Ending::GaveUp(Why::Rounding));
         }

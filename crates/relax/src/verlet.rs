@@ -1,4 +1,4 @@
-//! Damped position Verlet: every entry with the same mass, the same damping, the same time step.
+//! Damped position Verlet, with equal mass, damping and time step for all entries.
 
 use gfmd_vector::pass;
 
@@ -7,55 +7,56 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Rises of the energy below this fraction of its scale may be rounding.
+/// Increases of the energy below this fraction of its scale may be due to rounding.
 const RISE: f64 = 1e-12;
 
 /// Damped position Verlet, u₊ = Π(u + β (u − u₋) + τ f), with Π the projection on the bounds and u₋ the previous
-/// *projected* u: entries at a bound are at rest (theory.md, sections 6.1 and 6.5). Also known as heavy ball.
+/// *projected* u, so that entries at a bound are at rest (theory.md, sections 6.1 and 6.5). It is also known as the
+/// heavy ball method.
 ///
-/// The mass is one number. A mass that follows the stiffness would converge in a few steps without bounds, and to a
-/// wrong point with them (theory.md, section 6.3).
+/// The mass is equal for all entries. With a mass matrix close to the stiffness the motion would converge in a few
+/// steps without bounds, but to a wrong point with bounds (theory.md, section 6.3).
 ///
 /// The constructors check stability; a struct literal does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verlet {
     /// β and τ.
     pub damping: Damping,
-    /// What to do when a step ends higher than it began.
+    /// Action after a step that increases the energy.
     pub on_rise: OnRise,
 }
 
-/// What [`Verlet`] does when the energy rises.
+/// Action of [`Verlet`] after a step that increases the energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnRise {
-    /// Nothing: a rising energy is part of an oscillation. The rates of [`Damping`] hold for this.
+    /// No action, since the energy may increase in an oscillation. The rates of [`Damping`] hold for this choice.
     #[default]
     Continue,
-    /// Take the step back, u ← u₋, and start again from rest: a safeguard for landscapes that are not convex. Costs one
-    /// more evaluation of the force.
+    /// Undo the step, u ← u₋, and continue from rest: a safeguard for landscapes that are not convex. Costs one more
+    /// evaluation of the force.
     ///
-    /// Resting where the rise has ended, u₋ ← u (theory.md, section 6.5), would not be enough: the rise is kept, and a
-    /// mode with 1 < τ k < 2 grows when it rests every second step. From u₋ the next step is one of plain descent,
-    /// which goes down if τ k_max < 2 ([`Verlet::guarded`] checks it; optimal damping has nearly 4), so the energy of
-    /// the points kept never rises by more than rounding.
+    /// Resting at the end of the step, u₋ ← u (theory.md, section 6.5), would not suffice: the increase would be kept,
+    /// and a mode with 1 < τ k < 2 grows if it rests after every second step. From u₋ the next step is one of gradient
+    /// descent, which decreases the energy if τ k_max < 2 ([`Verlet::guarded`] checks it; optimal damping has nearly
+    /// 4). The energy of the accepted points thus never increases by more than rounding.
     StepBack,
 }
 
 /// [`State`] of [`Verlet`].
 pub type VerletState = State<Trail>;
 
-/// What [`Verlet`] remembers.
+/// Memory of [`Verlet`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// u₋: u one step earlier, or u itself at rest.
+    /// u₋: u one step earlier, or u at rest.
     pub previous: Vec<f64>,
-    /// Whether nothing moves, u₋ = u.
+    /// True at rest, u₋ = u.
     pub at_rest: bool,
 }
 
 impl Verlet {
-    /// Any damping that is stable for all stiffnesses (per mass) up to `k_max`: |β| < 1, τ k_max < 2 (1 + β)
-    /// (theory.md, section 6.1).
+    /// The method with a damping that is stable for all stiffnesses (per mass) up to `k_max`: |β| < 1, τ k_max < 2 (1 +
+    /// β) (theory.md, section 6.1).
     pub fn new(damping: Damping, k_max: f64) -> Result<Self, RelaxError> {
         let Damping { beta, tau } = damping;
         RelaxError::check_parameter("beta", beta, beta.abs() < 1.0, "between -1 and 1")?;
@@ -68,9 +69,9 @@ impl Verlet {
         Ok(Self { damping, on_rise: OnRise::default() })
     }
 
-    /// Critical damping of the softest mode at a given time step (unit mass). The error shrinks by 1 − √k_min Δt per
-    /// step. Best, and equal to [`Verlet::optimal`], at Δt = 2 / (√k_min + √k_max); unstable from
-    /// [`Damping::critical_dt_limit`] on.
+    /// Critical damping of the softest mode at a given time step (unit mass). The error decreases by the factor 1 −
+    /// √k_min Δt per step. The optimal time step is Δt = 2 / (√k_min + √k_max), which gives [`Verlet::optimal`]; the
+    /// method is unstable from [`Damping::critical_dt_limit`] on.
     pub fn critical(k_min: f64, k_max: f64, dt: f64) -> Result<Self, RelaxError> {
         check_band(k_min, k_max)?;
         RelaxError::check_parameter("the time step", dt, positive(dt), "positive and finite")?;
@@ -81,13 +82,13 @@ impl Verlet {
         Self::new(Damping::critical(k_min, dt), k_max)
     }
 
-    /// The best single damping and time step for all stiffnesses in [`k_min`, `k_max`] (theory.md, section 6.2).
+    /// The optimal damping and time step for all stiffnesses in [`k_min`, `k_max`] (theory.md, section 6.2).
     pub fn optimal(k_min: f64, k_max: f64) -> Result<Self, RelaxError> {
         check_band(k_min, k_max)?;
         Self::new(Damping::optimal(k_min, k_max), k_max)
     }
 
-    /// The same with [`OnRise::StepBack`], if the time step is short enough for it: τ k_max < 2.
+    /// This method with [`OnRise::StepBack`], if the time step is short enough: τ k_max < 2.
     pub fn guarded(self, k_max: f64) -> Result<Self, RelaxError> {
         let checked = Self::new(self.damping, k_max)?;
         let (found, allowed) = (checked.damping.tau.sqrt(), (2.0 / k_max).sqrt());
@@ -98,8 +99,8 @@ impl Verlet {
     }
 }
 
-/// u₊ = Π(u + motion + τ f) in place of what `motion` makes of u and its entry of `trail`, and how many entries reached or
-/// left their bound: one sweep.
+/// Replaces each entry t of `trail` by u₊ = Π(u + motion(u, t) + τ f), in one sweep. Returns the number of entries that
+/// reached or left their bound.
 pub(crate) fn advance(
     wall: impl Wall,
     tau: f64,
@@ -143,7 +144,7 @@ impl Method for Verlet {
         let before = state.energy;
         state.evaluate(problem);
         let tolerance = RISE * state.energy_scale.max(before.abs());
-        // From rest the step was one of plain descent; taken back, it would only be repeated.
+        // From rest the step was one of gradient descent; if undone, it would only be repeated.
         let back = self.on_rise == OnRise::StepBack && !state.memory.at_rest && state.energy > before + tolerance;
         if back {
             std::mem::swap(&mut state.u, &mut state.memory.previous);

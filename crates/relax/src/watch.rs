@@ -3,9 +3,9 @@ use std::ops::ControlFlow;
 /// Progress of a running search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Iterations, or time steps, done.
+    /// Number of iterations or time steps.
     pub iteration: u64,
-    /// The method's own estimate of the distance from the solution, comparable with the tolerance.
+    /// Estimate of the distance from the solution by the method, to be compared with the tolerance.
     pub residual: f64,
 }
 
@@ -25,7 +25,7 @@ pub struct Progress {
 /// assert!(().see(&Progress { iteration: 2, residual: 0.4 }).is_continue());
 /// ```
 pub trait Watch {
-    /// Sees an iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
+    /// Is called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
     fn see(&mut self, now: &Progress) -> ControlFlow<()>;
 }
 

@@ -1,4 +1,4 @@
-/// The largest of residuals, which are not negative; NaN if any of them is. [`f64::max`] would drop a NaN.
+/// The largest of non-negative residuals; NaN if any of them is NaN. [`f64::max`] would ignore a NaN.
 ///
 /// ```
 /// assert_eq!(gfmd_relax::worst([0.1, 0.3, 0.2]), 0.3);

@@ -1,4 +1,4 @@
-//! Steps work in place: none allocates.
+//! Tests that steps do not allocate.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::{
@@ -14,8 +14,8 @@ thread_local! {
 
 struct Counting;
 
-// SAFETY: hands every call on to the system allocator unchanged; counting touches a thread-local number without
-// destructor or allocation.
+// SAFETY: passes every call unchanged to the system allocator; the counter is a thread-local number without destructor
+// or allocation.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -67,7 +67,7 @@ fn allocations_per_thousand_steps(method: &(impl Method + Sync)) -> u64 {
     let stiffness = (0..n).map(|i| 0.1 + 0.9 * spread(i)).collect();
     let wall = (0..n).map(|i| 2.0 + 3.0 * spread(7 * i)).collect();
     let mut problem = Springs { stiffness, wall };
-    // All work on the thread that counts.
+    // All work is done on one thread, whose allocations are counted.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
         let mut state = method.start(&mut problem, vec![0.0; n]).unwrap();
@@ -77,7 +77,7 @@ fn allocations_per_thousand_steps(method: &(impl Method + Sync)) -> u64 {
                 assert!(state.status(&problem).residual.is_finite());
             }
         };
-        steps(10); // what the thread pool sets up once
+        steps(10); // includes the initial allocations of the thread pool
         let before = ALLOCATIONS.get();
         steps(1000);
         ALLOCATIONS.get() - before

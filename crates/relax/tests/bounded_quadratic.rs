@@ -1,5 +1,5 @@
-//! The conjugate-gradient methods on small dense problems whose minimum is known: built around it, or found by trying
-//! every set of positive variables.
+//! Tests of the conjugate-gradient methods on small dense problems with a known minimum: problems constructed from it,
+//! or solved by trying every set of positive variables.
 
 use std::ops::ControlFlow;
 
@@ -20,15 +20,16 @@ enum Method {
 enum Preconditioner {
     /// The inverse of A on the free variables.
     Inverse,
-    /// A number.
+    /// A multiple of the identity.
     Scale(f64),
-    /// Never lets a variable leave zero.
+    /// A preconditioner that never lets a variable leave zero.
     Closed,
-    /// Leads uphill.
+    /// A preconditioner whose directions lead uphill.
     Uphill,
 }
 
-/// All but [`Method::PolonskyKeer`], which cycles in one of 10⁴ of the random problems below: it has no safeguard.
+/// All methods except [`Method::PolonskyKeer`], which cycles in one of 10⁴ of the random problems below: it has no
+/// safeguard.
 const METHODS: [Method; 7] = [
     Method::ProjectedCg,
     Method::Preconditioned(Preconditioner::Inverse),
@@ -95,7 +96,7 @@ impl Dense {
         Ok((x, reached))
     }
 
-    /// The minimum, which must be found.
+    /// The minimum found by `method`; panics if the search fails.
     fn minimum(&self, method: Method, start: &[f64], target: &Target) -> (Vec<f64>, Iterate) {
         match self.minimise(method, start, target) {
             Ok((x, Minimum { reached, ending: Ending::Converged })) => (x, reached),
@@ -164,7 +165,7 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// BᵀB/n + shift: eigenvalues of order one and up.
+/// The matrix BᵀB/n + shift.
 fn matrix(entries: &[f64], n: usize, shift: f64) -> Vec<Vec<f64>> {
     let column = |i: usize| entries.iter().skip(i).step_by(n).copied();
     let product = |i: usize, j: usize| column(i).zip(column(j)).map(|(a, b)| a * b).sum::<f64>() / n as f64;
@@ -179,13 +180,13 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// How far x may be off at this tolerance: both parts of it together bound ⟨x − x*, A (x − x*)⟩ = ⟨x − x*, g − g*⟩, and
-/// A ≥ 0.1 in these tests. That is half the digits.
+/// Bound on the error of x at the tolerance: the two residuals bound ⟨x − x*, A (x − x*)⟩ = ⟨x − x*, g − g*⟩, and A ≥
+/// 0.1 in these tests. The error thus has half the digits of the tolerance.
 fn error(x: &[f64], exact: &[f64]) -> f64 {
     (target(None).budget.tolerance * (x.iter().sum::<f64>() + exact.iter().sum::<f64>()) / 0.1).sqrt()
 }
 
-/// What a variable and its gradient are at the minimum: one of them is zero, or both.
+/// A variable and its gradient at the minimum: at least one of them is zero.
 fn pair() -> impl Strategy<Value = (f64, f64)> {
     prop_oneof![3 => (0.1..3.0).prop_map(|x| (x, 0.0)), 2 => (0.1..3.0).prop_map(|g| (0.0, g)), 1 => Just((0.0, 0.0))]
 }
@@ -259,7 +260,7 @@ proptest! {
     }
 }
 
-/// Springs to the ground and to the next of a ring, pulled here, pushed there.
+/// A ring of springs, also connected to the ground, with loads of both signs.
 fn ring(n: usize) -> Dense {
     let a = (0..n)
         .map(|i| {
@@ -329,7 +330,7 @@ fn what_ends_early_says_why_and_where() {
 
 #[test]
 fn what_has_no_minimum_breaks_down() {
-    // Nothing holds the second variable, and it is pulled.
+    // The second variable has no stiffness but a load.
     let dense = Dense {
         a: vec![vec![1.0, 0.0], vec![0.0, 0.0]],
         b: vec![1.0, -1.0],

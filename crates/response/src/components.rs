@@ -10,18 +10,18 @@ pub enum Components {
 }
 
 impl Components {
-    /// Those of a grid: two of a line, three else.
+    /// The components on a grid: two on a line, else three.
     pub fn of(grid: &Grid) -> Self {
         if grid.is_line() { Self::Plane } else { Self::Space }
     }
 
-    /// How many.
+    /// Number of components.
     #[expect(clippy::len_without_is_empty, reason = "there are two or three")]
     pub fn len(self) -> usize {
         self.axes().len()
     }
 
-    /// Which axis of space each one belongs to: x is 0, y is 1, z is 2.
+    /// The spatial axis of each component: x is 0, y is 1, z is 2.
     pub fn axes(self) -> &'static [usize] {
         match self {
             Self::Plane => &[0, 2],
@@ -29,7 +29,7 @@ impl Components {
         }
     }
 
-    /// The index of z, the last.
+    /// The index of the component z, which is the last.
     pub fn normal(self) -> usize {
         self.len() - 1
     }

@@ -4,11 +4,11 @@ use gfmd_field::Grid;
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
-/// The elastic side of a contact: a surface of which u_z alone matters, or one that moves in all its components. The
-/// response is shared, so a clone costs nothing.
+/// The elastic side of a contact, with the component u_z only or with all components of the surface displacement. The
+/// response is shared, so that a clone costs nothing.
 #[derive(Clone, Debug)]
 pub enum Elastic {
-    /// u_z alone.
+    /// The component u_z only.
     Normal(Arc<NormalResponse>),
     /// All components.
     Full(Arc<FullResponse>),
@@ -55,8 +55,8 @@ impl Elastic {
         }
     }
 
-    /// Compliance of the uniform mode, component by component, in length/stress; 0 where the mean displacement does not
-    /// answer to the mean traction.
+    /// Compliance of the uniform mode for each component, in length/stress; 0 if the mean displacement does not depend
+    /// on the mean traction.
     pub fn uniform_compliance(&self) -> Vec<f64> {
         match self {
             Self::Normal(response) => vec![response.uniform_compliance()],
@@ -83,7 +83,7 @@ impl Elastic {
         }
     }
 
-    /// The transforms of one solve: the memory that they need, and a count of them.
+    /// The transforms of one solve, with their memory and a counter.
     pub fn transforms(&self) -> Transforms {
         match self {
             Self::Normal(response) => Transforms::Normal(NormalTransforms::of(response)),
@@ -92,19 +92,19 @@ impl Elastic {
     }
 }
 
-/// Stiffness and compliance of an [`Elastic`] surface with the memory that they need, and a count of the transforms.
+/// Stiffness and compliance of an [`Elastic`] surface, with the memory of the transforms and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid times the number of components.
 #[derive(Debug)]
-#[expect(missing_docs, reason = "each variant is its type")]
+#[expect(missing_docs, reason = "each variant is described by its type")]
 pub enum Transforms {
     Normal(NormalTransforms),
     Full(FullTransforms),
 }
 
 impl Transforms {
-    /// `out` ← K `field`, but for the means: that of a component becomes `uniform` times that of the field.
+    /// `out` ← K `field`, except for the means: the mean of a component is `uniform` times that of `field`.
     pub fn stiffness(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         let points = match self {
             Self::Normal(normal) => {
@@ -120,7 +120,7 @@ impl Transforms {
         set_means(points, field, uniform, out);
     }
 
-    /// `out` ← G `field`, but for the means: that of a component becomes `uniform` times that of the field.
+    /// `out` ← G `field`, except for the means: the mean of a component is `uniform` times that of `field`.
     pub fn compliance(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         let points = match self {
             Self::Normal(normal) => {
@@ -145,7 +145,7 @@ impl Transforms {
     }
 }
 
-/// The transforms of a [`NormalResponse`] with the memory that they need, and a count of them.
+/// The transforms of a [`NormalResponse`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid, or a kernel that of its modes.
@@ -153,7 +153,7 @@ impl Transforms {
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
     workspace: gfmd_field::Workspace,
-    /// Single transforms.
+    /// Number of single transforms.
     singles: u64,
 }
 
@@ -163,20 +163,20 @@ impl NormalTransforms {
         Self { response: Arc::clone(response), workspace: response.transform().workspace(), singles: 0 }
     }
 
-    /// `out` ← F⁻¹\[k F\[field\]\], the real kernel k laid out as [`Grid::modes`].
+    /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
         fits(self.response.transform().convolve(kernel, field, out, &mut self.workspace));
     }
 
-    /// As [`convolve`](Self::convolve), of a field that is made row by row, while the row is in the cache:
-    /// `source(i, row)` fills row i. A grid with one point along an axis is a single row.
+    /// As [`convolve`](Self::convolve), for a field that is computed row by row, while the row is in the cache:
+    /// `source(i, row)` fills row i. A grid with one point along an axis has a single row.
     pub fn convolve_rows(&mut self, kernel: &[f64], source: impl Fn(usize, &mut [f64]) + Sync, out: &mut [f64]) {
         self.singles += 2;
         fits(self.response.transform().convolve_rows(kernel, source, out, |_, _| {}, &mut self.workspace));
     }
 
-    /// (1/N) Σ_r f (K f) with K the convolution with `kernel`, by one transform.
+    /// (1/N) Σ_r f (K f) with K the convolution with `kernel`, from one transform.
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
         fits(self.response.transform().quadratic_form(kernel, field, &mut self.workspace))
@@ -188,7 +188,7 @@ impl NormalTransforms {
     }
 }
 
-/// The transforms of a [`FullResponse`] with the memory that they need, and a count of them.
+/// The transforms of a [`FullResponse`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid times the number of components.
@@ -196,7 +196,7 @@ impl NormalTransforms {
 pub struct FullTransforms {
     response: Arc<FullResponse>,
     workspace: Workspace,
-    /// Pairs of transforms of one component.
+    /// Number of pairs of transforms of one component.
     pairs: u64,
 }
 
@@ -224,7 +224,7 @@ impl FullTransforms {
     }
 }
 
-/// Lengths are the business of the caller, who makes every field with the size of the grid.
+/// The result of an operation on fields whose size is guaranteed by the caller.
 fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
 }

@@ -3,12 +3,12 @@ use gfmd_green::{Body, Matrix3, stiffness_range};
 
 use crate::{Components, Hermitian, Operator, Workspace};
 
-/// The response of a body on one grid in all components of its surface: planned transforms, and the stiffness and
-/// compliance matrix of every mode. Built once, shared between problems and threads.
+/// The response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
+/// compliance matrix of every mode. It is built once and shared between problems and threads.
 ///
-/// A component of the uniform mode q = 0 that has no stiffness (half-space, free base) or no compliance (u_z of a bonded
-/// incompressible slab) has zero for both, and [`uniform_compliance`](Self::uniform_compliance) is zero: its mean does
-/// not answer to the mean traction.
+/// For a component of the uniform mode q = 0 without stiffness (half-space, free base) or without compliance (u_z of a
+/// bonded incompressible slab), both are set to zero: its mean displacement does not depend on the mean traction, and
+/// [`uniform_compliance`](Self::uniform_compliance) is zero.
 #[derive(Debug)]
 pub struct FullResponse {
     stiffness: Operator,
@@ -23,7 +23,7 @@ impl FullResponse {
     pub fn new(grid: Grid, body: &Body) -> Self {
         let compliance = Operator::new(grid, |mode| finite(&body.compliance_of(mode)));
         let stiffness = compliance.beside(|mode| finite(&body.stiffness_of(mode)));
-        // By index, never by value: the uniform mode is the first.
+        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
         let range = stiffness_range(body, &grid);
         Self {
@@ -45,22 +45,22 @@ impl FullResponse {
         self.stiffness.components()
     }
 
-    /// K: traction (stress) of a displacement (length).
+    /// The stiffness K: traction (stress) from displacement (length).
     pub fn stiffness(&self) -> &Operator {
         &self.stiffness
     }
 
-    /// G: displacement (length) of a traction (stress).
+    /// The compliance G: displacement (length) from traction (stress).
     pub fn compliance(&self) -> &Operator {
         &self.compliance
     }
 
-    /// Memory for the operators of this grid. It serves as many threads as the current rayon pool has.
+    /// Memory for the operators on this grid, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace {
         self.stiffness.workspace()
     }
 
-    /// G_xx(0), G_yy(0), G_zz(0) in length/stress; 0 where the mean displacement does not answer to the mean traction.
+    /// G_xx(0), G_yy(0), G_zz(0) in length/stress; 0 if the mean displacement does not depend on the mean traction.
     pub fn uniform_compliance(&self) -> [f64; 3] {
         self.uniform_compliance
     }
@@ -70,14 +70,15 @@ impl FullResponse {
         self.contact_modulus
     }
 
-    /// Smallest and largest eigenvalue of the stiffness over all modes, in stress/length, those that are zero or
-    /// infinite left out; zeros if none is left.
+    /// Smallest and largest eigenvalue of the stiffness over all modes, in stress/length, without zero and infinite
+    /// eigenvalues; zeros if there are no other eigenvalues.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
 }
 
-/// Infinite entries are those of a uniform mode that nothing holds, or that cannot move.
+/// The matrix with infinite entries replaced by zero. The uniform mode has such entries if it is not held, or cannot
+/// move.
 fn finite(matrix: &Matrix3) -> Hermitian {
     Hermitian::of(matrix).map(|entry| if entry.is_finite() { entry } else { 0.0 })
 }

@@ -1,7 +1,7 @@
 use gfmd_green::Matrix3;
 
-/// A Hermitian matrix of one wave vector, rows and columns x, y, z, of the kind that an isotropic body has: real in the
-/// surface and along z, imaginary between them.
+/// The Hermitian matrix of an isotropic body at one wave vector, with rows and columns x, y, z: the in-plane entries
+/// and zz are real, the entries that couple the plane with z are imaginary.
 ///
 /// ```text
 ///   x  [    xx      xy    i xz ]
@@ -25,32 +25,32 @@ pub struct Hermitian {
 }
 
 impl Hermitian {
-    /// The matrix of a stiffness or compliance of `gfmd-green`.
+    /// The matrix from a stiffness or compliance matrix of `gfmd-green`.
     pub fn of(matrix: &Matrix3) -> Self {
         let [x, y, z] = matrix;
         Self { xx: x[0].re, yy: y[1].re, zz: z[2].re, xy: x[1].re, xz: x[2].im, yz: y[2].im }
     }
 
-    /// A multiple of each component.
+    /// The diagonal matrix diag(xx, yy, zz).
     pub fn diagonal([xx, yy, zz]: [f64; 3]) -> Self {
         Self { xx, yy, zz, ..Self::default() }
     }
 
-    /// Entry by entry.
+    /// The matrix with `f` applied to each entry.
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         Self { xx: f(xx), yy: f(yy), zz: f(zz), xy: f(xy), xz: f(xz), yz: f(yz) }
     }
 
-    /// Eigenvalues, ascending, each with its normalised eigenvector (a, b, c): the motion u = (a, b, i c).
+    /// Eigenvalues, ascending, each with its normalised eigenvector (a, b, c), which stands for u = (a, b, i c).
     ///
-    /// Of a stiffness: the modes of one wave vector, which move independently. The update matrix 1 − K Δt² of the
-    /// dynamics has the same eigenvectors (theory.md, sections 6.1 and 6.2). By Jacobi's rotations.
+    /// Those of a stiffness are the independent modes of one wave vector, and also the eigenvectors of the update
+    /// matrix 1 − K Δt² of the dynamics (theory.md, sections 6.1 and 6.2). Computed by Jacobi rotations.
     pub fn modes(self) -> [(f64, [f64; 3]); 3] {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         let mut a = [[xx, xy, -xz], [xy, yy, -yz], [-xz, -yz, zz]];
         let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        // Rotations converge quadratically; ten sweeps are more than enough for three rows.
+        // Jacobi rotations converge quadratically; ten sweeps are more than enough for three rows.
         for [p, q] in [[0, 1], [0, 2], [1, 2]].into_iter().cycle().take(30) {
             if a[p][q] == 0.0 {
                 continue;
@@ -73,8 +73,8 @@ impl Hermitian {
         modes
     }
 
-    /// The matrix with the same eigenvectors and `f` of the eigenvalues: of a stiffness, what a scheme does to each mode,
-    /// such as the critical damping of all of them.
+    /// The matrix function: the matrix with the eigenvectors of this one and `f` of its eigenvalues. Used for the
+    /// critical damping of all modes of a stiffness.
     pub fn function(self, f: impl Fn(f64) -> f64) -> Self {
         self.modes().into_iter().fold(Self::default(), |sum, (k, [a, b, c])| {
             let part = Self { xx: a * a, yy: b * b, zz: c * c, xy: a * b, xz: -a * c, yz: -b * c };
@@ -85,14 +85,14 @@ impl Hermitian {
 
     /// The inverse of a positive definite matrix, by its Cholesky factors.
     ///
-    /// With u_z = i w the matrix is real and symmetric, which is where it is inverted.
+    /// With u_z = i w the matrix is real and symmetric; the inversion uses this form.
     pub fn inverse(self) -> Self {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         let (l21, l31) = (xy / xx, -xz / xx);
         let d2 = yy - l21 * xy;
         let l32 = (-yz + l21 * xz) / d2;
         let d3 = zz + l31 * xz - l32 * l32 * d2;
-        // L⁻¹, then L⁻ᵀ D⁻¹ L⁻¹.
+        // The inverse is L⁻ᵀ D⁻¹ L⁻¹.
         let m31 = l21 * l32 - l31;
         let [i1, i2, i3] = [1.0 / xx, 1.0 / d2, 1.0 / d3];
         Self {

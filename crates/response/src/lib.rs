@@ -1,16 +1,16 @@
-//! The elastic body as its surface sees it on one grid: stiffness (traction = K displacement) and compliance
-//! (displacement = G traction) applied to whole fields.
+//! Surface response of an elastic body on one grid: stiffness (traction = K displacement) and compliance (displacement
+//! = G traction), applied to whole fields.
 //!
-//! - [`NormalResponse`]: one number per mode, for problems in which only u_z and the pressure matter.
-//! - [`FullResponse`]: a matrix per mode, for problems in which every component moves: x, y, z, or x, z on a line.
-//! - [`Elastic`]: either of the two, shared, with its memory and a count of [`Transforms`]; problems own one.
-//! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner made of stiffness and interface.
+//! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
+//! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
+//! - [`Elastic`]: either of the two, shared; its [`Transforms`] have the memory and a counter. Each problem owns one.
+//! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
 //!
-//! A field of several components is one slice, component after component, each laid out as a field of `gfmd-field`:
-//! [`Components`] says how many there are. Displacement and traction are those of the body's surface, +z out of the
-//! body; pressing down makes u_z and t_z negative.
+//! A field of several [`Components`] is one slice, component after component, each laid out as a field of `gfmd-field`.
+//! Displacement and traction are those of the surface of the body, with +z out of the body; compression makes u_z and
+//! t_z negative.
 //!
-//! A uniform shear of a slab, and a wave that moves in all components:
+//! A uniform shear of a slab, and a displacement in all components:
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -40,7 +40,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the matrices of one wave vector (`gfmd-green`), what acts on the surface (`gfmd-contact` and others).
+//! Other crates have the matrices of one wave vector (`gfmd-green`) and the contact problems (`gfmd-contact`,
+//! `gfmd-interface`, `gfmd-mixed`).
 
 mod components;
 mod elastic;

@@ -2,7 +2,7 @@ use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, normal_stiffness_table, restricted_normal_stiffness_table};
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems in which only u_z and the pressure matter. Built once, shared between problems and threads.
+/// problems with u_z and the pressure only. It is built once and shared between problems and threads.
 #[derive(Debug)]
 pub struct NormalResponse {
     transform: Transform,
@@ -14,12 +14,12 @@ pub struct NormalResponse {
 }
 
 impl NormalResponse {
-    /// Tabulates the response of `body` on `grid`; its surface is free to move sideways.
+    /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
         Self::from_stiffness(grid, body, normal_stiffness_table(body, &grid, 0.0))
     }
 
-    /// As [`new`](Self::new), of a surface that cannot move sideways: the stiffness is K_N in place of 1/G_zz
+    /// As [`new`](Self::new), without lateral displacement of the surface: the stiffness is K_N in place of 1/G_zz
     /// (theory.md, section 3, restricted lateral displacement).
     pub fn held_sideways(grid: Grid, body: &Body) -> Self {
         Self::from_stiffness(grid, body, restricted_normal_stiffness_table(body, &grid, 0.0))
@@ -27,7 +27,7 @@ impl NormalResponse {
 
     fn from_stiffness(grid: Grid, body: &Body, mut stiffness: Vec<f64>) -> Self {
         let mut compliance: Vec<f64> = stiffness.iter().map(|k| 1.0 / k).collect();
-        // By index, never by value: the uniform mode is the first.
+        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         (compliance[0], stiffness[0]) = (0.0, 0.0);
         let uniform = body.normal_compliance(0.0);
         let (softest, stiffest) =
@@ -47,7 +47,7 @@ impl NormalResponse {
         self.transform.grid()
     }
 
-    /// The planned transforms of the grid, behind [`NormalTransforms`](crate::NormalTransforms).
+    /// The planned transforms of the grid, used by [`NormalTransforms`](crate::NormalTransforms).
     pub(crate) fn transform(&self) -> &Transform {
         &self.transform
     }
@@ -68,8 +68,8 @@ impl NormalResponse {
         self.contact_modulus
     }
 
-    /// G_zz(0), length/stress: the height over the P-wave modulus of a slab, 0 of a half-space (whose surface keeps its
-    /// mean level, theory.md, section 7) and of an incompressible slab.
+    /// G_zz(0) in length/stress: the height over the P-wave modulus for a slab; 0 for a half-space (whose surface has a
+    /// fixed mean level, theory.md, section 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }

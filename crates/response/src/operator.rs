@@ -14,23 +14,23 @@ pub struct Operator {
     matrices: Vec<Hermitian>,
 }
 
-/// Memory of one caller, made by [`Operator::workspace`]: a spectrum for each component, and what a transform needs.
-/// It serves all operators of one grid. A call allocates nothing itself.
+/// Memory of one caller, made by [`Operator::workspace`]: a spectrum for each component, and the memory of a transform.
+/// It can be used with all operators on one grid, which then do not allocate.
 pub struct Workspace {
     transform: gfmd_field::Workspace,
     spectra: [Vec<Complex64>; 3],
 }
 
 impl Operator {
-    /// Tabulates `matrix` for every mode of `grid`. Rows and columns of y do not count on a line.
+    /// Tabulates `matrix` for every mode of `grid`. Rows and columns of y are ignored on a line.
     ///
-    /// Entries odd in a Nyquist component must be zero, as those of
-    /// [`Body::stiffness_of`](gfmd_green::Body::stiffness_of) are (theory.md, section 0).
+    /// Entries odd in a Nyquist component must be zero, as in
+    /// [`Body::stiffness_of`](gfmd_green::Body::stiffness_of) (theory.md, section 0).
     pub fn new(grid: Grid, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         Self::on(Arc::new(Transform::new(grid)), matrix)
     }
 
-    /// Another operator on the same grid, which shares the planned transforms.
+    /// Another operator on the grid of this one, with shared planned transforms.
     pub fn beside(&self, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         Self::on(Arc::clone(&self.transform), matrix)
     }
@@ -65,7 +65,7 @@ impl Operator {
         &self.matrices
     }
 
-    /// Memory for the operators of this grid. It serves as many threads as the current rayon pool has.
+    /// Memory for the operators on this grid, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace {
         let mut spectra = [const { Vec::new() }; 3];
         for &axis in self.components.axes() {
@@ -74,10 +74,10 @@ impl Operator {
         Workspace { transform: self.transform.workspace(), spectra }
     }
 
-    /// `out` ← F⁻¹\[M F\[field\]\], both component after component. One transform pair for each component.
+    /// `out` ← F⁻¹\[M F\[field\]\], both component after component. Costs one transform pair per component.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// A slice or a workspace that does not have the size of the grid.
     pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
         self.check("output", out)?;
         self.analyse(field, ws)?;
@@ -102,10 +102,10 @@ impl Operator {
     }
 
     /// (1/N) Σ_r f·(M f), summed over all modes and components: twice the elastic energy per area, if M is a stiffness
-    /// and f a displacement (theory.md, section 0). Half the work of [`apply`](Self::apply).
+    /// and f a displacement (theory.md, section 0). Costs half of [`apply`](Self::apply).
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// A slice or a workspace that does not have the size of the grid.
     pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
         self.analyse(field, ws)?;
         let [x, y, z] = &ws.spectra;
@@ -117,7 +117,7 @@ impl Operator {
             let diagonal = m.xx * x.norm_sqr() + m.yy * y.norm_sqr() + m.zz * z.norm_sqr();
             weight * (diagonal + 2.0 * (m.xy * (x.conj() * y).re - coupled))
         };
-        // Chunks of one length, summed in order: the same bits for any number of threads.
+        // Chunks of fixed length, summed in order, give equal bits for any number of threads.
         let chunks = self.matrices.len().div_ceil(CHUNK);
         let sums: Vec<f64> = (0..chunks)
             .into_par_iter()
@@ -140,7 +140,7 @@ impl Operator {
     }
 }
 
-/// Modes that one thread takes at a time.
+/// Number of modes in a task of one thread.
 const CHUNK: usize = 4096;
 
 trait TimesI {

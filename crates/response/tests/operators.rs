@@ -1,4 +1,4 @@
-//! The operators against the matrices of single modes, and against each other.
+//! Tests of the operators against the matrices of single modes, and against each other.
 
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ fn compliance_undoes_stiffness_on_every_grid_and_body() {
             for (back, u) in back.iter().zip(&displacement) {
                 assert_relative_eq!(back, u, epsilon = 1e-11);
             }
-            // U = ½⟨u, K u⟩ by modes and by points.
+            // U = ½⟨u, K u⟩ from modes and from points.
             let by_modes = response.stiffness().quadratic_form(&displacement, &mut ws).unwrap();
             let by_points = displacement.iter().zip(&traction).map(|(u, t)| u * t).sum::<f64>() / grid.len() as f64;
             assert_relative_eq!(by_modes, by_points, max_relative = 1e-12);
@@ -64,7 +64,7 @@ fn compliance_undoes_stiffness_on_every_grid_and_body() {
 
 #[test]
 fn frictionless_pressure_moves_the_surface_as_the_normal_response_says() {
-    // Odd numbers of points: without Nyquist modes the two agree in every mode (theory.md, section 0).
+    // With odd numbers of points there are no Nyquist modes, and the two agree in every mode (theory.md, section 0).
     let grid = Grid::new([9, 7], [1.0, 1.1]).unwrap();
     for body in bodies() {
         let (full, normal) = (FullResponse::new(grid, &body), Arc::new(NormalResponse::new(grid, &body)));
@@ -147,11 +147,11 @@ proptest! {
     fn the_inverse_of_a_matrix_is_its_inverse(entries in prop::array::uniform6(-1.0..1.0_f64), shift in 2.5..5.0_f64) {
         let [xx, yy, zz, xy, xz, yz] = entries;
         let m = Hermitian { xx: xx + shift, yy: yy + shift, zz: zz + shift, xy, xz, yz };
-        // Of real symmetric matrices, after u_z = i w.
+        // With u_z = i w the matrices are real and symmetric.
         let real = |m: Hermitian| [[m.xx, m.xy, -m.xz], [m.xy, m.yy, -m.yz], [-m.xz, -m.yz, m.zz]];
         let (a, b) = (real(m), real(m.inverse()));
         for (i, row) in a.iter().enumerate() {
-            // A symmetric matrix: its rows are its columns.
+            // The rows of a symmetric matrix are its columns.
             for (j, column) in b.iter().enumerate() {
                 let product: f64 = row.iter().zip(column).map(|(a, b)| a * b).sum();
                 prop_assert!((product - f64::from(u8::from(i == j))).abs() < 1e-12, "{:?}", m);

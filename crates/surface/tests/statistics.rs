@@ -323,7 +323,10 @@ fn unusable_heights_are_refused() {
     heights[[4, 0]] = f64::INFINITY;
     let grid = Grid::new([5, 4], [1.0, 1.0]).unwrap();
     let message = Statistics::of(&heights, &grid).unwrap_err().to_string();
-    assert_eq!(message, "2 of 20 heights are missing or not finite, the first is NaN at [x, y] = [3, 1]");
+    assert_eq!(
+        message,
+        "2 of 20 heights are missing or not finite, the first is NaN at [x, y] = [3, 1]; all must be finite"
+    );
     let found = SurfaceError::Shape { found: [5, 4], expected: [4, 5] };
     let turned = Grid::new([4, 5], [1.0, 1.0]).unwrap();
     assert_eq!(Statistics::of(&heights, &turned), Err(found));

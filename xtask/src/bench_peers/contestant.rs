@@ -1,4 +1,4 @@
-//! Who competes, and one solve by each.
+//! Contestants, and one solve by each.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,12 +15,12 @@ use super::process::{Ended, output};
 use super::python::{Environment, LONG, Script};
 use super::{Peer, TamaasFftw};
 
-/// A program with a solver.
+/// A program with one of its solvers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contestant {
     /// This program with one of its solvers.
     Own(Solver),
-    /// Another one.
+    /// Another program.
     Peer(Peer),
 }
 
@@ -45,36 +45,36 @@ pub(super) struct Problem {
     pub(super) p_star: f64,
     pub(super) mean_pressure: f64,
     pub(super) heights: PathBuf,
-    /// Where the first contestant leaves its pressure.
+    /// File with the pressure of the first contestant.
     pub(super) answer: PathBuf,
 }
 
-/// What is known of one solve.
+/// The measurements of one solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Solve {
-    /// Wall time of the solve alone.
+    /// Wall time of the solve without set-up.
     pub(super) seconds: f64,
     pub(super) iterations: Option<u64>,
     pub(super) transform_pairs: Option<f64>,
     /// Largest resident memory of the process.
     pub(super) peak_bytes: u64,
-    /// That before the surface was read; of this program, that with next to no surface.
+    /// Resident memory before the surface was read; for this program, memory of a solve with few points.
     pub(super) baseline_bytes: u64,
 }
 
-/// Where and how to run a solve.
+/// The settings of a solve.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) environment: &'a Environment,
     pub(super) session: &'a Session,
-    /// After which a peer is stopped.
+    /// Time after which a peer is stopped.
     pub(super) limit: Duration,
-    /// Memory of this program on next to no points.
+    /// Memory of this program for a problem with few points.
     pub(super) own_baseline: u64,
 }
 
 impl Contestant {
-    /// Whether more than one thread changes anything.
+    /// True if the contestant can use more than one thread.
     pub(super) fn is_threaded(&self, environment: &Environment) -> bool {
         match self {
             Self::Own(_) => true,
@@ -83,7 +83,8 @@ impl Contestant {
         }
     }
 
-    /// Where the final pressure goes. That of this program is the same for any number of threads.
+    /// File of the final pressure. This program has one file, since its pressure does not depend on the number of
+    /// threads.
     pub(super) fn pressure_file(&self, folder: &Path, threads: usize) -> PathBuf {
         let name = self.to_string().replace([' ', ','], "-");
         folder.join(match self {
@@ -92,8 +93,8 @@ impl Contestant {
         })
     }
 
-    /// Solves to `tolerance`, which means something else to each, and leaves the final pressure in `out` (.h5 by this
-    /// program, which is not asked to write any without a name; .npy by the others, always).
+    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`: .h5 for
+    /// this program, which writes no file if `out` is `None`; .npy for peers, which need a file.
     pub(super) fn solve(
         &self,
         problem: &Problem,
@@ -139,14 +140,14 @@ impl Contestant {
     }
 }
 
-/// What the command `contact` prints, as far as it is needed here.
+/// The part of the JSON output of `contact` that is needed here.
 #[derive(Deserialize)]
 struct Contact {
     loads: Vec<LoadRecord>,
     peak_bytes: u64,
 }
 
-/// This program is started anew, so that its memory can be told and nothing is warm that would be cold for others.
+/// Solves with this program in a new process, so that its memory can be measured and caches are as cold as for peers.
 fn own(
     solver: Solver,
     problem: &Problem,

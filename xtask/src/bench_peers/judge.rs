@@ -1,4 +1,4 @@
-//! The verdict on final pressures: certified residuals, and whether everyone found the same state.
+//! Verdicts on final pressures: certified residuals, and agreement with the first contestant.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,64 +12,67 @@ use super::contestant::Problem;
 use super::process::Ended;
 use super::python::{Environment, Script};
 
-/// What peers/certify.py finds of one pressure. Lengths over the rms height, energies over mean pressure times rms height.
+/// The result of peers/certify.py for one pressure. Lengths are in units of the rms height, energies in units of mean
+/// pressure times rms height.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Verdict {
     /// The four residuals (docs/interface.md).
     pub residual: ResidualRecord,
-    /// Points with pressure over all points.
+    /// Fraction of points with pressure.
     pub area_fraction: f64,
     /// Rigid approach beyond first touch.
     pub approach: f64,
     /// Elastic energy per area.
     pub energy: f64,
-    /// Distance from the pressure of the first contestant.
+    /// Difference from the pressure of the first contestant.
     pub differs: Difference,
 }
 
-/// How two pressures differ.
+/// The difference of two pressures.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Difference {
-    /// Number of points in contact in one and not in the other.
+    /// Number of points in contact in only one of the two.
     pub points: u64,
     /// Rms difference over rms pressure.
     pub pressure: f64,
 }
 
-/// Largest difference between two certified states: in pressure, and in contact points over all points.
+/// Largest difference allowed between two certified states, in pressure and in the fraction of contact points.
 pub(super) const AGREEMENT: f64 = 1e-6;
 
 impl Verdict {
-    /// The largest residual; NaN if any is.
+    /// The largest residual; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
         let r = self.residual;
         let all = [r.complementarity, r.penetration, r.negative_pressure, r.load];
         all.into_iter().fold(0.0, |worst, r| if worst.is_nan() || r <= worst { worst } else { r })
     }
 
-    /// What is wrong with this pressure, if anything. On small grids [`AGREEMENT`] is less than one point; one may differ,
-    /// since its pressure can be as small as it likes.
+    /// The reason why this pressure is rejected, if any. On small grids [`AGREEMENT`] is less than one point; one point
+    /// may differ in any case, since its pressure can be arbitrarily small.
     pub(super) fn objection(&self, tolerance: f64, points: usize) -> Option<String> {
         let worst = self.worst();
         let exceeds = |found: f64, allowed: f64| found.is_nan() || found > allowed;
         if exceeds(worst, tolerance) {
-            return Some(format!("its certified residual is {worst:.3e}, {tolerance:e} was asked for"));
+            return Some(format!("its certified residual is {worst:.3e}; it must be at most {tolerance:e}"));
         }
         if exceeds(self.differs.pressure, AGREEMENT) {
             let found = self.differs.pressure;
-            return Some(format!("its pressure differs by {found:.3e} (rms, relative), {AGREEMENT:e} is allowed"));
+            return Some(format!(
+                "its pressure differs by {found:.3e} (rms, relative); it may differ by {AGREEMENT:e}"
+            ));
         }
         let allowed = (AGREEMENT * (points * points) as f64).max(1.0);
         (self.differs.points as f64 > allowed).then(|| {
             format!(
-                "its contact differs in {} of {points} x {points} points, {allowed:.0} are allowed",
+                "its contact differs in {} of {points} x {points} points; it may differ in {allowed:.0}",
                 self.differs.points
             )
         })
     }
 }
 
-/// Judges the pressures in `fields`, by name. They are compared with that of `reference`.
+/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`.
 pub(super) fn judge(
     problem: &Problem,
     fields: &BTreeMap<String, PathBuf>,

@@ -1,4 +1,4 @@
-//! One case: everyone solves it, everyone is judged, everyone is timed between two looks at the yardstick.
+//! Measurement of one case: all contestants solve it and are judged, between two measurements of the yardstick.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -15,26 +15,26 @@ use super::python::{Environment, Yardstick};
 use super::report::{Case, Entry, Timing, in_words};
 use super::tolerance::loosest;
 
-/// The largest grid on which solves are repeated, points along a side.
+/// The largest grid on which solves are repeated, in points along a side.
 const REPEATED: usize = 1024;
 
-/// Short solves are repeated until they have taken so long together, in seconds, or so often.
+/// Short solves are repeated until their total time reaches WORTHWHILE seconds or their number OFTEN.
 const WORTHWHILE: f64 = 2.0;
 const OFTEN: usize = 9;
 
-/// A solve of a peer that took longer than this, in seconds, while its tolerance was looked for counts as timed.
+/// A solve of a peer longer than this, in seconds, in the search for its tolerance also counts as a timing.
 const LENGTHY: f64 = 20.0;
 
-/// What was quick enough once is let go on for this many times the limit: it would be a pity to lose the case.
+/// A peer that finished within the limit before may exceed it by this factor.
 const INDULGENCE: f64 = 5.0;
 
-/// Time of a peer grows with about this power of the points along a side.
+/// The time of a peer grows with about this power of the points along a side.
 const GROWTH: f64 = 3.0;
 
-/// Residuals of two equal solves differ by rounding: what is found once must hold again.
+/// Factor on the bound in the search for the tolerance of a peer: residuals of repeated solves differ by rounding.
 const MARGIN: f64 = 0.98;
 
-/// What is known of a peer on a smaller grid.
+/// The result of a peer on a smaller grid.
 #[derive(Clone, Copy)]
 struct Known {
     points: usize,
@@ -42,7 +42,7 @@ struct Known {
     seconds: f64,
 }
 
-/// Surface and load, without the grid: Hurst exponent and reduced pressure, bit by bit.
+/// Key of surface and load without the grid: the bits of Hurst exponent and reduced pressure.
 type Kind = [u64; 2];
 
 pub(super) struct Bench<'a> {
@@ -58,16 +58,16 @@ pub(super) struct Bench<'a> {
 /// A contestant that takes part in a case.
 struct Starter {
     contestant: Contestant,
-    /// What it is asked for.
+    /// Tolerance given to the solver.
     tolerance: f64,
-    /// A solve on the first number of threads that need not be run again.
+    /// A solve on the first number of threads that need not be repeated.
     first: Option<Solve>,
-    /// Iterations and transform pairs of this program, which must be the same every time.
+    /// Iterations and transform pairs of this program, which must be equal in all solves.
     cost: Option<(Option<u64>, Option<f64>)>,
 }
 
 impl<'a> Bench<'a> {
-    /// `small` is a problem of next to no points: what this program takes for it, it takes for nothing.
+    /// `small` is a problem with few points; the memory of this program for it is subtracted as the baseline.
     pub(super) fn new(
         args: &'a Args,
         threads: Vec<usize>,
@@ -88,7 +88,7 @@ impl<'a> Bench<'a> {
         self.threads.iter().copied().max().unwrap_or(1)
     }
 
-    /// Everything about one problem. Peers that cannot are left out with a note.
+    /// Measures one problem. Peers that fail are left out, with a note.
     pub(super) fn case(&mut self, problem: &Problem, notes: &mut Vec<String>) -> Result<Case, Failure> {
         let name = format!("{0} x {0}, H = {1}, p* = {2}", problem.points, problem.hurst, problem.p_star);
         tracing::info!("{name}");
@@ -110,7 +110,7 @@ impl<'a> Bench<'a> {
         self.compare(problem, &name, starters)
     }
 
-    /// For peers that are allowed `patience` times what the user is ready to wait.
+    /// The settings of a solve with a time limit of `patience` times that of the user.
     fn place(&self, patience: f64) -> Place<'a> {
         let limit = Duration::from_secs_f64(patience * self.args.patience);
         Place { environment: self.environment, session: self.session, limit, own_baseline: self.own_baseline }
@@ -120,7 +120,7 @@ impl<'a> Bench<'a> {
         contestant.pressure_file(self.environment.scratch(), threads)
     }
 
-    /// Writes the pressure of this program, once for any number of threads.
+    /// Solves with this program and writes its pressure, once for all numbers of threads.
     fn own(&self, contestant: Contestant, problem: &Problem) -> Result<Starter, Failure> {
         let threads = self.most_threads();
         let file = self.file(&contestant, threads);
@@ -130,7 +130,7 @@ impl<'a> Bench<'a> {
         Ok(Starter { contestant, tolerance: self.args.tol, first: None, cost })
     }
 
-    /// Finds the loosest tolerance that a peer needs.
+    /// Finds the loosest tolerance for which the result of a peer is certified.
     fn peer(&mut self, contestant: &Contestant, problem: &Problem) -> Result<Starter, Ended> {
         let key = (contestant.to_string(), [problem.hurst.to_bits(), problem.p_star.to_bits()]);
         let known = self.known.get(&key).copied();
@@ -161,7 +161,7 @@ impl<'a> Bench<'a> {
                 Ok((residual, solve))
             })?;
         let Some(found) = found else {
-            return Err(Ended::Failed(format!("it cannot be brought to a certified residual of {:e}", self.args.tol)));
+            return Err(Ended::Failed(format!("it does not reach a certified residual of {:e}", self.args.tol)));
         };
         let seconds = found.solve.seconds;
         self.known.insert(key, Known { points: problem.points, tolerance: found.tolerance, seconds });
@@ -179,7 +179,7 @@ impl<'a> Bench<'a> {
         done.len() < self.repeats(problem) || (done.len() < OFTEN && seconds < WORTHWHILE)
     }
 
-    /// Times everyone in turns, so that a busy spell of the machine hits all, and judges what they leave.
+    /// Times all contestants in turns, so that other load on the machine affects all, and judges their results.
     fn compare(&self, problem: &Problem, name: &str, starters: Vec<Starter>) -> Result<Case, Failure> {
         let before = self.environment.yardstick(problem.points, &self.threads, self.session)?;
         let mut solves: Vec<BTreeMap<usize, Vec<Solve>>> = vec![BTreeMap::new(); starters.len()];
@@ -241,7 +241,7 @@ impl<'a> Bench<'a> {
         Ok(Case { n: points, hurst, p_star, mean_pressure, timings })
     }
 
-    /// How many threads a contestant runs on when it may use so many.
+    /// The number of threads that a contestant uses if it may use `threads`.
     fn used(&self, contestant: &Contestant, threads: usize) -> usize {
         if contestant.is_threaded(self.environment) { threads } else { 1 }
     }
@@ -253,14 +253,17 @@ impl<'a> Bench<'a> {
         let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
         match starter.cost {
             Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(
-                "{contestant} on {threads} threads took {:?} iterations and {:?} pairs, before {:?} and {:?}",
+                "{contestant} on {threads} threads took {:?} iterations and {:?} pairs; they must be {:?} and {:?} as before",
                 solve.iterations, solve.transform_pairs, cost.0, cost.1
             ))),
             _ => Ok(solve),
         }
     }
 
-    /// Judges everyone; whoever is not certified or not in agreement ends the run.
+    /// Judges all contestants.
+    ///
+    /// # Errors
+    /// A result that is not certified or does not agree with that of the first contestant.
     fn verdicts(
         &self,
         problem: &Problem,
@@ -286,14 +289,14 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Median of one pair over both looks, and the smallest share of the processor.
+/// Median time of one pair over both measurements, and the smallest share of the processor.
 fn yardstick(before: &[Yardstick], after: &[Yardstick], threads: usize) -> (f64, f64) {
     let looks = || before.iter().chain(after).filter(|look| look.threads == threads);
     let seconds: Vec<f64> = looks().flat_map(|look| look.seconds.iter().copied()).collect();
     (median(&seconds), looks().map(|look| look.share).fold(f64::INFINITY, f64::min))
 }
 
-/// The middle of the sorted values; NaN without any.
+/// The median of the values; NaN if there are none.
 pub(super) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

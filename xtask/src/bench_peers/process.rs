@@ -1,4 +1,4 @@
-//! A program run to its end, unless it takes too long or the user stops us.
+//! Runs of other programs, with a time limit and interruption by the user.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -8,19 +8,19 @@ use std::time::{Duration, Instant};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::Session;
 
-/// Why a program gave no result.
+/// Reason why a program gave no result.
 #[derive(Debug)]
 pub(super) enum Ended {
-    /// It was stopped after this long.
+    /// The program was stopped after this time.
     TooLong(Duration),
-    /// The user stopped us.
+    /// The user interrupted the run.
     Interrupted,
-    /// It could not be started, or failed: what it said last.
+    /// The program could not be started, or failed; with its last line of output.
     Failed(String),
 }
 
 impl Ended {
-    /// The failure of a program without which nothing goes on.
+    /// The failure of a program that the command cannot do without.
     pub(super) fn failure(self, what: &str) -> Failure {
         match self {
             Self::Interrupted => Failure::Interrupted(format!("interrupted: {what}")),
@@ -37,13 +37,13 @@ impl Ended {
     }
 }
 
-/// Time between two looks at a running program. It is not timed by these looks.
+/// Time between two checks of a running program. It does not limit the resolution of the measured times.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// Runs `command`; what it printed on stdout.
+/// Runs `command` and returns its stdout.
 pub(super) fn output(command: &mut Command, limit: Duration, session: &Session) -> Result<String, Ended> {
     let failed = |error: std::io::Error| Ended::Failed(error.to_string());
-    // Files, since a pipe that nobody empties stops its writer.
+    // Files instead of pipes, since a full pipe would block the program.
     let [mut stdout, mut stderr] = [tempfile::tempfile().map_err(failed)?, tempfile::tempfile().map_err(failed)?];
     let handles = [stdout.try_clone().map_err(failed)?, stderr.try_clone().map_err(failed)?];
     let [to_stdout, to_stderr] = handles.map(Stdio::from);
@@ -64,7 +64,7 @@ pub(super) fn output(command: &mut Command, limit: Duration, session: &Session) 
     }
     if !status.success() {
         let said = text(&mut stderr).map_err(failed)?;
-        let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");
+        let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it printed no message");
         return Err(Ended::Failed(format!("{status}: {}", last.trim())));
     }
     text(&mut stdout).map_err(failed)

@@ -1,4 +1,4 @@
-//! The Python environment of the peers: made once, with pinned versions, and used by scripts that come with this program.
+//! The Python environment of the peers, created once with pinned versions, and the scripts that run in it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,10 +18,10 @@ use super::{Args, TamaasFftw};
 
 const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
 
-/// Installed where the system has no FFTW.
+/// Package that is installed if the system has no FFTW.
 const PYFFTW: &str = "pyFFTW==0.15.1";
 
-/// Installing, finding plans, judging and our own solves take less than this.
+/// Time limit of installation, planning, judging and solves of this program.
 pub(super) const LONG: Duration = Duration::from_secs(3600);
 
 /// The scripts.
@@ -58,7 +58,7 @@ impl Script {
     }
 }
 
-/// An FFTW with vector code: names, or paths, for the loader.
+/// An FFTW with vector code: names or paths of its libraries.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Fftw {
     pub(super) library: String,
@@ -73,13 +73,13 @@ struct Description {
     fftw: Option<Fftw>,
 }
 
-/// The yardstick at one size and number of threads.
+/// A measurement of the yardstick at one size and number of threads.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct Yardstick {
     pub(super) threads: usize,
-    /// One pair, the mean of each batch.
+    /// Mean time of one pair in each batch.
     pub(super) seconds: Vec<f64>,
-    /// Processor time over wall time and threads.
+    /// Processor time over the product of wall time and number of threads.
     pub(super) share: f64,
 }
 
@@ -96,13 +96,13 @@ pub(super) struct Environment {
     fftw: Fftw,
     fftw_version: String,
     pub(super) tamaas_fftw: TamaasFftw,
-    /// What a reader of the results should know.
+    /// Notes for readers of the results.
     pub(super) notes: Vec<String>,
     scratch: TempDir,
 }
 
 impl Environment {
-    /// Makes the environment where it is missing, and looks for an FFTW.
+    /// Creates the environment if it is missing, and finds an FFTW.
     pub(super) fn prepare(args: &Args, folder: &Path, session: &Session) -> Result<Self, Failure> {
         let venv = args.venv.clone().unwrap_or_else(|| folder.join("venv"));
         let python = install(&args.python, &venv, session)?;
@@ -123,14 +123,12 @@ impl Environment {
         }
         let Some(fftw) = description.fftw else {
             let reason =
-                "none here, neither the system's nor pyFFTW's; the yardstick needs one (Debian: libfftw3-double3)";
+                "neither the system nor pyFFTW provides it, and the yardstick needs it (Debian: libfftw3-double3)";
             return Err(Failure::input("FFTW", reason));
         };
         let mut notes = Vec::new();
         if fftw.source != "system" {
-            notes.push(
-                "The system has no FFTW: that of pyFFTW took its place, as yardstick and under Tamaas.".to_owned(),
-            );
+            notes.push("The system has no FFTW: that of pyFFTW was used for the yardstick and for Tamaas.".to_owned());
         }
         let mut tamaas_fftw = args.tamaas_fftw;
         if !cfg!(target_os = "linux") && tamaas_fftw != TamaasFftw::Own {
@@ -144,12 +142,12 @@ impl Environment {
         Ok(environment)
     }
 
-    /// A folder for surfaces and pressures, which goes with this value.
+    /// A temporary folder for surfaces and pressures, deleted when this value is dropped.
     pub(super) fn scratch(&self) -> &Path {
         self.scratch.path()
     }
 
-    /// Pinned packages, and what runs them.
+    /// Versions of the pinned packages, of Python and of this program.
     pub(super) fn versions(&self) -> BTreeMap<String, String> {
         let pins = REQUIREMENTS.lines().filter_map(|line| line.split_once("=="));
         let mut versions: BTreeMap<_, _> = pins.map(|(name, version)| (name.to_owned(), version.to_owned())).collect();
@@ -164,7 +162,7 @@ impl Environment {
         format!("{} ({}{threads})", self.fftw_version, self.fftw.source)
     }
 
-    /// The FFTW that stands in for that in the package of Tamaas.
+    /// The FFTW that replaces that in the package of Tamaas.
     pub(super) fn preloaded(&self) -> Option<&Fftw> {
         (self.tamaas_fftw != TamaasFftw::Own).then_some(&self.fftw)
     }
@@ -173,7 +171,8 @@ impl Environment {
         self.preloaded().is_some_and(|fftw| fftw.threads.is_some())
     }
 
-    /// Times the yardstick, for about `seconds` each. Needs threads of FFTW beyond one.
+    /// Times the yardstick, for about `seconds` per size and number of threads. More than one thread needs an FFTW with
+    /// threads.
     pub(super) fn yardstick(
         &self,
         points: usize,
@@ -181,7 +180,7 @@ impl Environment {
         session: &Session,
     ) -> Result<Vec<Yardstick>, Failure> {
         if self.fftw.threads.is_none() && threads.iter().any(|t| *t > 1) {
-            return Err(Failure::input("--thread-counts", "this FFTW has no threads: only 1 is allowed"));
+            return Err(Failure::Input("--thread-counts must be 1, since this FFTW has no threads".into()));
         }
         Ok(self.yardsticks(&[points], threads, 0.5, session)?.pairs)
     }
@@ -199,7 +198,7 @@ impl Environment {
         self.run(Script::Yardstick, &task, session).map_err(|ended| ended.failure("the yardstick"))
     }
 
-    /// Runs a script that does not take long.
+    /// Runs a script with the time limit [`LONG`].
     pub(super) fn run<T: DeserializeOwned>(
         &self,
         script: Script,
@@ -209,7 +208,7 @@ impl Environment {
         self.run_within(script, task, LONG, session)
     }
 
-    /// Runs a script; what it prints is read as JSON.
+    /// Runs a script and parses its output as JSON.
     pub(super) fn run_within<T: DeserializeOwned>(
         &self,
         script: Script,
@@ -237,18 +236,18 @@ fn run<T: DeserializeOwned>(
     session: &Session,
 ) -> Result<T, Ended> {
     let mut command = Command::new(python);
-    // Nothing of the user's own packages or settings.
+    // Isolated from the packages and settings of the user.
     command.arg("-I").arg(scratch.join(script.name())).args(task.map(ToString::to_string));
     command.current_dir(scratch).envs(settings.iter().map(|(name, value)| (name, value)));
     let printed = output(&mut command, limit, session)?;
     serde_json::from_str(&printed)
-        .map_err(|error| Ended::Failed(format!("{} printed what cannot be read: {error}", script.name())))
+        .map_err(|error| Ended::Failed(format!("the output of {} is no valid JSON: {error}", script.name())))
 }
 
-/// The Python of the environment in `venv`, with everything installed.
+/// The Python of the environment in `venv`, with all packages installed.
 fn install(program: &Path, venv: &Path, session: &Session) -> Result<PathBuf, Failure> {
     let python = venv.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    // Written last: an environment without it, or with another one, is not complete.
+    // This file is written last: without it, or with other contents, the environment is incomplete.
     let complete = venv.join("gfmd-requirements.txt");
     if fs::read_to_string(&complete).is_ok_and(|text| text == REQUIREMENTS) {
         return Ok(python);

@@ -1,4 +1,4 @@
-//! What was measured: as JSON, as tables to read, as a page of the documentation.
+//! The report of the measurements as JSON, as text tables, and as a page of the documentation.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -15,33 +15,33 @@ use super::judge::{AGREEMENT, Verdict};
 /// The result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// Day of the run.
+    /// Date of the run.
     pub date: String,
     /// Processor, cores, operating system.
     pub machine: String,
-    /// Commit that this program was built from.
+    /// Commit from which this program was built.
     pub commit: String,
-    /// Versions of everyone.
+    /// Versions of all programs and packages.
     pub versions: BTreeMap<String, String>,
     /// The FFTW of the yardstick.
     pub fftw: String,
-    /// The transforms that Tamaas had.
+    /// The FFTW used by Tamaas.
     pub tamaas_fftw: TamaasFftw,
-    /// Who took part; the first is the one compared with.
+    /// The contestants; the first is the reference of the comparisons.
     pub contestants: Vec<String>,
-    /// The residual that everyone was certified for.
+    /// The bound on the certified residuals.
     pub tolerance: f64,
     /// Seed of the surfaces.
     pub seed: u64,
     /// The measurements.
     pub cases: Vec<Case>,
-    /// What a reader should know.
+    /// Notes for readers of the results.
     pub notes: Vec<String>,
-    /// The file that this report is kept in.
+    /// The file of this report.
     pub kept: PathBuf,
 }
 
-/// One load on one surface.
+/// The measurements of one load on one surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Case {
     /// Points along a side.
@@ -52,33 +52,34 @@ pub struct Case {
     pub p_star: f64,
     /// Mean pressure in units of E*.
     pub mean_pressure: f64,
-    /// One for each number of threads.
+    /// Timings, one for each number of threads.
     pub timings: Vec<Timing>,
 }
 
-/// Everyone on so many threads.
+/// The timings of all contestants at one number of threads.
 #[derive(Clone, Debug, Serialize)]
 pub struct Timing {
     /// Number of threads allowed.
     pub threads: usize,
-    /// Wall time of one pair of transforms by FFTW on as many threads.
+    /// Wall time of one pair of transforms by FFTW on this number of threads.
     pub yardstick_seconds: f64,
-    /// Processor time of the yardstick over its wall time and threads: below 1 on one thread, others were at work.
+    /// Processor time of the yardstick over the product of its wall time and threads. A value below 1 on one thread
+    /// means that other processes were running.
     pub processor_share: f64,
     /// The contestants.
     pub entries: Vec<Entry>,
 }
 
-/// One contestant.
+/// The measurements of one contestant.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
-    /// Who.
+    /// Name of the contestant.
     pub name: String,
-    /// Threads it used; 1 where more make no difference to it.
+    /// Number of threads used; 1 if the contestant cannot use more.
     pub threads: usize,
     /// Wall time of the solve, set-up excluded: the median of `all_seconds`.
     pub seconds: f64,
-    /// Every repeat.
+    /// Times of all repeats.
     pub all_seconds: Vec<f64>,
     /// `seconds` in pairs of the yardstick.
     pub cost: f64,
@@ -90,11 +91,11 @@ pub struct Entry {
     pub transform_pairs: Option<f64>,
     /// Largest resident memory of its process.
     pub peak_bytes: u64,
-    /// The same less what the program takes with all packages loaded and next to no surface.
+    /// `peak_bytes` less the memory of the program with all packages loaded and without a surface.
     pub own_bytes: u64,
-    /// What it was asked for, in its own measure.
+    /// Tolerance given to the solver, in the measure of the solver.
     pub tolerance: f64,
-    /// What its final pressure is worth.
+    /// The verdict on the final pressure.
     pub verdict: Verdict,
 }
 
@@ -105,17 +106,17 @@ impl fmt::Display for Entry {
     }
 }
 
-/// Below this share of a processor for the yardstick a page says so.
+/// Share of a processor for the yardstick below which the page has a warning.
 const BUSY: f64 = 0.9;
 
 impl Report {
-    /// Keeps what there is, so that a later failure does not lose it.
+    /// Writes the report to its file, so that a later failure does not lose it.
     pub(super) fn keep(&self) -> Result<(), Failure> {
         let text = gfmd_cli::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 
-    /// The failure with the place of what is kept.
+    /// The failure with the name of the file with the finished cases.
     pub(super) fn keep_after(&self, failure: Failure) -> Failure {
         if self.cases.is_empty() {
             return failure;
@@ -133,7 +134,7 @@ impl Report {
         self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
     }
 
-    /// Rows of cases, columns of contestants.
+    /// A table with a row per case and a column per contestant.
     fn by_case(&self, threads: usize, title: String, cell: impl Fn(&Entry) -> String) -> Table {
         let head = ["n", "H", "p*", "pair, ms"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned());
         let row = |case: &Case| {
@@ -148,7 +149,7 @@ impl Report {
     }
 
     fn costs(&self, threads: usize) -> Table {
-        let title = format!("Cost in pairs of FFTW, {}; in brackets times the first", in_words(threads));
+        let title = format!("Cost in pairs of FFTW, {}; in brackets: ratio to the first", in_words(threads));
         self.by_case(threads, title, |entry| {
             if entry.name == self.contestants[0] {
                 return format!("{:.0}", entry.cost);
@@ -178,7 +179,7 @@ impl Report {
         })
     }
 
-    /// The most that anyone took at each size and number of threads.
+    /// A table of the largest memory of each contestant at each size and number of threads.
     fn memory(&self) -> Table {
         let mut rows = Vec::new();
         let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
@@ -208,7 +209,7 @@ impl Report {
         }
     }
 
-    /// Smallest, median and largest ratio at each size and number of threads.
+    /// A table of the smallest, median and largest time ratios at each size and number of threads.
     fn ratios(&self) -> Table {
         let mut rows = Vec::new();
         let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
@@ -247,14 +248,14 @@ impl Report {
         tables
     }
 
-    /// Whether others used the processor meanwhile, in words.
+    /// A warning if other processes used the processor during the run.
     fn disturbance(&self) -> Option<String> {
         let timings = self.cases.iter().flat_map(|case| &case.timings).filter(|timing| timing.threads == 1);
         let least = timings.map(|timing| timing.processor_share).fold(f64::INFINITY, f64::min);
         (least < BUSY).then(|| {
             format!(
-                "The machine was busy with other work: at worst the yardstick got {:.0} % of a processor. Trust ratios \
-                 more than seconds, and both less than those of a quiet machine.",
+                "The machine was busy with other work: at worst the yardstick got {:.0} % of a processor. Ratios are more \
+                 reliable than seconds, and both less reliable than on an idle machine.",
                 100.0 * least
             )
         })
@@ -268,7 +269,7 @@ impl Report {
             TamaasFftw::Preloaded => {
                 "with this FFTW preloaded in place of the one in its package, which has no vector code"
             }
-            TamaasFftw::Tuned => "with this FFTW preloaded and measured plans, which its users do not get",
+            TamaasFftw::Tuned => "with this FFTW preloaded and measured plans, which its users do not have",
             TamaasFftw::Own => "with the FFTW of its package, which has no vector code",
         };
         let mut page = format!(
@@ -301,7 +302,7 @@ pub(super) fn in_words(threads: usize) -> String {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        writeln!(f, "{}; FFTW: {}; everyone certified to {:e}\n", self.machine, self.fftw, self.tolerance)?;
+        writeln!(f, "{}; FFTW: {}; all results certified to {:e}\n", self.machine, self.fftw, self.tolerance)?;
         for table in self.tables() {
             writeln!(f, "{table}")?;
         }
@@ -312,7 +313,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Cells with a head and a title.
+/// A table with a title and a header row.
 struct Table {
     title: String,
     head: Vec<String>,
@@ -354,7 +355,7 @@ impl fmt::Display for Table {
     }
 }
 
-/// Never leaves half a file under a name.
+/// Writes a file beside `file` and renames it, so that `file` is never incomplete.
 fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
     let mut beside = file.as_os_str().to_owned();
     beside.push(".part");

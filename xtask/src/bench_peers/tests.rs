@@ -37,7 +37,7 @@ proptest! {
         prop_assert!(solves <= 5, "{solves}");
     }
 
-    /// Methods stop at whole iterations: the residual is a staircase under the tolerance.
+    /// Iterations are discrete, so that the residual is a staircase below the tolerance.
     #[test]
     fn a_staircase_is_certified_and_left_at_its_loosest_step(step in 0.05..1.5_f64, shift in 0.0..1.0_f64, factor in -2.0..2.0_f64) {
         let target = 1e-8;
@@ -49,7 +49,7 @@ proptest! {
         let found = found.unwrap();
         prop_assert!(found.residual <= target);
         prop_assert!(found.residual == residual(found.tolerance));
-        // Either close enough, or a step looser would fail.
+        // The residual is close to the target, or the next looser step fails.
         prop_assert!(found.residual >= 0.3 * target || residual(1.4 * found.tolerance) > target, "{found:?}");
     }
 }
@@ -77,8 +77,8 @@ fn whoever_is_not_certified_or_disagrees_is_objected_to() {
     assert!(verdict(f64::NAN, 0.0, 0).objection(1e-8, 512).is_some());
     assert!(verdict(1e-9, 1.1e-6, 0).objection(1e-8, 512).unwrap().contains("pressure differs by 1.100e-6"));
     assert!(verdict(1e-9, f64::NAN, 0).objection(1e-8, 512).is_some());
-    assert!(verdict(1e-9, 0.0, 2).objection(1e-8, 512).unwrap().contains("2 of 512 x 512 points, 1 are allowed"));
-    // A millionth of 2048 x 2048 points is 4.
+    assert!(verdict(1e-9, 0.0, 2).objection(1e-8, 512).unwrap().contains("2 of 512 x 512 points; it may differ in 1"));
+    // The allowed difference on 2048 x 2048 points is 4 points.
     assert_eq!(verdict(1e-9, 0.0, 4).objection(1e-8, 2048), None);
     assert!(verdict(1e-9, 0.0, 5).objection(1e-8, 2048).is_some());
 }
@@ -151,7 +151,7 @@ fn the_page_has_every_number_in_its_place() {
     assert!(rows.contains(&["1024", "0.8", "0.05", "1.000", "100", "-"].map(str::to_owned).to_vec()));
     assert!(rows.contains(&["512", "2", "10.0 (50)", "10.0 (50)"].map(str::to_owned).to_vec()), "{page}");
     assert!(rows.contains(&["512", "0.8", "0.05", "1.000", "27 / ?", "27 / ?"].map(str::to_owned).to_vec()));
-    // A table has as many columns in every line.
+    // All lines of a table have equal numbers of columns.
     for lines in page.split("## ") {
         let mut widths: Vec<usize> =
             lines.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
@@ -170,7 +170,7 @@ fn flags_out_of_range_are_refused_by_name() {
         assert!(text.starts_with(flag), "{text}");
     };
     args(&[]).check().unwrap();
-    refused(|args| args.sizes.push(31), "--sizes: at least 32 points");
+    refused(|args| args.sizes.push(31), "--sizes contains 31; each must be at least 32");
     refused(|args| args.sizes.clear(), "--sizes");
     refused(|args| args.p_star = vec![0.0], "--p-star");
     refused(|args| args.tol = f64::NAN, "--tol");

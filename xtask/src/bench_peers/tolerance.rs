@@ -1,35 +1,36 @@
-//! The loosest tolerance of a program at which its result is certified: what each asks of itself differs in meaning.
+//! Search for the loosest tolerance of a program for which its result is certified: its meaning differs between
+//! programs.
 
 /// A solve that was certified.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found<T> {
-    /// What the program was asked for.
+    /// Tolerance given to the program.
     pub(super) tolerance: f64,
     /// The certified residual.
     pub(super) residual: f64,
-    /// What the solve returned.
+    /// Result of the solve.
     pub(super) solve: T,
 }
 
-/// A residual between this part of the target and the target is close enough: one order less costs these methods about a
-/// tenth of their iterations.
+/// A residual between this fraction of the target and the target is accepted: one order of magnitude costs these
+/// methods about a tenth of their iterations.
 const CLOSE: f64 = 0.3;
 
-/// Next guesses aim at this part of the target.
+/// Fraction of the target at which the next guess aims.
 const AIM: f64 = 0.7;
 
-/// A tolerance that passes and one that fails this near to each other end the search.
+/// Ratio of a tolerance that fails to one that passes at which the search ends.
 const NARROW: f64 = 1.3;
 
-/// A method that stops at whole iterations may leave the same residual for many tolerances: after a second failure the
-/// next guess is at most this part of the last one.
+/// Largest ratio of the next guess to the last one after a second failure: since iterations are discrete, many
+/// tolerances may give one residual.
 const STRIDE: f64 = 0.2;
 
-/// Solves after which the loosest tolerance that passed is taken.
+/// Largest number of solves; after them the loosest tolerance that passed is taken.
 const TRIALS: usize = 12;
 
-/// Searches from `first`. `solve` maps a tolerance to the certified residual and what else is wanted; residuals grow with
-/// tolerances, roughly in proportion. `None` if no tolerance tried was enough.
+/// Searches from `first`. `solve` maps a tolerance to the certified residual and a result; residuals are roughly
+/// proportional to tolerances. `None` if no result was certified.
 pub(super) fn loosest<T, E>(
     target: f64,
     first: f64,
@@ -49,7 +50,7 @@ pub(super) fn loosest<T, E>(
             tolerance *= factor;
         } else {
             let again = failed.replace(tolerance).is_some();
-            // `min` also takes care of a residual that is not a number.
+            // `min` also handles a residual that is NaN.
             tolerance *= factor.min(if again { STRIDE } else { 1.0 });
         }
         if let (Some(passed), Some(failed)) = (&passed, failed) {

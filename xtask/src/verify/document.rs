@@ -1,4 +1,4 @@
-//! docs/validation.md: the checks as tables, with figures.
+//! The document docs/validation.md: tables of the checks, and figures.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -23,10 +23,10 @@ pub(super) fn write(folder: &Path, report: &Report, reference: &Reference) -> Re
 fn text(report: &Report) -> String {
     let mut text = format!(
         "# Validation\n\n\
-         What the program computes, against references made by other means, closed forms and identities: {} checks, {} \
-         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts the same. An error is \
-         the largest of all\nnumbers compared, relative unless said otherwise; where the reference files come from:\n\
-         [data/reference](../data/reference/README.md).\n",
+         Results of the program compared with independent references, closed forms and identities: {} checks, {} \
+         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts these checks, too. An \
+         error is the largest\nof all compared numbers, relative unless stated otherwise. The origin of the reference files \
+         is described in\n[data/reference](../data/reference/README.md).\n",
         report.checks, report.failed
     );
     for topic in &report.topics {

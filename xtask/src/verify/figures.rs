@@ -1,4 +1,4 @@
-//! The figures of docs/validation.md, after those of the source.
+//! The figures of docs/validation.md, modelled on those of the source thesis.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -12,24 +12,30 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use gfmd_tests::Reference;
 use ndarray::Ix3;
 
-/// Names of the files, and what they show.
+/// Names and captions of the figures.
 pub(super) const CAPTIONS: [(&str, &str); 10] = [
     (
         "stiffness",
         "Stiffness of a bonded slab (ν = 0.33) against the wavenumber, with the limits of tables 3.1 and 3.2 (broken).",
     ),
-    ("decay", "Displacement below a wave on a surface held sideways, against the height: waves of three lengths."),
-    ("wave-uz", "Figure 3.10: u_z below cos(2πx/L) on a slab of height L, its surface held sideways."),
-    ("wave-ux", "Figure 3.11: u_x below the same wave."),
-    ("punch-ux", "u_x below a sticking punch a quarter of the cell wide, on the plane y = L/2 through its middle."),
-    ("punch-uz", "u_z on the same plane."),
-    ("punch-sxx", "Figure 4.10: σ_xx on the same plane, in GPa."),
-    ("punch-szz", "σ_zz on the same plane, in GPa."),
-    ("punch-sxz", "Figure 4.11: σ_xz on the same plane, in GPa."),
-    ("punch-mises", "Von Mises stress on the same plane, in GPa."),
+    (
+        "decay",
+        "Displacement below a cosine wave of the surface without lateral displacement, against the height, for three wavelengths.",
+    ),
+    (
+        "wave-uz",
+        "Figure 3.10: u_z below cos(2πx/L) on a slab of height L, without lateral displacement of the surface.",
+    ),
+    ("wave-ux", "Figure 3.11: u_x below the wave of figure 3.10."),
+    ("punch-ux", "u_x below a sticking punch a quarter of the cell wide, on the central plane y = L/2."),
+    ("punch-uz", "u_z below the punch, on the central plane."),
+    ("punch-sxx", "Figure 4.10: σ_xx below the punch, on the central plane, in GPa."),
+    ("punch-szz", "σ_zz below the punch, on the central plane, in GPa."),
+    ("punch-sxz", "Figure 4.11: σ_xz below the punch, on the central plane, in GPa."),
+    ("punch-mises", "Von Mises stress below the punch, on the central plane, in GPa."),
 ];
 
-/// Draws `PREFIX-name.svg` and `.png` of each.
+/// Writes `PREFIX-name.svg` and `PREFIX-name.png` of each figure.
 pub(super) fn draw(prefix: &Path, reference: &Reference) -> Result<Vec<PathBuf>, Failure> {
     let failed = |error: &dyn ToString| Failure::Computation(error.to_string());
     let named = |what: &str| prefix.with_file_name(format!("validation-{what}"));
@@ -58,7 +64,7 @@ pub(super) fn draw(prefix: &Path, reference: &Reference) -> Result<Vec<PathBuf>,
     Ok(files)
 }
 
-/// Entries of K over C44/zm, and their limits.
+/// The entries of K in units of C44/zm, and their limits.
 fn stiffness(slab: &Body) -> Chart {
     let material = *slab.material();
     let (shear, s) = (material.shear_modulus(), material.s());
@@ -85,7 +91,7 @@ fn stiffness(slab: &Body) -> Chart {
     }])
 }
 
-/// Amplitudes of u_z and u_x at all heights, per u_z of the surface.
+/// Amplitudes of u_z and u_x at all heights, relative to u_z at the surface.
 fn decay(slab: &Body) -> Result<Chart, Failure> {
     let mut panels = [("*u*_z", 2), ("*u*_x", 0)].map(|(label, _)| Panel {
         x: Axis::linear("height *z*/*z*_m"),

@@ -1,4 +1,4 @@
-//! Values and attributes back from a file.
+//! Reading of values and attributes.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use hdf5::{Container, Dataset, File, H5Type};
 use super::FileError;
 use crate::error::reason;
 
-/// An HDF5 file opened for reading, of this program or of another.
+/// An HDF5 file of any program, opened for reading.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
@@ -35,7 +35,7 @@ impl Reader {
         names
     }
 
-    /// Whether there is a variable at `path`.
+    /// True if there is a variable at `path`.
     pub fn contains(&self, path: &str) -> bool {
         self.file.dataset(path).is_ok()
     }
@@ -45,8 +45,7 @@ impl Reader {
         Ok(self.dataset(path)?.shape())
     }
 
-    /// All values of a variable, row-major, converted to `T` by the library if they are stored as another type of
-    /// number.
+    /// All values of a variable, row-major; the library converts numbers of another type to `T`.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, FileError> {
         self.dataset(path)?.read_raw().map_err(|error| FileError::read(&self.path, path, &error))
     }
@@ -64,7 +63,7 @@ impl Reader {
         slab.map(|values| values.into_iter().collect()).map_err(|error| FileError::read(&self.path, path, &error))
     }
 
-    /// All values of a variable of words.
+    /// All values of a variable of strings.
     pub fn texts(&self, path: &str) -> Result<Vec<String>, FileError> {
         let dataset = self.dataset(path)?;
         texts(&dataset).map_err(|error| FileError::read(&self.path, path, &error))
@@ -78,7 +77,7 @@ impl Reader {
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
-    /// A number among the attributes of the group or variable at `path`.
+    /// A numerical attribute of the group or variable at `path`.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
         let found = self.attribute(path, name).and_then(|attribute| attribute.read_scalar());
@@ -100,7 +99,7 @@ impl Reader {
     }
 }
 
-/// Strings of any kind.
+/// Reads strings of fixed or variable length.
 fn texts(container: &Container) -> Result<Vec<String>, hdf5::Error> {
     fn all<T: H5Type + ToString>(container: &Container) -> Result<Vec<String>, hdf5::Error> {
         Ok(container.read_raw::<T>()?.iter().map(ToString::to_string).collect())

@@ -1,7 +1,7 @@
-//! Dimension scales by the HDF5 Dimension Scale Specification: four attributes, written without its high-level library.
+//! Dimension scales of the HDF5 Dimension Scale Specification: four attributes, written without the high-level library.
 //!
-//! A scale carries CLASS = "DIMENSION_SCALE", NAME, and REFERENCE_LIST (who uses it, at which dimension); a variable
-//! carries DIMENSION_LIST (for each dimension the scales of it).
+//! A scale has the attributes CLASS = "DIMENSION_SCALE", NAME, and REFERENCE_LIST (the variables that use it, and the
+//! index of the dimension); a variable has the attribute DIMENSION_LIST (the scales of each dimension).
 
 use hdf5::types::{FixedAscii, TypeDescriptor, VarLenArray};
 use hdf5::{Dataset, Datatype, File, ObjectReference1};
@@ -38,7 +38,7 @@ impl Scale {
         &self.dimension
     }
 
-    /// Notes that dimension `position` of the variable at `path` is this one.
+    /// Records that this is dimension `position` of the variable at `path`.
     pub(super) fn attach(&mut self, path: &str, position: usize) {
         self.users.push((path.to_owned(), position));
     }
@@ -63,7 +63,7 @@ pub(super) fn mark(dataset: &Dataset, name: &str) -> Result<(), hdf5::Error> {
     write_terminated(dataset, "NAME", name)
 }
 
-/// Names the scales of a variable, one per dimension.
+/// Writes the scales of a variable, one per dimension.
 pub(super) fn write_dimension_list(file: &File, dataset: &Dataset, scales: &[String]) -> Result<(), hdf5::Error> {
     if scales.is_empty() {
         return Ok(());
@@ -76,8 +76,8 @@ pub(super) fn write_dimension_list(file: &File, dataset: &Dataset, scales: &[Str
     attribute.write_raw(&list)
 }
 
-/// A fixed-length string attribute that ends with a zero. Readers of dimension scales accept no other kind of string,
-/// and the `hdf5` crate has no name for this one.
+/// Writes a zero-terminated string attribute of fixed length. Readers of dimension scales accept no other string type,
+/// and the `hdf5` crate does not provide it.
 fn write_terminated(dataset: &Dataset, name: &str, text: &str) -> Result<(), hdf5::Error> {
     let kind = Datatype::from_descriptor(&TypeDescriptor::FixedAscii(text.len() + 1))?;
     let status = hdf5::sync::sync(|| {

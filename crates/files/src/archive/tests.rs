@@ -15,7 +15,7 @@ fn provenance() -> Provenance {
     }
 }
 
-/// A file with everything that the commands write: scalars, words, fields by slabs, several groups with equal names.
+/// Writes a file with all kinds of data: scalars, strings, fields by slabs, several groups with equal names.
 fn write_all(path: &std::path::Path) {
     let output = Output::claim(path).unwrap();
     let mut archive = Archive::create(&output, &provenance()).unwrap();
@@ -68,7 +68,7 @@ fn what_is_written_is_read_back() {
     assert_eq!(file.texts("/fields/component").unwrap(), ["x", "y", "z"]);
     let height = file.values::<f64>("/surface/height").unwrap();
     assert_eq!(file.slab::<f64>("/fields/pressure", 1).unwrap(), height);
-    assert!(file.slab::<f64>("/fields/pressure", 0).unwrap().iter().all(|p| p.is_nan()), "what never came is NaN");
+    assert!(file.slab::<f64>("/fields/pressure", 0).unwrap().iter().all(|p| p.is_nan()), "unwritten entries are NaN");
     assert_eq!(file.values::<f64>("/fit/kappa_tfc").unwrap(), [2.1]);
     assert_eq!(file.shape("/fit/kappa_tfc").unwrap(), [0; 0]);
     assert_eq!(file.text("/", "config").unwrap(), provenance().config);
@@ -120,7 +120,7 @@ fn a_file_being_written_leaves_the_good_one_alone() {
     archive.write("/x", &variable(&[]), &[1.0]).unwrap();
     assert!(output.part().exists());
     assert_eq!(fs::read(&path).unwrap(), good);
-    drop(archive); // given up
+    drop(archive); // unfinished
     assert!(!output.part().exists());
     assert_eq!(fs::read(&path).unwrap(), good);
 
@@ -148,7 +148,7 @@ fn a_second_claim_is_refused_until_the_first_ends() {
     Output::claim(&path).unwrap();
 }
 
-/// Runs the named test once more in a process of its own, which finds the path of its file in the environment.
+/// A command that runs the named test in another process, with the path of its file in the environment.
 fn again(test: &str, path: &std::path::Path, limit: &str) -> Command {
     let mut command = Command::new("sh");
     command.arg("-c").arg(format!("{limit} exec \"$0\" --exact archive::tests::{test}"));
@@ -177,7 +177,7 @@ fn the_claim_ends_with_a_killed_process() {
     assert!(matches!(Output::claim(&path), Err(FileError::Busy { .. })));
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(folder.path().join("a.h5.lock").exists(), "killed without a chance to tidy up");
+    assert!(folder.path().join("a.h5.lock").exists(), "a killed process leaves its lock file");
     Output::claim(&path).unwrap();
 }
 
@@ -211,7 +211,7 @@ fn a_full_disk_is_one_clear_line_and_the_good_file_stays() {
 fn impossible_targets_are_refused_with_their_name() {
     let folder = tempfile::tempdir().unwrap();
     let line = Output::claim(folder.path()).unwrap_err().to_string();
-    assert!(line.ends_with("it is a folder, a file name is needed"), "{line}");
+    assert!(line.ends_with("it is a folder; it must be a file name"), "{line}");
     let line = Output::claim(folder.path().join("no/a.h5")).unwrap_err().to_string();
     assert!(line.contains("no/a.h5: there is no folder ") && !line.contains('\n'), "{line}");
     let file = folder.path().join("file");
@@ -254,5 +254,5 @@ fn what_cannot_be_read_says_what_is_there() {
     assert!(line.ends_with("has no /surface/heigth; its group has: height, x, y"), "{line}");
     assert!(file.text("/", "nothing").is_err());
     assert!(file.slab::<f64>("/fields/pressure", 2).is_err());
-    assert!(file.values::<f64>("/loads/solver").is_err(), "words are no numbers");
+    assert!(file.values::<f64>("/loads/solver").is_err(), "strings are not numbers");
 }

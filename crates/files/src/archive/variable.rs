@@ -1,4 +1,4 @@
-//! The description of what a file holds: variables, their dimensions, attributes, origin.
+//! Descriptions of the contents of a file: variables, dimensions, attributes, provenance.
 
 /// A named dimension with its coordinates, written once per group as an HDF5 dimension scale.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Dimension {
 /// The coordinates along a dimension.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coordinates {
-    /// 0, 1, 2, ... so many.
+    /// The indices 0, 1, 2, ...; the number gives the length.
     Index(usize),
     /// Positions.
     Values(Vec<f64>),
@@ -25,19 +25,19 @@ pub enum Coordinates {
 }
 
 impl Dimension {
-    /// A dimension counted from zero.
+    /// A dimension with the indices from zero as coordinates.
     pub fn index(name: &str, length: usize, long_name: &str) -> Self {
         let coordinates = Coordinates::Index(length);
         Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
     }
 
-    /// A dimension with positions.
+    /// A dimension with positions as coordinates.
     pub fn values(name: &str, values: Vec<f64>, units: &str, long_name: &str) -> Self {
         let coordinates = Coordinates::Values(values);
         Self { name: name.into(), coordinates, units: units.into(), long_name: long_name.into() }
     }
 
-    /// A dimension with a name for each entry.
+    /// A dimension with names as coordinates.
     pub fn labels(name: &str, labels: &[&str], long_name: &str) -> Self {
         let coordinates = Coordinates::Labels(labels.iter().map(|&label| label.into()).collect());
         Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
@@ -52,18 +52,18 @@ impl Dimension {
         }
     }
 
-    /// True without entries.
+    /// True if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// What a variable is, apart from its values.
+/// The description of a variable without its values.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable<'a> {
-    /// Slowest first, as the values lie in memory; empty for a single number.
+    /// Dimensions, slowest first, in the memory order of the values; empty for a single number.
     pub dimensions: &'a [&'a Dimension],
-    /// Unit, or the kind of quantity where any consistent set of units will do: `stress`, `length`, `1`.
+    /// Unit, or the kind of quantity if any consistent set of units is valid: `stress`, `length`, `1`.
     pub units: &'a str,
     /// Meaning in words.
     pub long_name: &'a str,
@@ -75,37 +75,37 @@ impl Variable<'_> {
     }
 }
 
-/// Where a file comes from: the attributes of its root.
+/// Provenance of a file: the attributes of its root.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Name of the program.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
-    /// The commit it was built from, `unknown` if it is not known.
+    /// Commit from which the program was built, or `unknown`.
     pub git_commit: String,
-    /// The command line.
+    /// Command line.
     pub command: String,
     /// Time of creation, RFC 3339.
     pub created: String,
-    /// The complete resolved configuration as TOML.
+    /// Complete resolved configuration as TOML.
     pub config: String,
-    /// The machine, in words.
+    /// Description of the machine.
     pub machine: String,
     /// Number of threads.
     pub threads: usize,
 }
 
-/// A single value beside a group or variable.
+/// The value of an attribute of a group or variable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
-    /// Words.
+    /// A string.
     Text(String),
     /// A real number.
     Real(f64),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// A whole number that is not negative, such as a seed.
+    /// A non-negative integer, such as a seed.
     Natural(u64),
 }
 

@@ -1,4 +1,4 @@
-//! Datasets of HDF5 files, ours and others'.
+//! Heights from datasets of HDF5 files of any program.
 
 use crate::Reader;
 
@@ -7,8 +7,8 @@ use super::{Found, two_dimensional};
 /// Relative deviation of a coordinate from even spacing that counts as rounding.
 const EVEN: f64 = 1e-6;
 
-/// Path and dataset of `FILE.h5:/dataset`; an empty dataset if the name is that of an HDF5 file alone; `None` of other
-/// names.
+/// Splits `FILE.h5:/dataset` into path and dataset; the dataset is empty for the name of an HDF5 file. `None` for any
+/// other name.
 pub fn split(name: &str) -> Option<(&str, &str)> {
     let is_archive = |path: &str| {
         let path = path.to_ascii_lowercase();
@@ -21,24 +21,26 @@ pub fn split(name: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// Heights of a dataset; the spacing from evenly spaced coordinates `x` and `y` beside it, where there are any.
+/// Reads the heights of a dataset, and the lengths from evenly spaced coordinates `x` and `y` in its group, if any.
 pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
     let reader = Reader::open(path).map_err(|error| error.to_string())?;
     if dataset.is_empty() {
         let names = reader.names("/").join(", ");
-        return Err(format!("FILE:/dataset is needed, such as {path}:/surface/height; the file holds {names}"));
+        return Err(format!(
+            "no dataset is named; it must be named, such as {path}:/surface/height; the file holds {names}"
+        ));
     }
     let shape = reader.shape(dataset).map_err(|error| error.to_string())?;
     let values = reader.values::<f64>(dataset).map_err(|error| error.to_string())?;
     let heights = two_dimensional(&shape, values)?;
     let lengths = lengths(&reader, dataset, heights.dim().into())?;
-    // "length" and "1" are words for any consistent unit.
+    // "length" and "1" stand for any consistent unit.
     let unit = reader.text(dataset, "units").ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()));
     Ok(Found { heights, lengths, unit, channel: None })
 }
 
-/// Cell lengths from evenly spaced coordinates `x` and `y` beside a dataset, if they are there. Of a profile, the second
-/// is 1 and means nothing.
+/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. The second length of a
+/// profile is 1 and has no meaning.
 ///
 /// # Errors
 /// Coordinates that are unevenly spaced.
@@ -56,7 +58,7 @@ pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Opt
     Ok(length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]))
 }
 
-/// The period of n coordinates with even spacing: n times the spacing; `None` of another number of coordinates.
+/// The period of n evenly spaced coordinates, n times the spacing; `None` if the number of coordinates is not n.
 fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
     if coordinates.len() != points || points < 2 {
         return Ok(None);
@@ -65,7 +67,7 @@ fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Optio
     let uneven = coordinates.windows(2).find(|pair| (pair[1] - pair[0] - spacing).abs() > EVEN * spacing.abs());
     match uneven {
         Some(pair) => Err(format!(
-            "the coordinates {name} must be evenly spaced by {spacing}, found a step of {}",
+            "a step of the coordinates {name} is {}; it must be {spacing}, since they must be evenly spaced",
             pair[1] - pair[0]
         )),
         None => Ok(Some(spacing * points as f64)),

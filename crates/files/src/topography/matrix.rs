@@ -1,4 +1,4 @@
-//! Text: a matrix of numbers, with or without the header that instruments write above it.
+//! Text files: a matrix of numbers, with or without the header of instruments.
 //!
 //! ```text
 //! # Channel: ZSensor
@@ -8,17 +8,17 @@
 //! 1.8823e-008    1.8497e-008    ...
 //! ```
 //!
-//! A line is a row of constant y, its numbers run along x: heights\[x, y\] is the number in column x of line y. UTF-8
-//! or Latin-1; numbers with a decimal point, separated by blanks, tabs, commas or semicolons.
+//! The numbers of a line run along x at constant y: heights\[x, y\] is the number in column x of line y. The encoding
+//! is UTF-8 or Latin-1; numbers have a decimal point and are separated by blanks, tabs, commas or semicolons.
 
 use ndarray::Array2;
 
 use super::Found;
 
-/// Words that stand for a point without a height.
+/// Words that denote a point without a height.
 const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
 
-/// Units of length, so many to a metre: whole numbers, which make conversions exact to one rounding.
+/// Units of length and their number in a metre: integers, so that a conversion has one rounding error.
 const UNITS: [(&str, f64); 14] = [
     ("m", 1.0),
     ("meter", 1.0),
@@ -27,7 +27,7 @@ const UNITS: [(&str, f64); 14] = [
     ("µm", 1e6), // micro sign
     ("μm", 1e6), // Greek letter mu
     ("um", 1e6),
-    ("~m", 1e6), // as some instruments print it
+    ("~m", 1e6), // written by some instruments
     ("micron", 1e6),
     ("nm", 1e9),
     ("pm", 1e12),
@@ -36,20 +36,18 @@ const UNITS: [(&str, f64); 14] = [
     ("in", 1.0 / 0.0254),
 ];
 
-/// Heights of a text file.
+/// Reads the heights of a text file.
 pub(super) fn read(path: &str) -> Result<Found, String> {
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
     if bytes.contains(&0) {
         return Err(
-            "neither text nor named .npy or .h5: a matrix of numbers as text, FILE.npy or FILE.h5:/dataset is \
-                    allowed"
-                .into(),
+            "the format is unknown; it must be a matrix of numbers as text, FILE.npy or FILE.h5:/dataset".into()
         );
     }
     parse(&decode(bytes))
 }
 
-/// UTF-8 if it is that, Latin-1 otherwise: there each byte is the character of its number.
+/// Decodes UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its character.
 fn decode(bytes: Vec<u8>) -> String {
     let text =
         String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
@@ -70,7 +68,7 @@ fn parse(text: &str) -> Result<Found, String> {
     Ok(Found { heights, lengths, unit, channel: header.channel })
 }
 
-/// The numbers line by line.
+/// The numbers of a file, line by line.
 #[derive(Default)]
 struct Rows {
     values: Vec<f64>,
@@ -91,7 +89,7 @@ impl Rows {
             for (column, word) in content.split(separator).enumerate() {
                 self.values.push(number(word.trim(), line, column + 1)?);
             }
-            // A separator that ends the line separates nothing, unless a number is missing there.
+            // A separator at the end of a line is ignored, unless a number is missing there.
             let surplus = self.rows == 0 || self.values.len() - before == self.columns + 1;
             if surplus && content.ends_with(separator) {
                 self.values.pop();
@@ -101,18 +99,18 @@ impl Rows {
         if self.rows == 0 {
             self.columns = found;
         } else if found != self.columns {
-            return Err(format!("line {line} has {found} numbers, the lines before have {}", self.columns));
+            return Err(format!("line {line} has {found} numbers; it must have {} as the lines before", self.columns));
         }
         self.rows += 1;
         Ok(())
     }
 
-    /// `[x, y]` from lines of constant y; a single line or column is a profile.
+    /// The heights `[x, y]` from lines of constant y; a single line or column is a profile.
     fn heights(self) -> Result<Array2<f64>, String> {
         let Self { values, columns, rows, .. } = self;
         if columns == 3 && is_point_list(&values) {
             return Err(format!(
-                "{rows} lines of three numbers that look like points x y z; a matrix is allowed, one line per y"
+                "the {rows} lines of three numbers look like points x y z; they must be a matrix, one line per y"
             ));
         }
         let lines = Array2::from_shape_vec((rows, columns), values).map_err(|error| error.to_string())?;
@@ -120,24 +118,24 @@ impl Rows {
     }
 }
 
-/// What separates the numbers, judged by the first line of them.
+/// The separator of the numbers, found from their first line.
 fn separator(content: &str) -> char {
     [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)).unwrap_or(' ')
 }
 
-/// A number, or NaN for a point without a height.
+/// Parses a number; NaN for a point without a height.
 fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
     if word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str()) {
         return Ok(f64::NAN);
     }
     word.parse().map_err(|_| {
-        let hint = if word.contains(',') { ", with a decimal point" } else { "" };
+        let hint = if word.contains(',') { " with a decimal point" } else { "" };
         let word: String = word.chars().take(40).collect();
-        format!("line {line}, column {column}: a number is allowed{hint}, found {word:?}")
+        format!("line {line}, column {column} is {word:?}; it must be a number{hint}")
     })
 }
 
-/// Whether rows of three numbers run through all pairs of their first two: a lattice, given point by point.
+/// True if rows of three numbers are the points of a lattice: all pairs of the first two coordinates occur.
 fn is_point_list(values: &[f64]) -> bool {
     let column = |k: usize| values.iter().skip(k).step_by(3).copied();
     let count = |column: &mut dyn Iterator<Item = f64>| {
@@ -153,7 +151,7 @@ fn is_point_list(values: &[f64]) -> bool {
     x > 1 && y > 1 && x * y == values.len() / 3 && pairs.len() == x * y
 }
 
-/// What the lines above the numbers say.
+/// The header: the comment lines above the numbers.
 #[derive(Debug, Default)]
 struct Header {
     channel: Option<String>,
@@ -162,7 +160,7 @@ struct Header {
     value_unit: Option<String>,
 }
 
-/// A size with its unit, as written.
+/// A length with its unit, if any.
 #[derive(Clone, Debug)]
 struct Length {
     value: f64,
@@ -170,7 +168,7 @@ struct Length {
 }
 
 impl Header {
-    /// Takes `Key: value`; other comments are nobody's business.
+    /// Parses `Key: value`; other comment lines are ignored.
     fn read(&mut self, line: usize, comment: &str) -> Result<(), String> {
         let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
         let value = value.trim();
@@ -184,7 +182,7 @@ impl Header {
         Ok(())
     }
 
-    /// The unit of the heights, and the sizes converted to it.
+    /// The unit of the heights, and the sizes in this unit.
     fn sizes(&self, (nx, ny): (usize, usize)) -> Result<(Option<String>, Option<[f64; 2]>), String> {
         let unit = self.value_unit.clone();
         let along = |name: &str, length: &Length| match (&length.unit, &unit) {
@@ -195,36 +193,38 @@ impl Header {
                 Ok(if to >= from { length.value * (to / from) } else { length.value / (from / to) })
             }
             (Some(from), None) => Err(format!(
-                "{name} is given in {from} but the unit of the heights is not: a line \"# Value units: ...\" is needed"
+                "the unit of {name} is {from} but the heights have no unit; a line \"# Value units: ...\" must give it"
             )),
-            (None, Some(to)) => Err(format!("heights are given in {to} but {name} has no unit")),
+            (None, Some(to)) => {
+                Err(format!("the unit of the heights is {to} but {name} has no unit; both or neither must have one"))
+            }
         };
         let lengths = match (&self.width, &self.height) {
             (Some(width), Some(height)) if nx > 1 && ny > 1 => Some([along("Width", width)?, along("Height", height)?]),
-            // A profile: the longer of the two, the other is one pixel or nothing.
+            // The length of a profile is the longer of the two; the shorter is one pixel or zero.
             (Some(one), Some(other)) => Some([along("Width", one)?.max(along("Height", other)?), 1.0]),
             (Some(one), None) | (None, Some(one)) if ny == 1 => Some([along("the length", one)?, 1.0]),
             (None, None) => None,
-            _ => return Err("Width and Height are needed, found only one of them".into()),
+            _ => return Err("only one of Width and Height is given; both or neither must be given".into()),
         };
         Ok((unit, lengths))
     }
 }
 
-/// `10.00 µm`: a number with or without a unit.
+/// Parses a length with or without a unit, such as `10.00 µm`.
 fn length(line: usize, text: &str) -> Result<Length, String> {
     let end = text.find(char::is_whitespace).unwrap_or(text.len());
     let (value, unit) = text.split_at(end);
     let value =
-        value.parse().map_err(|_| format!("line {line}: a length such as 10.00 µm is allowed, found {text:?}"))?;
+        value.parse().map_err(|_| format!("the length in line {line} is {text:?}; it must have the form 10.00 µm"))?;
     let unit = unit.trim();
     Ok(Length { value, unit: (!unit.is_empty()).then(|| unit.into()) })
 }
 
-/// How many of this unit make a metre.
+/// The number of units in a metre.
 fn per_metre(unit: &str) -> Result<f64, String> {
     UNITS.iter().find(|(name, _)| *name == unit).map(|(_, count)| *count).ok_or_else(|| {
         let names: Vec<&str> = UNITS.iter().map(|(name, _)| *name).collect();
-        format!("the units {} are known, found {unit:?}", names.join(", "))
+        format!("the unit is {unit:?}; it must be one of {}", names.join(", "))
     })
 }

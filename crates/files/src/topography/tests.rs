@@ -1,4 +1,4 @@
-//! Files made here, in the formats of instruments and of other programs.
+//! Tests on temporary files in the formats of instruments and of other programs.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::Topography;
 use crate::{Archive, Dimension, Output, Provenance, Variable};
 
-/// A folder with one file of these bytes, and its name.
+/// A temporary folder with one file, and the name of the file.
 fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -23,7 +23,7 @@ fn read_text(text: &str) -> Result<Topography, String> {
     Topography::read(&name).map_err(|error| error.to_string().replace(&name, "FILE"))
 }
 
-/// The message that a text file gives.
+/// The error message for a text file.
 fn refusal(text: &str) -> String {
     read_text(text).unwrap_err()
 }
@@ -80,8 +80,8 @@ fn plain_matrices_have_no_size() {
 
 #[test]
 fn points_without_a_height_are_named_and_counted() {
-    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; fill them in \
-                    before: every point needs a height";
+    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; every point \
+                    must have a height: fill them in first";
     assert_eq!(refusal("1 2 3\n4 NaN nan\n"), expected);
     for text in ["1,2,3\n4,,\n", "1,2,3,\n4,,,\n", "1;2;3\n4; BAD; -\n", "1 2 3\n4 -- na\n"] {
         assert_eq!(refusal(text), expected, "{text:?}");
@@ -98,19 +98,22 @@ fn text_that_is_no_matrix_is_refused_by_line_and_column() {
         assert!(message.starts_with("FILE: ") && message.contains(words), "{message:?} lacks {words:?}");
         assert!(!message.contains('\n'));
     };
-    says("1 2 3\n4 5\n", "line 2 has 2 numbers, the lines before have 3");
-    says("1 2\n3 high\n", "line 2, column 2: a number is allowed, found \"high\"");
-    says("1,5;2,5\n", "line 1, column 1: a number is allowed, with a decimal point, found \"1,5\"");
-    says("", "an array without points");
+    says("1 2 3\n4 5\n", "line 2 has 2 numbers; it must have 3 as the lines before");
+    says("1 2\n3 high\n", "line 2, column 2 is \"high\"; it must be a number");
+    says("1,5;2,5\n", "line 1, column 1 is \"1,5\"; it must be a number with a decimal point");
+    says("", "it must have at least one point");
     says("0 0 1\n0 1 2\n1 0 3\n1 1 4\n", "look like points x y z");
-    says("# Width: wide\n1 2\n3 4\n", "line 1: a length such as 10.00 µm is allowed, found \"wide\"");
-    says("# Width: 1 µm\n1 2\n3 4\n", "found only one of them");
-    says("# Width: 1 µm\n# Height: 1 µm\n1 2\n3 4\n", "the unit of the heights is not");
+    says("# Width: wide\n1 2\n3 4\n", "the length in line 1 is \"wide\"; it must have the form 10.00 µm");
+    says("# Width: 1 µm\n1 2\n3 4\n", "both or neither must be given");
+    says("# Width: 1 µm\n# Height: 1 µm\n1 2\n3 4\n", "the heights have no unit");
     says("# Width: 1\n# Height: 1\n# Value units: m\n1 2\n3 4\n", "Width has no unit");
-    says("# Width: 1 V\n# Height: 1 V\n# Value units: m\n1 2\n3 4\n", "found \"V\"");
-    says("# Width: 0 m\n# Height: 1 m\n# Value units: m\n1 2\n3 4\n", "positive and finite, found 0 by 1");
+    says("# Width: 1 V\n# Height: 1 V\n# Value units: m\n1 2\n3 4\n", "the unit is \"V\"");
+    says(
+        "# Width: 0 m\n# Height: 1 m\n# Value units: m\n1 2\n3 4\n",
+        "the size is 0 by 1; it must be positive and finite",
+    );
     let (_folder, name) = file("scan.al3d", b"Alicona\0\x01\x02");
-    assert!(Topography::read(&name).unwrap_err().reason.contains("FILE.npy or FILE.h5:/dataset is allowed"));
+    assert!(Topography::read(&name).unwrap_err().reason.contains("FILE.npy or FILE.h5:/dataset"));
     assert!(
         Topography::read("no/such/file.txt").unwrap_err().to_string().starts_with("no/such/file.txt: No such file")
     );
@@ -139,13 +142,13 @@ fn arrays_of_numpy_in_any_precision_and_order() {
         assert!(message.contains(words), "{message:?} lacks {words:?}");
     };
     write_npy(path("whole.npy"), &heights.mapv(|h| h as i64)).unwrap();
-    says("whole.npy", "floats of 64 or 32 bits ('<f8', '<f4') are allowed, found");
+    says("whole.npy", "they must be floats of 64 or 32 bits ('<f8', '<f4')");
     write_npy(path("cube.npy"), &ndarray::Array3::<f64>::zeros((2, 2, 2))).unwrap();
-    says("cube.npy", "an array of 1 or 2 dimensions is allowed, found shape [2, 2, 2]");
+    says("cube.npy", "the shape of the array is [2, 2, 2]; it must have 1 or 2 dimensions");
     write_npy(path("row.npy"), &Array2::<f64>::zeros((1, 5))).unwrap();
-    says("row.npy", "a profile has the shape [5] or [5, 1], found [1, 5]");
+    says("row.npy", "the shape of the array is [1, 5]; a profile must have the shape [5] or [5, 1]");
     write_npy(path("empty.npy"), &Array2::<f64>::zeros((0, 5))).unwrap();
-    says("empty.npy", "an array without points");
+    says("empty.npy", "it must have at least one point");
     let mut holes = heights.clone();
     holes[[2, 1]] = f64::NAN;
     write_npy(path("holes.npy"), &holes).unwrap();
@@ -185,8 +188,11 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
         let message = read(dataset).unwrap_err().to_string();
         assert!(message.contains(words), "{message:?} lacks {words:?}");
     };
-    says(":/uneven/height", "/uneven/x must be evenly spaced by 1, found a step of 0.5");
+    says(
+        ":/uneven/height",
+        "a step of the coordinates /uneven/x is 0.5; it must be 1, since they must be evenly spaced",
+    );
     says(":/surface/depth", "height");
-    says("", "FILE:/dataset is needed");
+    says("", "no dataset is named");
     assert!(Topography::read("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
 }

@@ -20,7 +20,7 @@ const FREE: Settings = Settings {
     paired: true,
 };
 
-/// Standard normal numbers by Box and Muller.
+/// A standard normal number by the Box-Muller transform.
 fn normal(rng: &mut Pcg64) -> f64 {
     let (u, v): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
@@ -31,7 +31,7 @@ fn exact(truth: &Parameters, eps: [f64; 3]) -> Datum {
     Datum { eps_t: eps[0], eps_f: eps[1], eps_c: eps[2], kappa: [(0, truth.predict(eps))].into() }
 }
 
-/// Axis by axis from one corner, as a sweep does, four levels each.
+/// Four levels per axis, one axis at a time from one corner, as in a sweep.
 fn star() -> Vec<[f64; 3]> {
     let corner = [0.5, 0.25, 0.5];
     let mut all = vec![corner];
@@ -45,7 +45,7 @@ fn star() -> Vec<[f64; 3]> {
     all
 }
 
-/// A sweep with noise: each surface (eps_t, eps_f, seed) shifts its data together and each datum a little on its own.
+/// A sweep with noise: each surface (eps_t, eps_f, seed) has noise common to its data, and each datum noise of its own.
 fn noisy(truth: &Parameters, places: &[[f64; 3]], seeds: u64, common: f64, own: f64, rng: &mut Pcg64) -> Vec<Datum> {
     let mut surfaces: BTreeMap<(u64, u64, u64), f64> = BTreeMap::new();
     let mut numbers: BTreeMap<(u64, u64), u64> = BTreeMap::new();
@@ -83,7 +83,7 @@ fn exact_data_are_recovered() {
 
 #[test]
 fn the_solution_does_not_hide_behind_a_local_minimum() {
-    // Two free exponents far apart, the coefficients nearly cancelling.
+    // Two free exponents far apart, with nearly cancelling coefficients.
     let truth = Parameters { kappa_tfc: 1.9, coefficients: [0.0, 1.2, -1.1], exponents: [1.0, 3.6, 0.31] };
     let places = (0..5).flat_map(|i| (0..5).map(move |j| [0.5, 0.3 * 0.6_f64.powi(i), 0.4 * 0.5_f64.powi(j)]));
     let data: Vec<Datum> = places.map(|eps| exact(&truth, eps)).collect();
@@ -111,7 +111,7 @@ fn noisy_data_are_recovered_within_the_interval() {
     assert!(found.bootstrap.unwrap().failed == 0);
 }
 
-/// How many of `experiments` intervals contain the truth.
+/// The fraction of `experiments` intervals that contain the truth.
 fn coverage(seeds: u64, settings: &Settings, experiments: u64) -> f64 {
     let truth = Parameters { exponents: [1.0, 1.0, 1.13], ..TRUTH };
     let hits = (0..experiments).into_par_iter().filter(|&experiment| {
@@ -155,8 +155,7 @@ fn misfit_stands_in_for_scatter_with_one_realisation() {
 
 #[test]
 fn common_noise_cancels_only_if_cells_stay_paired() {
-    // kappa_TFC from eps_c alone is a difference of data on the same surfaces; the slope hardly feels the common
-    // noise.
+    // Levels in eps_c alone are computed on common surfaces, so that the common noise hardly affects the slope.
     let places: Vec<[f64; 3]> = (0..4).map(|i| [0.5, 0.1, 0.5_f64.powi(i + 1)]).collect();
     let data = noisy(&TRUTH, &places, 10, 0.02, 0.001, &mut Pcg64::seed_from_u64(5));
     let settings = Settings { model: Model::default(), resamples: 1000, ..FREE };
@@ -218,7 +217,7 @@ fn profiles_have_their_minimum_at_the_fit() {
         approx::assert_relative_eq!(least.chi_squared, found.chi_squared, max_relative = 1e-9);
         approx::assert_relative_eq!(least.kappa_tfc, found.kappa_tfc.value, max_relative = 1e-7);
     }
-    // A fixed exponent has a profile too: it shows what fixing it costs.
+    // A fixed exponent has a profile, too: it shows how much chi^2 the choice costs.
     let fixed = fit(&data, &Settings { model: Model::default(), ..FREE }).unwrap();
     let point = fixed.terms[2].profile.iter().find(|point| point.exponent == 1.0).unwrap();
     approx::assert_relative_eq!(point.chi_squared, fixed.chi_squared, max_relative = 1e-9);
@@ -232,7 +231,10 @@ fn as_many_parameters_as_cells_interpolate_and_more_are_refused() {
     let found = fit(&data, &FREE).unwrap();
     assert_eq!((found.degrees_of_freedom, found.uncertainty), (0, Uncertainty::None));
     assert!(found.warnings.contains(&Warning::Interpolation));
-    assert_eq!(found.warnings[2].to_string(), "as many parameters as data: interpolation, no uncertainty from misfit");
+    assert_eq!(
+        found.warnings[2].to_string(),
+        "there are as many parameters as data: their misfit gives no uncertainty"
+    );
     assert_eq!((found.kappa_tfc.ci95, found.kappa_tfc.standard_error), (None, None));
     assert!((found.kappa_tfc.value - truth.kappa_tfc).abs() < 1e-8);
     let error = fit(&[data[0].clone(), exact(&TRUTH, [0.25, 0.1, 0.25])], &FREE).unwrap_err();
@@ -320,12 +322,12 @@ fn richardson_passes_through_three_levels() {
         assert_eq!(limit.standard_error, None);
         assert_eq!(found[0].limit.is_some(), found[0].ratio > 1.0);
     }
-    // Differences that grow: no power law passes through.
+    // Growing differences: no power law passes through the data.
     let mut data: Vec<Datum> = (0..3).map(|i| exact(&truth, [0.5, 0.1, 0.5_f64.powi(i)])).collect();
     data[2].kappa = [(0, truth.kappa_tfc - 5.0)].into();
     let found = richardson::triples(&data, Axis::Continuum);
     assert!(found[0].ratio < 1.0 && found[0].limit.is_none());
-    // Four levels give two triples; other axes none.
+    // Four levels give two triples; axes with one level give none.
     let four: Vec<Datum> = star()[6..].iter().chain(&star()[..1]).map(|&eps| exact(&truth, eps)).collect();
     assert_eq!(richardson::triples(&four, Axis::Continuum).len(), 2);
     assert_eq!(richardson::triples(&four, Axis::Fractal).len(), 0);
@@ -367,7 +369,7 @@ fn cells_with_missing_realisations_stay_in_one_stratum() {
     data[9].kappa.retain(|&seed, _| seed == lone);
     let found = fit(&data, &Settings { model: Model::default(), resamples: 200, ..FREE }).unwrap();
     let failed = found.bootstrap.as_ref().unwrap().failed;
-    // The lone seed is missed by a draw of six with chance (5/6)^6 = 1/3.
+    // A draw of six misses the single seed with probability (5/6)^6 = 1/3.
     assert!((40..95).contains(&failed), "{failed}");
     assert!(found.warnings.contains(&Warning::FailedRefits { failed, resamples: 200 }));
     assert!(found.kappa_tfc.ci95.is_some());
@@ -394,7 +396,7 @@ fn unusable_input_is_refused() {
     let bad = FitError::BadExponent { axis: Axis::Fractal, min: 0.0, max: 0.0 };
     assert_eq!(with(Model { f: Some(Exponent::Fixed(0.0)), ..Model::default() }), bad);
     let inverted = with(Model { t: Some(Exponent::Free { min: 2.0, max: 1.0 }), ..Model::default() });
-    assert_eq!(inverted.to_string(), "alpha_t in [2, 1] asked; 0 < min <= max <= 16 are allowed");
+    assert_eq!(inverted.to_string(), "the range of alpha_t is [2, 1]; it must be increasing, above 0 and at most 16");
     let error = fit(&good, &Settings { weighting: Weighting::Shrunk { prior: -1.0 }, ..FREE }).unwrap_err();
     assert_eq!(error, FitError::BadPrior { found: -1.0 });
     // eps_f and eps_c vary together: one column is a multiple of the other.
@@ -417,7 +419,7 @@ fn isolated_cells_lie_on_their_own_term() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// kappa -> scale kappa + shift carries through: the fit knows no preferred unit or origin.
+    /// The fit is equivariant under kappa -> scale kappa + shift.
     #[test]
     fn fits_follow_scale_and_shift(seed in 0_u64..1000, scale in 0.01_f64..100.0, shift in -3.0_f64..3.0) {
         let data = noisy(&TRUTH, &star(), 4, 0.003, 0.001, &mut Pcg64::seed_from_u64(seed));

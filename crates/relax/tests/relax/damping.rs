@@ -1,4 +1,4 @@
-//! Eigenvalues, regimes and best choices.
+//! Tests of eigenvalues, regimes and optimal parameters.
 
 use approx::assert_relative_eq;
 use gfmd_relax::{Damping, Method, ModeDamped, Motion, Nesterov, RelaxError, Verlet};
@@ -22,7 +22,7 @@ fn eigenvalues_solve_the_characteristic_equation() {
         };
         assert_relative_eq!(sum, trace, epsilon = 1e-14, max_relative = 1e-12);
         assert_relative_eq!(product, damping.beta, epsilon = 1e-14, max_relative = 1e-12);
-        // Stable exactly below the limit.
+        // Stability ends exactly at the limit.
         assert_eq!(damping.spectral_radius(k) < 1.0, k < damping.stiffness_limit(), "{damping:?} {k}");
     }
 }
@@ -52,7 +52,7 @@ fn predicted_history_and_steps_agree_with_the_iteration() {
         for tolerance in [0.5, 1e-3, 1e-9] {
             let outside = history.iter().rposition(|u: &f64| u.abs() > tolerance).map_or(0, |last| last + 1);
             let predicted = damping.steps_to(k, tolerance).unwrap() as usize;
-            // An oscillation may be inside a little before its envelope is.
+            // An oscillation may be within the tolerance slightly before its envelope.
             assert!(
                 (outside..=outside + 1 + outside / 5).contains(&predicted),
                 "{damping:?} {k}: {predicted} {outside}"
@@ -75,7 +75,7 @@ fn regimes_change_at_the_critical_stiffness() {
         assert!(matches!(damping.motion(stiff), Motion::Critical { eigenvalue } if eigenvalue < 0.0));
         assert!(matches!(damping.motion(1.001 * stiff), Motion::OverDamped { slow, .. } if slow < 0.0));
     }
-    // k Δt² = 1: converged in one step, theory.md, section 6.1.
+    // For k Δt² = 1 the method converges in one step, theory.md, section 6.1.
     assert_eq!(Damping::critical(16.0, 0.25).motion(16.0), Motion::Critical { eigenvalue: 0.0 });
 }
 
@@ -85,13 +85,13 @@ fn a_central_damping_force_is_critical_at_its_own_coefficient() {
         let gamma = Damping::central_critical(k, dt);
         let radius = |factor: f64| Damping::central(factor * gamma, dt).spectral_radius(k);
         assert!(radius(1.0) < radius(0.99) && radius(1.0) < radius(1.01));
-        // Continuum: γ → 2 √k.
+        // The continuum limit is γ → 2 √k.
         assert_relative_eq!(Damping::central_critical(k, 1e-5), 2.0 * k.sqrt(), max_relative = 1e-9);
         assert_relative_eq!(Damping::critical(k, 1e-5).eta() * 1e-5, 2.0 * k.sqrt(), max_relative = 1e-4);
     }
 }
 
-/// No other pair (β, τ) does better over the whole band, theory.md, section 6.2.
+/// No other pair (β, τ) is better over the whole band, theory.md, section 6.2.
 #[test]
 fn the_heavy_ball_optimum_is_one_in_both_parameters() {
     for (k_min, k_max) in [(1.0, 400.0), (0.01, 4.0), (0.3, 0.9)] {
@@ -126,7 +126,7 @@ fn optimal_is_critical_at_the_largest_useful_step() {
     assert_relative_eq!(optimal.tau, critical.tau, max_relative = 1e-14);
     // τ k_max = (1 + √β)².
     assert_relative_eq!(optimal.tau * k_max, (1.0 + optimal.beta.sqrt()).powi(2), max_relative = 1e-14);
-    // One stiffness only: one step, however many decades.
+    // With one stiffness one step suffices for any accuracy.
     assert!(Damping::optimal(3.0, 3.0).steps_per_decade(3.0, 3.0) < 0.1);
 }
 
@@ -141,7 +141,7 @@ fn unstable_steps_are_refused_with_the_limit() {
         }
         other => panic!("{other:?}"),
     }
-    // The closed form is where the stiffest mode under critical damping of the softest turns unstable.
+    // At the closed form the stiffest mode becomes unstable under critical damping of the softest mode.
     assert_relative_eq!(Damping::critical(k_min, limit).spectral_radius(k_max), 1.0, max_relative = 1e-12);
 
     let undamped = Damping { beta: 0.999, tau: 4.0 / k_max };

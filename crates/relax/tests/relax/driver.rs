@@ -1,4 +1,4 @@
-//! How runs end: converged, stopped, out of steps, diverged.
+//! Tests of the ends of runs: converged, interrupted, out of steps, diverged.
 
 use std::{cell::Cell, io, ops::ControlFlow};
 
@@ -59,11 +59,11 @@ fn not_converged_is_an_error_that_carries_the_numbers() {
         }
         other => panic!("{other:?}"),
     }
-    // The state goes on from there.
+    // The run continues from the state.
     assert!(matches!(relax(&mut problem, &method, &mut state, &STOP, &mut ()), Ok(Outcome::Converged(_))));
 }
 
-/// The residual may be small while the active set still changes; then the run goes on.
+/// The run continues if the residual is small but the active set still changes.
 #[test]
 fn converged_needs_a_settled_active_set() {
     let mut problem = Chain::springs(30, 0.05, |_| 0.3).below(vec![1.5; 30]);
@@ -138,7 +138,7 @@ fn observers_see_every_step_and_can_stop() {
     assert_eq!(outcome, Outcome::Interrupted(state.status(&problem)));
     assert_eq!((state.step, seen.get(), rare.get()), (25, 26, 3));
 
-    // Either of a pair may stop; never asked, never looking.
+    // Either observer of a pair may stop the run.
     let now = state.status(&problem);
     let stop = |_: &Status, _: &VerletState| Ok(ControlFlow::Break(()));
     assert!(((), stop).observe(&now, &state).unwrap().is_break());
@@ -192,7 +192,7 @@ fn a_time_step_beyond_the_limit_is_noticed_within_a_few_steps() {
     }
 }
 
-/// The strongest growth of a stable run, the stiffest mode under optimal damping, is no divergence.
+/// The strongest growth of a stable run, that of the stiffest mode under optimal damping, does not count as divergence.
 #[test]
 fn a_transient_is_no_divergence() {
     let (k_min, k_max) = (1e-5, 1.0);
@@ -208,7 +208,7 @@ fn a_transient_is_no_divergence() {
     assert!(highest > 0.9 / 7.4 * k_max / k_min, "{highest:e}");
 }
 
-/// A landscape that returns what it is told.
+/// A landscape that returns given values.
 struct Given {
     energy: f64,
     force: f64,
@@ -335,7 +335,7 @@ fn an_empty_problem_is_solved() {
     assert!(relax(&mut Nothing, &method, &mut state, &STOP, &mut ()).is_ok());
 }
 
-/// A landscape whose own residual is zero everywhere, as if it had underflowed.
+/// A landscape whose residual is zero everywhere, as after an underflow.
 struct Blind;
 
 impl Landscape for Blind {
@@ -370,7 +370,7 @@ fn the_target_is_tightened_until_the_certificate_holds() {
     let (softest, stiffest) = problem.band();
     let method = Verlet::optimal(softest, stiffest).unwrap();
     let mut state = method.start(&mut problem, vec![0.0; 20]).unwrap();
-    // A thousand times as strict as the method is.
+    // This certificate is a thousand times stricter than the method.
     let mut certify = |problem: &mut Chain, state: &VerletState| 1e3 * state.status(problem).residual;
     let mut seen = 0;
     let mut watch = |now: &Progress| {

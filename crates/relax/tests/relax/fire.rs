@@ -1,10 +1,10 @@
-//! FIRE against theory.md, section 6.4, written out entry by entry.
+//! Tests of FIRE against an implementation of theory.md, section 6.4, entry by entry.
 
 use gfmd_relax::{Fire, Landscape, Method, RelaxError, Stop, Uphill, relax};
 
 use crate::support::{Chain, distance, scattered};
 
-/// One statement per line of theory.md, section 6.4, on plain vectors.
+/// The algorithm of theory.md, section 6.4, on plain vectors, with one statement per line of the text.
 struct Plain {
     fire: Fire,
     u: Vec<f64>,
@@ -121,7 +121,7 @@ fn both_versions_follow_the_theory_step_by_step() {
 #[test]
 fn the_time_step_stays_within_its_limits() {
     let mut problem = Chain::springs(60, 0.01, |_| 0.2);
-    // Short, so that there is time to reach it between two steps uphill.
+    // A short largest time step, which is reached between two steps uphill.
     let dt_max = 0.2 * Fire::largest_dt(problem.band().1);
     for fire in [Fire::bitzek(dt_max), Fire::v2(dt_max)] {
         let mut state = fire.start(&mut problem, scattered(60)).unwrap();
@@ -152,7 +152,7 @@ fn gives_up_after_too_many_steps_uphill() {
     }
 }
 
-/// The same overshoot, seen from the time step: constant for `grace` steps, then halved at each step uphill.
+/// With this overshoot the time step is constant for `grace` steps, then halved at each step uphill.
 #[test]
 fn uphill_steps_shorten_the_time_step_after_the_grace() {
     let mut problem = Chain::modes(&[1.9, 1.9]);
@@ -169,7 +169,8 @@ fn uphill_steps_shorten_the_time_step_after_the_grace() {
     }
 }
 
-/// Overshoots to its bound, from −1 to 1/2 instead of 0.9, and is pulled off: the step back takes it away from there.
+/// An entry overshoots to its bound, from −1 to 1/2 instead of 0.9, and is pulled off: the step back moves it off the
+/// bound.
 #[test]
 fn an_entry_that_a_step_back_takes_off_its_bound_has_left_it() {
     let mut problem = Chain::modes(&[1.9, 1.9]).below(vec![0.5; 2]);
@@ -178,13 +179,13 @@ fn an_entry_that_a_step_back_takes_off_its_bound_has_left_it() {
     fire.step(&mut problem, &mut state).unwrap();
     assert_eq!((&state.u[..], &state.memory.velocity[..], state.settled), (&[0.5; 2][..], &[1.5; 2][..], 0));
     fire.step(&mut problem, &mut state).unwrap();
-    // Back by ½ Δt v with Δt = ½, then from rest by Δt² f.
+    // The step back is ½ Δt v with Δt = ½, followed by Δt² f from rest.
     let exact = (0.5 - 0.25 * 1.5) * (1.0 - 0.25 * 1.9);
     assert!((state.u[0] - exact).abs() < 1e-15, "{}", state.u[0]);
     assert_eq!((state.settled, state.evaluations), (0, 4));
 }
 
-/// Two entries on their bounds and nothing else: a velocity into the wall is no step uphill.
+/// For two entries on their bounds a velocity into the wall does not count as a step uphill.
 #[test]
 fn entries_that_arrive_at_their_bound_stay_there() {
     let mut problem = Chain::springs(2, 0.05, |_| 1.0).below(vec![0.1, 1.4]).above(vec![-0.6, 1.4]);

@@ -1,4 +1,4 @@
-//! Inertia that follows the stiffness, where there are no bounds.
+//! Tests of inertia close to the stiffness, without bounds.
 
 use gfmd_relax::{Bounds, Inertial, Landscape, Method, Nesterov, Outcome, Smooth, Stop, Verlet, relax};
 
@@ -39,8 +39,8 @@ fn steps(problem: &mut dyn Landscape, method: &impl Method) -> (u64, Vec<f64>) {
     }
 }
 
-/// M⁻¹ K has eigenvalues k/(k + k₀): the same few steps for 10 springs and for 80, where a scalar mass needs
-/// more and more.
+/// M⁻¹ K has the eigenvalues k/(k + k₀): the number of steps is small and equal for 10 and 80 springs, while it grows
+/// with a scalar mass.
 #[test]
 fn steps_do_not_grow_with_the_number_of_modes() {
     let mut counts = Vec::new();

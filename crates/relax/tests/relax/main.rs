@@ -1,4 +1,4 @@
-//! The damped methods on small problems with known answers.
+//! Tests of the damped methods on small problems with known solutions.
 
 mod damping;
 mod driver;

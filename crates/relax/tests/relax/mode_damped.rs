@@ -1,4 +1,4 @@
-//! Damping that differs from mode to mode.
+//! Tests of damping that depends on the mode.
 
 use approx::assert_relative_eq;
 use gfmd_relax::{Damping, Method, ModeDamped, Outcome, Stop, Verlet, relax};
@@ -7,7 +7,7 @@ use crate::support::{Chain, distance, scattered};
 
 const MODES: [f64; 6] = [0.01, 0.03, 0.2, 0.7, 1.9, 3.9];
 
-/// β of each entry of a problem whose entries are its modes.
+/// Critical damping of each entry, for a problem whose entries are its modes.
 fn critical_for_all(tau: f64) -> impl Fn(&mut [f64]) {
     move |motion| {
         for (d, k) in motion.iter_mut().zip(MODES) {
@@ -37,7 +37,7 @@ fn no_mode_oscillates_and_the_softest_is_as_slow_as_with_one_damping() {
     assert!((1..600).any(|step| one.damping.amplitude(MODES[3], step) < 0.0));
 }
 
-/// Damping acts on motion only: any vector of coefficients ends in the same place, bounds or not.
+/// Damping acts on motion only: the final point does not depend on the coefficients, with or without bounds.
 #[test]
 fn any_damping_ends_at_the_solution() {
     let n = 60;

@@ -1,4 +1,4 @@
-//! Chains pressed against bounds: all methods find the exact solution.
+//! Tests with chains pressed against bounds, for which all methods find the exact solution.
 
 use gfmd_relax::{Fire, Landscape, Method, Nesterov, Outcome, Stop, Verlet, relax};
 
@@ -47,7 +47,7 @@ fn count_touching(u: &[f64], upper: &[f64]) -> usize {
 #[test]
 fn a_chain_pressed_against_a_table() {
     let n = 60;
-    // A wavy table, low in the middle: several separate contacts.
+    // A wavy table, low in the middle, gives several separate contacts.
     let table = (0..n).map(|i| 0.4 + 0.25 * (0.55 * i as f64).sin() + 1e-3 * (i as f64 - 31.3).powi(2)).collect();
     let problem = Chain::springs(n, 0.01, |_| 0.02).below(table);
     let exact = problem.solution();
@@ -61,7 +61,7 @@ fn a_chain_pressed_against_a_table() {
 
 #[test]
 fn a_lifted_chain_pulls_off_where_it_should() {
-    // No load: the bound below zero presses the chain down like a punch, and it stands free elsewhere.
+    // Without load a bound below zero presses the chain down like a punch; elsewhere the chain is free.
     let n = 41;
     let punch: Vec<f64> = (0..n).map(|i| 0.005 * (i as f64 - 17.2).powi(2) - 0.3).collect();
     let problem = Chain::springs(n, 0.2, |_| 0.0).below(punch);
@@ -80,7 +80,7 @@ fn without_a_bound_the_answer_is_that_of_elimination() {
     for (method, u) in by_all_methods(&problem) {
         assert!(distance(&u, &exact) < 1e-10, "{method}");
     }
-    // An infinite bound is no bound, bit by bit.
+    // An infinite bound gives bit by bit the result without bounds.
     let bounded = problem.clone().below(vec![f64::INFINITY; 50]);
     let optimal = Verlet::optimal(problem.band().0, problem.band().1).unwrap();
     let (mut a, mut b) = (problem, bounded);
@@ -89,7 +89,7 @@ fn without_a_bound_the_answer_is_that_of_elimination() {
 
 #[test]
 fn equal_bounds_hold_entries_where_they_are_told() {
-    // Three entries stuck, as under a punch that does not slip; the rest is linear between them.
+    // Three entries are fixed, as under a sticking punch; between them the solution is linear.
     let n = 21;
     let stuck = [(4, 0.7), (5, -0.2), (15, 0.5)];
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]);
@@ -132,8 +132,8 @@ fn two_sided_bounds_agree_with_their_mirror_image() {
     );
 }
 
-/// Bounds only help: fixing entries keeps the spectrum inside the band (theory.md, section 6.5), so that once the
-/// active set has settled, the error falls at least as fast as predicted.
+/// Fixing entries keeps the spectrum inside the band (theory.md, section 6.5), so that the error decreases at least as
+/// fast as predicted once the active set has settled.
 #[test]
 fn the_final_rate_is_that_of_the_band_or_better() {
     let n = 60;

@@ -1,11 +1,11 @@
-//! Random chains, random bounds.
+//! Property tests with random chains and random bounds.
 
 use gfmd_relax::{Damping, Fire, Landscape, Method, Outcome, Stop, Verlet, relax};
 use proptest::prelude::*;
 
 use crate::support::{Chain, distance};
 
-/// Strictly diagonally dominant, hence positive definite, with couplings of both signs and sometimes a bound.
+/// Strictly diagonally dominant, hence positive definite, chains with couplings of both signs and sometimes a bound.
 fn chains() -> impl Strategy<Value = Chain> {
     (2..40usize).prop_flat_map(|n| {
         let coupling = prop::collection::vec(-1.0..1.0, n - 1);
@@ -23,7 +23,7 @@ fn chains() -> impl Strategy<Value = Chain> {
     })
 }
 
-/// Projected Gauss–Seidel: slow, but it converges on every such problem.
+/// The solution by projected Gauss–Seidel, which is slow but converges on all these problems.
 fn by_sweeps(problem: &Chain) -> Vec<f64> {
     let n = problem.len();
     let mut u = vec![0.0; n];
@@ -74,7 +74,7 @@ proptest! {
         }
     }
 
-    /// Whatever the parameters, as long as they are stable.
+    /// All stable parameters lead to the solution.
     #[test]
     fn stable_damping_converges(problem in chains(), beta in -0.6..0.95, share in 0.1..0.95) {
         let (_, k_max) = problem.band();
@@ -84,7 +84,7 @@ proptest! {
         prop_assert!(distance(&u, &by_sweeps(&problem)) < 1e-10);
     }
 
-    /// Allowed at every step, and never held back where nothing presses.
+    /// All iterates satisfy the bounds, and entries off their bounds are not held.
     #[test]
     fn points_stay_allowed(problem in chains(), start in prop::collection::vec(-5.0..5.0, 40)) {
         let mut problem = problem;

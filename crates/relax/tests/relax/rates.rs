@@ -1,12 +1,12 @@
-//! Convergence as fast as theory.md, sections 6.1 and 6.2, says.
+//! Tests of the rates of convergence against theory.md, sections 6.1 and 6.2.
 
 use approx::assert_relative_eq;
 use gfmd_relax::{Damping, Landscape, Method, OnRise, Outcome, RelaxError, Stop, Verlet, relax};
 
 use crate::support::{Chain, distance, scattered};
 
-/// Factor per step by which the largest error shrinks in the long run. Windows of the same number of steps are compared
-/// by their largest error, so that oscillations do not matter.
+/// The asymptotic factor per step of the largest error. The largest errors in windows of equal numbers of steps are
+/// compared, so that oscillations have no effect.
 fn measured(verlet: Verlet, modes: &[f64], steps: usize) -> f64 {
     let mut problem = Chain::modes(modes);
     let n = problem.len();
@@ -26,12 +26,12 @@ fn unchecked(damping: Damping) -> Verlet {
     Verlet { damping, on_rise: OnRise::Continue }
 }
 
-/// The decay exponents agree within 5 %; a double eigenvalue decays as n λⁿ, hence the many steps.
+/// Asserts that the decay exponents agree within 5 %. A double eigenvalue decays as n λⁿ and needs many steps.
 fn assert_rate(verlet: Verlet, modes: &[f64], steps: usize) {
     let predicted = modes.iter().map(|&k| verlet.damping.spectral_radius(k)).fold(0.0, f64::max);
     let found = measured(verlet, modes, steps);
     assert_relative_eq!(found.ln(), predicted.ln(), max_relative = 0.05);
-    // What the planning functions promise is the same number.
+    // The planning functions predict this number, too.
     let (k_min, k_max) = (modes[0], modes[modes.len() - 1]);
     let decade = verlet.damping.steps_per_decade(k_min, k_max);
     assert_relative_eq!(-f64::ln(10.0) / found.ln(), decade, max_relative = 0.06);
@@ -70,7 +70,7 @@ fn plain_descent_is_far_slower() {
     let plain = Damping::plain_descent(0.01, 4.0);
     assert_rate(unchecked(plain), &MODES, 4000);
     let (plain, optimal) = (plain.steps_per_decade(0.01, 4.0), Damping::optimal(0.01, 4.0).steps_per_decade(0.01, 4.0));
-    // κ/2 ln 10 against √κ/2 ln 10.
+    // The predictions are κ/2 ln 10 and √κ/2 ln 10.
     assert!(plain > 19.0 * optimal, "{plain} {optimal}");
 }
 
@@ -117,7 +117,7 @@ fn the_velocity_form_is_the_same_scheme() {
     }
 }
 
-/// The points that are kept never go up; far from critical damping the guard even saves steps.
+/// The energy of the accepted points never increases; far from critical damping the guard also saves steps.
 #[test]
 fn guarded_steps_never_rise() {
     let mut problem = Chain::springs(40, 0.01, |_| 0.1);
@@ -132,7 +132,7 @@ fn guarded_steps_never_rise() {
     }
     let back = state.evaluations - state.step - 1;
     assert!(back > 3 && back < 500, "the test needs rises, found {back}");
-    // So far underdamped, √β = 0.9975 per step, the same without a guard is not there yet.
+    // This run is strongly underdamped, √β = 0.9975 per step: without a guard it has not converged yet.
     let error = problem.residual(&state.u, &state.force);
     let free = unchecked(guarded.damping);
     let mut state = free.start(&mut problem, scattered(40)).unwrap();
@@ -143,7 +143,7 @@ fn guarded_steps_never_rise() {
     assert!(error < 0.1 * free_error, "{error:e} {free_error:e}");
 }
 
-/// A landscape whose lowest energy is zero by cancellation, so that every rise near the end is one of rounding.
+/// A landscape whose lowest energy is zero by cancellation, so that every increase near the end is due to rounding.
 struct Lifted {
     chain: Chain,
     by: f64,
@@ -178,7 +178,8 @@ fn rounding_does_not_hold_the_guard_up() {
     });
     assert!(guarded < free * 5 / 4, "{guarded} evaluations, {free} without the guard");
 
-    // So close to the minimum that the energy is rounding from the first step on: slow, but not stuck.
+    // Close to the minimum the energy is dominated by rounding from the first step on: convergence is slow, but not
+    // lost.
     let guarded = Verlet::critical(k_min, k_max, 0.6).unwrap().guarded(k_max).unwrap();
     let near = problem.chain.solution().iter().zip(scattered(40)).map(|(u, s)| u + 1e-6 * s).collect();
     let mut state = guarded.start(&mut problem, near).unwrap();
@@ -187,7 +188,7 @@ fn rounding_does_not_hold_the_guard_up() {
     assert!(matches!(relax(&mut problem, &guarded, &mut state, &stop, &mut ()), Ok(Outcome::Converged(_))));
 }
 
-/// Why the guard steps back instead of resting where the rise has ended, u₋ ← u: a mode with 1 < τ k < 2 then grows.
+/// The guard must step back: if it rested at the end of the step instead, u₋ ← u, a mode with 1 < τ k < 2 would grow.
 #[test]
 fn resting_after_the_rise_is_no_safeguard() {
     let (beta, kappa) = (0.95, 1.4f64);

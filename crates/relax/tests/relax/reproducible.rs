@@ -1,4 +1,4 @@
-//! Restart and threads: the same bits.
+//! Tests that results are equal bit by bit after a restart, and for any number of threads.
 
 use gfmd_relax::{
     Fire, Landscape, Method, ModeDamped, Momentum, Nesterov, Outcome, RelaxError, State, Status, Stop, Verlet, relax,
@@ -16,7 +16,7 @@ fn boxed(n: usize) -> Chain {
     problem.above(scattered(n).iter().map(|s| s - 0.5).collect())
 }
 
-/// Every method, as a function of the problem.
+/// Runs a function with every method.
 macro_rules! with_all_methods {
     ($problem:expr, $method:ident => $body:expr) => {{
         let (k_min, k_max) = (0.02, 4.02);
@@ -38,7 +38,7 @@ macro_rules! with_all_methods {
     }};
 }
 
-/// What a checkpoint file would do: only public numbers and vectors survive, as bytes.
+/// Converts a vector to bytes and back, as a checkpoint file would.
 fn through_bytes(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| f64::from_le_bytes(x.to_le_bytes())).collect()
 }
@@ -144,7 +144,7 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-/// One evaluation per step, one to start, one per step back; the residual is judged from what is there.
+/// There is one evaluation per step, one at the start and one per step back; the residual needs none.
 #[test]
 fn forces_are_evaluated_once_per_step() {
     with_all_methods!(problem, method => {
@@ -165,7 +165,7 @@ fn forces_are_evaluated_once_per_step() {
         assert_eq!(problem.calls, reached.evaluations);
         assert_eq!(reached.evaluations, reached.step + 1 + back);
         assert!(back < reached.step / 5);
-        // The force in the state is that of the point in the state.
+        // The force in the state is that at the point of the state.
         let mut force = vec![0.0; 120];
         let energy = problem.force(&state.u, &mut force);
         assert_eq!((energy, force), (state.energy, state.force));

@@ -1,4 +1,4 @@
-//! Problems with known answers.
+//! Problems with known solutions.
 
 use gfmd_relax::{Bounds, Landscape};
 use gfmd_vector::pass;
@@ -17,7 +17,7 @@ pub(crate) struct Chain {
 }
 
 impl Chain {
-    /// Springs of stiffness 1 between neighbours and fixed ends, `ground` to the ground.
+    /// Springs of stiffness 1 between neighbours and fixed ends, and of stiffness `ground` to the ground.
     pub(crate) fn springs(n: usize, ground: f64, load: impl Fn(usize) -> f64) -> Self {
         Self {
             diagonal: vec![2.0 + ground; n],
@@ -29,7 +29,7 @@ impl Chain {
         }
     }
 
-    /// Uncoupled modes without load: the solution is zero, so errors keep all digits however small they get.
+    /// Uncoupled modes without load: the solution is zero, so that small errors keep all digits.
     pub(crate) fn modes(stiffness: &[f64]) -> Self {
         let n = stiffness.len();
         Self {
@@ -159,8 +159,8 @@ pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// argmin ½ uᵀ K u − loadᵀ u over u ≤ upper: guesses which entries touch, solves the rest exactly, corrects the guess,
-/// and checks the conditions of the minimum at the end.
+/// argmin ½ uᵀ K u − loadᵀ u over u ≤ upper: guesses the active set, solves for the free entries exactly, corrects the
+/// guess, and finally checks the conditions of the minimum.
 pub(crate) fn active_set(k: &[Vec<f64>], load: &[f64], upper: Option<&[f64]>) -> Vec<f64> {
     let n = load.len();
     let open = vec![f64::INFINITY; n];
@@ -188,7 +188,7 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
     (0..n).map(|j| f64::from(u8::from(i == j))).collect()
 }
 
-/// Spread out, repeatable numbers in −1 … 1, nowhere special.
+/// Reproducible, scattered numbers in −1 … 1.
 pub(crate) fn scattered(n: usize) -> Vec<f64> {
     (1..=n).map(|i| 2.0 * (0.618_033_988_749_894_9 * (i * i) as f64).fract() - 1.0).collect()
 }

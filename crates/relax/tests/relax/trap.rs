@@ -1,5 +1,5 @@
-//! theory.md, section 6.3: inertia that follows the stiffness finds a wrong point as soon as clipping is involved.
-//! This crate cannot express it; here it is written out, beside the augmented Lagrangian that replaces it.
+//! Tests of theory.md, section 6.3: with inertia close to the stiffness, clipping leads to a wrong point. The types of
+//! this crate exclude this method; it is implemented here, together with the augmented Lagrangian that replaces it.
 
 use std::f64::consts::TAU;
 
@@ -96,13 +96,13 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     let (free, _) = run(None, exact.clone());
     assert!(distance(&free, &[0.0; N]) < 1e-14, "right without bounds");
 
-    // … and with them the iteration settles just as well, but elsewhere.
+    // … and with bounds the iteration also settles, but at another point.
     let (wrong, last_move) = run(Some(&problem.punch), vec![0.0; N]);
     assert!(last_move < 1e-15, "settled: {last_move}");
     assert!(distance(&wrong, &exact) > 0.3 * DEPTH, "{}", distance(&wrong, &exact) / DEPTH);
     let force: Vec<f64> = times(&problem.stiffness, &wrong).iter().map(|t| -t).collect();
     assert!(problem.residual(&wrong, &force) > 0.1, "free entries carry a force: {}", problem.residual(&wrong, &force));
-    // Even started from the solution it walks away from it.
+    // The iteration leaves the solution even if it starts there.
     let (walked, _) = run(Some(&problem.punch), exact.clone());
     assert!(distance(&walked, &wrong) < 1e-12);
 }
@@ -160,7 +160,7 @@ fn the_augmented_lagrangian_finds_the_solution_with_mass_like_stiffness() {
     }
 }
 
-/// A checkpoint is the state alone: a problem made anew goes on from it with the same bits.
+/// A checkpoint consists of the state only: with a new problem the run continues bit by bit.
 #[test]
 fn the_augmented_lagrangian_resumes_with_the_same_bits() {
     let mobility = function_of_stiffness(|k| 1.0 / (k + PENALTY));
@@ -179,7 +179,7 @@ fn the_augmented_lagrangian_resumes_with_the_same_bits() {
     assert_eq!(straight, resumed);
 }
 
-/// Without momentum the mismatch never grows, whatever the penalty, and 0 < τ < 2 converges.
+/// Without momentum the mismatch never grows for any penalty, and 0 < τ < 2 converges.
 #[test]
 fn plain_steps_of_the_augmented_lagrangian_only_get_shorter() {
     for penalty in [0.3, PENALTY, 50.0] {
