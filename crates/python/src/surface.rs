@@ -68,12 +68,12 @@ pub(crate) fn self_affine<'py>(
     Ok((heights.into_pyarray(py), lengths, args.to_string()))
 }
 
-/// Heights, lengths of the cell, unit, description of a file.
+/// Heights, lengths of the cell, unit, description.
+type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String);
+
+/// The height map in a file.
 #[pyfunction]
-pub(crate) fn read<'py>(
-    py: Python<'py>,
-    name: &str,
-) -> PyResult<(Array<'py>, Option<[f64; 2]>, Option<String>, String)> {
+pub(crate) fn read<'py>(py: Python<'py>, name: &str) -> PyResult<HeightMap<'py>> {
     let Topography { heights, lengths, unit, source } =
         quick(py, || Topography::read(name))?.map_err(|error| refused(py, &error))?;
     Ok((heights.into_pyarray(py), lengths, unit, source))

@@ -36,8 +36,11 @@ impl Shared {
     }
 }
 
-/// Pools by number of threads. A forked process has none of the threads of its parent, so that it makes its own pools.
-static POOLS: Mutex<Option<(u32, HashMap<usize, Arc<ThreadPool>>)>> = Mutex::new(None);
+/// A process, and its pools by number of threads.
+type Pools = (u32, HashMap<usize, Arc<ThreadPool>>);
+
+/// The pools of this process. A forked process has none of the threads of its parent, so that it makes its own pools.
+static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     if threads > MOST_THREADS {
