@@ -211,7 +211,8 @@ def test_other_python_threads_run_while_it_computes():
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 def test_ctrl_c_stops_it_and_keeps_the_state():
     code = (
-        "import gfmd, sys\n"
+        "import gfmd, signal\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell in the background has it ignored
         "s = gfmd.self_affine(n=256)\n"
         "print('ready', flush=True)\n"
         "try:\n"
@@ -223,7 +224,10 @@ def test_ctrl_c_stops_it_and_keeps_the_state():
     assert process.stdout.readline() == "ready\n"
     time.sleep(1.0)
     process.send_signal(signal.SIGINT)
-    out, error = process.communicate(timeout=20)
+    try:
+        out, error = process.communicate(timeout=20)
+    finally:
+        process.kill()
     assert "kept True (256, 256)" in out, error
 
 
