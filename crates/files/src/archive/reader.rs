@@ -40,6 +40,14 @@ impl Reader {
         self.file.dataset(path).is_ok()
     }
 
+    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without coordinates
+    /// (dimension scales). Groups are searched to a depth of 8, and at most 1000 datasets are returned.
+    pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
+        let mut found = Vec::new();
+        search(&self.file, "", 8, &mut found);
+        found
+    }
+
     /// The lengths of a variable's dimensions.
     pub fn shape(&self, path: &str) -> Result<Vec<usize>, FileError> {
         Ok(self.dataset(path)?.shape())
@@ -96,6 +104,34 @@ impl Reader {
             let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
             FileError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) }
         })
+    }
+}
+
+/// The largest number of datasets that a search returns.
+const MOST_DATASETS: usize = 1000;
+
+/// Adds the datasets in and below a group, as for [`Reader::datasets`].
+fn search(group: &hdf5::Group, path: &str, depth: usize, found: &mut Vec<(String, Vec<usize>)>) {
+    let mut names = group.member_names().unwrap_or_default();
+    names.sort();
+    for name in names {
+        if found.len() >= MOST_DATASETS {
+            return;
+        }
+        let whole = format!("{path}/{name}");
+        if let Ok(dataset) = group.dataset(&name) {
+            let number = dataset.dtype().and_then(|kind| kind.to_descriptor());
+            let is_number = matches!(
+                number,
+                Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) | TypeDescriptor::Float(_))
+            );
+            let is_scale = dataset.attr("CLASS").and_then(|class| texts(&class));
+            if is_number && !is_scale.is_ok_and(|class| class == ["DIMENSION_SCALE"]) {
+                found.push((whole, dataset.shape()));
+            }
+        } else if let (1.., Ok(inner)) = (depth, group.group(&name)) {
+            search(&inner, &whole, depth - 1, found);
+        }
     }
 }
 

@@ -11,50 +11,42 @@
 //! The numbers of a line run along x at constant y: heights\[x, y\] is the number in column x of line y. The encoding
 //! is UTF-8 or Latin-1; numbers have a decimal point and are separated by blanks, tabs, commas or semicolons.
 
+use std::borrow::Cow;
+
 use ndarray::Array2;
 
-use super::Found;
+use super::file::File;
+use super::format::{Channel, Contents, Format, Map};
+use super::unit::Conversion;
+
+pub(super) const FORMAT: Format = Format { name: "text matrix", sniff: |file| !file.head().contains(&0), open };
 
 /// Words that denote a point without a height.
 const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
 
-/// Units of length and their number in a metre: integers, so that a conversion has one rounding error.
-const UNITS: [(&str, f64); 14] = [
-    ("m", 1.0),
-    ("meter", 1.0),
-    ("cm", 1e2),
-    ("mm", 1e3),
-    ("µm", 1e6), // micro sign
-    ("μm", 1e6), // Greek letter mu
-    ("um", 1e6),
-    ("~m", 1e6), // written by some instruments
-    ("micron", 1e6),
-    ("nm", 1e9),
-    ("pm", 1e12),
-    ("Å", 1e10),
-    ("Å", 1e10), // Angstrom sign
-    ("in", 1.0 / 0.0254),
-];
-
-/// Reads the heights of a text file.
-pub(super) fn read(path: &str) -> Result<Found, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    if bytes.contains(&0) {
-        return Err(
-            "the format is unknown; it must be a matrix of numbers as text, FILE.npy or FILE.h5:/dataset".into()
-        );
-    }
-    parse(&decode(bytes))
+fn open(file: &File) -> Result<Contents<'_>, String> {
+    let (heights, header) = parse(&decode(file.bytes()?))?;
+    let points: [usize; 2] = heights.dim().into();
+    let sizes = header.sizes(points)?;
+    let channel = header.channel.clone().unwrap_or_default();
+    let unit = sizes.unit.clone();
+    let read = move || {
+        let Sizes { unit, lengths, notes } = sizes;
+        let length_unit = lengths.and(unit.clone());
+        Ok(Map { heights, lengths, length_unit, height_unit: unit, notes, ..Map::default() })
+    };
+    Ok(Channel { name: channel, unit, points, read: Box::new(read) }.into())
 }
 
 /// Decodes UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its character.
-fn decode(bytes: Vec<u8>) -> String {
-    let text =
-        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
-    text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)
+fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).into(),
+        Err(_) => bytes.iter().copied().map(char::from).collect(),
+    }
 }
 
-fn parse(text: &str) -> Result<Found, String> {
+fn parse(text: &str) -> Result<(Array2<f64>, Header), String> {
     let (mut header, mut rows) = (Header::default(), Rows::default());
     for (line, content) in text.lines().enumerate().map(|(index, content)| (index + 1, content.trim())) {
         if let Some(comment) = content.strip_prefix(['#', '%']) {
@@ -63,9 +55,7 @@ fn parse(text: &str) -> Result<Found, String> {
             rows.push(line, content)?;
         }
     }
-    let heights = rows.heights()?;
-    let (unit, lengths) = header.sizes(heights.dim())?;
-    Ok(Found { heights, lengths, unit, channel: header.channel })
+    Ok((rows.heights()?, header))
 }
 
 /// The numbers of a file, line by line.
@@ -183,15 +173,21 @@ impl Header {
     }
 
     /// The unit of the heights, and the sizes in this unit.
-    fn sizes(&self, (nx, ny): (usize, usize)) -> Result<(Option<String>, Option<[f64; 2]>), String> {
+    fn sizes(&self, [nx, ny]: [usize; 2]) -> Result<Sizes, String> {
         let unit = self.value_unit.clone();
-        let along = |name: &str, length: &Length| match (&length.unit, &unit) {
+        let mut notes = Vec::new();
+        let mut along = |name: &str, length: &Length| match (&length.unit, &unit) {
             (None, None) => Ok(length.value),
-            (Some(from), Some(to)) if from == to => Ok(length.value),
-            (Some(from), Some(to)) => {
-                let (from, to) = (per_metre(from)?, per_metre(to)?);
-                Ok(if to >= from { length.value * (to / from) } else { length.value / (from / to) })
-            }
+            (Some(from), Some(to)) => match Conversion::between(from, to)? {
+                None => Ok(length.value),
+                Some(conversion) => {
+                    let note = format!("lengths converted {conversion}");
+                    if !notes.contains(&note) {
+                        notes.push(note);
+                    }
+                    Ok(conversion.apply(length.value))
+                }
+            },
             (Some(from), None) => Err(format!(
                 "the unit of {name} is {from} but the heights have no unit; a line \"# Value units: ...\" must give it"
             )),
@@ -207,8 +203,15 @@ impl Header {
             (None, None) => None,
             _ => return Err("only one of Width and Height is given; both or neither must be given".into()),
         };
-        Ok((unit, lengths))
+        Ok(Sizes { unit, lengths, notes })
     }
+}
+
+/// The unit of heights and lengths, the lengths, and their conversions.
+struct Sizes {
+    unit: Option<String>,
+    lengths: Option<[f64; 2]>,
+    notes: Vec<String>,
 }
 
 /// Parses a length with or without a unit, such as `10.00 µm`.
@@ -219,12 +222,4 @@ fn length(line: usize, text: &str) -> Result<Length, String> {
         value.parse().map_err(|_| format!("the length in line {line} is {text:?}; it must have the form 10.00 µm"))?;
     let unit = unit.trim();
     Ok(Length { value, unit: (!unit.is_empty()).then(|| unit.into()) })
-}
-
-/// The number of units in a metre.
-fn per_metre(unit: &str) -> Result<f64, String> {
-    UNITS.iter().find(|(name, _)| *name == unit).map(|(_, count)| *count).ok_or_else(|| {
-        let names: Vec<&str> = UNITS.iter().map(|(name, _)| *name).collect();
-        format!("the unit is {unit:?}; it must be one of {}", names.join(", "))
-    })
 }
