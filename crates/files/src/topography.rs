@@ -5,11 +5,19 @@
 //!
 //! A format is a file of this folder with a constant `FORMAT` ([`format::Format`]) and a line in [`FORMATS`].
 
+mod al3d;
 pub(crate) mod archived;
 mod array;
+mod bytes;
 mod file;
 mod format;
+mod ibw;
 mod matrix;
+mod metropro;
+mod nanoscope;
+mod opd;
+mod opdx;
+mod sur;
 mod unit;
 mod zipped;
 
@@ -23,7 +31,18 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 3] = [array::FORMAT, archived::FORMAT, matrix::FORMAT];
+const FORMATS: [Format; 10] = [
+    array::FORMAT,
+    archived::FORMAT,
+    sur::FORMAT,
+    nanoscope::FORMAT,
+    opd::FORMAT,
+    opdx::FORMAT,
+    al3d::FORMAT,
+    metropro::FORMAT,
+    ibw::FORMAT,
+    matrix::FORMAT,
+];
 
 /// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
 const MOST_POINTS: usize = 1 << 30;
