@@ -7,9 +7,11 @@
 
 pub(crate) mod archived;
 mod array;
+mod bytes;
 mod file;
 mod format;
 mod matrix;
+mod sdf;
 mod unit;
 mod zipped;
 
@@ -23,10 +25,13 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 3] = [array::FORMAT, archived::FORMAT, matrix::FORMAT];
+const FORMATS: [Format; 5] = [array::FORMAT, array::ARCHIVE, archived::FORMAT, sdf::FORMAT, matrix::FORMAT];
 
 /// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
 const MOST_POINTS: usize = 1 << 30;
+
+/// The number of channels that a message lists.
+const LISTED: usize = 20;
 
 /// A height map with what its file says of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -174,8 +179,8 @@ impl Topography {
         }
         let undefined = map.undefine();
         let source = match &named {
-            Some(channel) => format!("{name}, channel {channel}"),
-            None => name.into(),
+            Some(channel) if !name.ends_with(&format!(":{channel}")) => format!("{name}, channel {channel}"),
+            _ => name.into(),
         };
         Ok(Self {
             heights: map.heights.as_standard_layout().into_owned(),
@@ -254,8 +259,12 @@ fn names(channels: &[Channel]) -> Vec<String> {
 /// The number of the channel with the name or the number that is asked for. A name goes before a number.
 fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
     let listed = || {
-        let numbered: Vec<String> = names.iter().enumerate().map(|(k, name)| format!("{k} {name}")).collect();
-        numbered.join(", ")
+        let numbered = |(number, name): (usize, &String)| {
+            if *name == number.to_string() { name.clone() } else { format!("{number} {name}") }
+        };
+        let first: Vec<String> = names.iter().enumerate().take(LISTED).map(numbered).collect();
+        let rest = names.len().saturating_sub(LISTED);
+        first.join(", ") + &if rest > 0 { format!(" and {rest} more") } else { String::new() }
     };
     let Some(asked) = asked else {
         return contents.default.ok_or_else(|| format!("no channel is named; it must be one of {}", listed()));
