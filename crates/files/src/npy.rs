@@ -57,10 +57,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
 /// The header of a file.
 pub(crate) struct Header {
     pub(crate) shape: Vec<usize>,
-    column_major: bool,
-    number: Number,
+    pub(crate) column_major: bool,
+    pub(crate) number: Number,
     /// The position of the first entry.
-    data: usize,
+    pub(crate) data: usize,
 }
 
 impl Header {
@@ -101,10 +101,12 @@ impl Header {
 }
 
 /// The type of the entries.
-struct Number {
-    kind: char,
-    size: usize,
-    big_endian: bool,
+pub(crate) struct Number {
+    /// `f` for floats, `i` and `u` for integers with and without a sign, `b` for truth values.
+    pub(crate) kind: char,
+    /// The number of bytes.
+    pub(crate) size: usize,
+    pub(crate) big_endian: bool,
 }
 
 impl Number {

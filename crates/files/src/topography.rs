@@ -9,6 +9,7 @@ mod al3d;
 pub(crate) mod archived;
 mod array;
 mod bytes;
+mod datx;
 mod file;
 mod format;
 mod ibw;
@@ -17,6 +18,8 @@ mod metropro;
 mod nanoscope;
 mod opd;
 mod opdx;
+mod plux;
+mod sdf;
 mod sur;
 mod unit;
 mod zipped;
@@ -31,8 +34,11 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 10] = [
+const FORMATS: [Format; 14] = [
     array::FORMAT,
+    array::ARCHIVE,
+    plux::FORMAT,
+    datx::FORMAT,
     archived::FORMAT,
     sur::FORMAT,
     nanoscope::FORMAT,
@@ -41,11 +47,15 @@ const FORMATS: [Format; 10] = [
     al3d::FORMAT,
     metropro::FORMAT,
     ibw::FORMAT,
+    sdf::FORMAT,
     matrix::FORMAT,
 ];
 
 /// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
 const MOST_POINTS: usize = 1 << 30;
+
+/// The number of channels that a message lists.
+const LISTED: usize = 20;
 
 /// A height map with what its file says of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,8 +203,8 @@ impl Topography {
         }
         let undefined = map.undefine();
         let source = match &named {
-            Some(channel) => format!("{name}, channel {channel}"),
-            None => name.into(),
+            Some(channel) if !name.ends_with(&format!(":{channel}")) => format!("{name}, channel {channel}"),
+            _ => name.into(),
         };
         Ok(Self {
             heights: map.heights.as_standard_layout().into_owned(),
@@ -273,8 +283,12 @@ fn names(channels: &[Channel]) -> Vec<String> {
 /// The number of the channel with the name or the number that is asked for. A name goes before a number.
 fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
     let listed = || {
-        let numbered: Vec<String> = names.iter().enumerate().map(|(k, name)| format!("{k} {name}")).collect();
-        numbered.join(", ")
+        let numbered = |(number, name): (usize, &String)| {
+            if *name == number.to_string() { name.clone() } else { format!("{number} {name}") }
+        };
+        let first: Vec<String> = names.iter().enumerate().take(LISTED).map(numbered).collect();
+        let rest = names.len().saturating_sub(LISTED);
+        first.join(", ") + &if rest > 0 { format!(" and {rest} more") } else { String::new() }
     };
     let Some(asked) = asked else {
         return contents.default.ok_or_else(|| format!("no channel is named; it must be one of {}", listed()));

@@ -82,7 +82,7 @@ impl<'a> Bytes<'a> {
         self.take(count).map(text)
     }
 
-    number!(u8, u16, i16, u32, i32, u64, i64, f32, f64);
+    number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 }
 
 /// Most height maps of a file. Readers refuse files with more, since each costs more memory than its entry has bytes.
@@ -106,6 +106,8 @@ pub(super) enum Sample {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -117,7 +119,7 @@ impl Sample {
             Self::U8 | Self::I8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -130,10 +132,11 @@ impl Sample {
         }
         let bits = u64::from_le_bytes(word);
         match self {
-            Self::U8 | Self::U16 | Self::U32 => bits as f64,
+            Self::U8 | Self::U16 | Self::U32 | Self::U64 => bits as f64,
             Self::I8 => f64::from(bits as i8),
             Self::I16 => f64::from(bits as i16),
             Self::I32 => f64::from(bits as i32),
+            Self::I64 => bits as i64 as f64,
             Self::F32 => f64::from(f32::from_bits(bits as u32)),
             Self::F64 => f64::from_bits(bits),
         }
@@ -257,6 +260,15 @@ impl Grid {
 /// Returns the first characters of a text, for messages.
 pub(super) fn clip(text: &str) -> String {
     text.chars().take(40).collect()
+}
+
+/// Returns `value` if it is a positive finite number, else an error that names it.
+pub(super) fn positive(name: &str, value: f64) -> Result<f64, String> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{name} is {value}; it must be positive and finite"))
+    }
 }
 
 /// Returns `value` as the number of points of one side of a grid if it is positive, else an error that names it.

@@ -60,36 +60,3 @@ pub(super) struct Map {
     /// Remarks of the reader.
     pub notes: Vec<String>,
 }
-
-/// The place of a file's first row in a height map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FirstRow {
-    /// At j = 0.
-    First,
-    /// At the largest j.
-    Last,
-}
-
-/// The heights `[x, y]` of values stored row by row, x running fastest; `value` returns the k-th of them.
-pub(super) fn from_rows([nx, ny]: [usize; 2], first: FirstRow, value: impl Fn(usize) -> f64) -> Array2<f64> {
-    Array2::from_shape_fn((nx, ny), |(i, j)| match first {
-        FirstRow::First => value(j * nx + i),
-        FirstRow::Last => value((ny - 1 - j) * nx + i),
-    })
-}
-
-/// The number of values of a grid whose bytes are there: `available` bytes, `size` bytes for each value.
-///
-/// # Errors
-/// A grid without points or with more than the bytes hold.
-pub(super) fn count([nx, ny]: [usize; 2], size: usize, available: usize) -> Result<usize, String> {
-    let needed = nx.checked_mul(ny).and_then(|count| count.checked_mul(size));
-    match needed {
-        Some(0) => Err(format!("the grid is {nx} x {ny} points; it must have at least one point")),
-        Some(needed) if needed <= available => Ok(nx * ny),
-        _ => Err(format!(
-            "the grid of {nx} x {ny} points with {size} bytes each needs more than the {available} bytes that the file \
-             has for it; the file is truncated or damaged"
-        )),
-    }
-}

@@ -29,9 +29,11 @@ impl<'a> Zip<'a> {
         self.0.file_names().filter_map(Result::ok).map(|name| name.into_owned()).collect()
     }
 
-    /// The size that the archive declares for an entry.
-    pub(super) fn size(&mut self, name: &str) -> Option<u64> {
-        self.0.by_name(name).ok().map(|entry| entry.size())
+    /// The bytes of an entry as a stream, and their compressed number; the checksum is verified at the end.
+    pub(super) fn stream(&mut self, name: &str) -> Result<(impl Read, usize), String> {
+        let entry = self.0.by_name(name).map_err(|error| format!("the entry {name}: {error}"))?;
+        let compressed = entry.compressed_size();
+        Ok((entry, usize::try_from(compressed).unwrap_or(usize::MAX)))
     }
 
     /// Decompresses an entry of at most `most` bytes, whatever size the archive declares; its checksum is verified.
