@@ -89,7 +89,11 @@ impl Reader {
     /// A numerical attribute of the group or variable at `path`.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
-        let found = self.attribute(path, name).and_then(|attribute| attribute.read_scalar());
+        // Other programs store a number as an array of one.
+        let found = self.attribute(path, name).and_then(|attribute| match attribute.read_raw()?[..] {
+            [number] => Ok(number),
+            ref numbers => Err(format!("the attribute has {} numbers; it must have one", numbers.len()).into()),
+        });
         found.map_err(|error| FileError::read(&self.path, &whole, &error))
     }
 

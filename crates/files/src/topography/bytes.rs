@@ -82,7 +82,7 @@ impl<'a> Bytes<'a> {
         self.take(count).map(text)
     }
 
-    number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+    number!(u8, u16, i16, u32, i32, u64, i64, f32, f64);
 }
 
 /// Most height maps of a file. Readers refuse files with more, since each costs more memory than its entry has bytes.

@@ -132,7 +132,7 @@ fn channel<'a>(
     let (sample, undefined) = match bytes.u16()? {
         1 => (Sample::U8, f64::INFINITY),
         2 => (Sample::I16, 32766.0),
-        4 => (Sample::F32, 1e38),
+        4 => (Sample::F32, f64::from(1e38_f32)),
         size => return Err(format!("a height has {size} bytes; it must have 1, 2 or 4")),
     };
     let grid = Grid { points, sample, order: Order::Little, layout: Layout::Columns, backwards: [false, true] };

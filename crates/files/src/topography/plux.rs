@@ -86,10 +86,9 @@ fn details(root: Node, general: Node) -> Vec<(String, String)> {
     }
     let items = child(root, "INFO").into_iter().flat_map(|info| info.children());
     for item in items {
-        if let (Some(name), Some(value)) = (text(item, "NAME"), text(item, "VALUE")) {
-            if DETAILS.contains(&name) && !details.iter().any(|(key, _)| *key == name.to_lowercase()) {
-                details.push((name.to_lowercase(), value.to_owned()));
-            }
+        let (Some(name), Some(value)) = (text(item, "NAME"), text(item, "VALUE")) else { continue };
+        if DETAILS.contains(&name) && !details.iter().any(|(key, _)| *key == name.to_lowercase()) {
+            details.push((name.to_lowercase(), value.to_owned()));
         }
     }
     details

@@ -11,7 +11,7 @@ use std::io::Read;
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
 use super::format::{Channel, Contents, Format, Map};
-use super::unit;
+use super::unit::{self, Conversion};
 
 pub(super) const FORMAT: Format = Format { name: "Digital Surf", sniff, open };
 
@@ -206,10 +206,12 @@ impl<'a> Object<'a> {
         let [nx, ny] = self.grid.points;
         let [dx, dy, _] = self.spacing;
         let [unit_x, unit_y, unit_z] = self.units;
-        if ny > 1 && unit::canonical(&unit_x) != unit::canonical(&unit_y) {
-            return Err(format!("the unit of x is {unit_x:?}, that of y {unit_y:?}; they must be equal"));
+        let mut lengths = [dx * nx as f64, 1.0];
+        if ny > 1 {
+            let length = dy * ny as f64;
+            let conversion = Conversion::between(&unit_y, &unit_x)?;
+            lengths[1] = conversion.map_or(length, |conversion| conversion.apply(length));
         }
-        let lengths = [dx * nx as f64, if ny == 1 { 1.0 } else { dy * ny as f64 }];
         Ok(Map {
             heights,
             lengths: Some(lengths),
