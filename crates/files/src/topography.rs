@@ -10,9 +10,11 @@ mod array;
 mod bytes;
 mod file;
 mod format;
+mod gwyddion;
 mod matrix;
 mod sdf;
 mod unit;
+mod x3p;
 mod zipped;
 
 #[cfg(test)]
@@ -25,7 +27,16 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 5] = [array::FORMAT, array::ARCHIVE, archived::FORMAT, sdf::FORMAT, matrix::FORMAT];
+const FORMATS: [Format; 8] = [
+    array::FORMAT,
+    array::ARCHIVE,
+    archived::FORMAT,
+    x3p::FORMAT,
+    gwyddion::GWY,
+    gwyddion::GSF,
+    sdf::FORMAT,
+    matrix::FORMAT,
+];
 
 /// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
 const MOST_POINTS: usize = 1 << 30;
