@@ -8,10 +8,13 @@
 pub(crate) mod archived;
 mod array;
 mod bytes;
+mod container;
 mod file;
 mod format;
 mod gwyddion;
+mod matlab;
 mod matrix;
+mod netcdf;
 mod sdf;
 mod unit;
 mod x3p;
@@ -27,11 +30,14 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 8] = [
+const FORMATS: [Format; 11] = [
     array::FORMAT,
     array::ARCHIVE,
     archived::FORMAT,
     x3p::FORMAT,
+    container::FORMAT,
+    netcdf::FORMAT,
+    matlab::FORMAT,
     gwyddion::GWY,
     gwyddion::GSF,
     sdf::FORMAT,
@@ -176,14 +182,14 @@ impl Topography {
             return Err("the file holds no height map".into());
         };
         let [nx, ny] = channel.points;
-        if nx == 0 || ny == 0 {
-            return Err(format!("the shape of the array is [{nx}, {ny}]; it must have at least one point"));
-        }
         if nx.checked_mul(ny).is_none_or(|points| points > MOST_POINTS) {
             return Err(format!("the grid is {nx} x {ny} points; it must have at most {MOST_POINTS}"));
         }
         let named = Some(channel.name).filter(|name| !name.is_empty());
         let mut map = (channel.read)()?;
+        if map.heights.is_empty() {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
+        }
         let conversion = map.convert()?;
         if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
             return Err(format!("the size is {x} by {y}; it must be positive and finite"));

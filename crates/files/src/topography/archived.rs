@@ -89,7 +89,7 @@ pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Opt
 }
 
 /// The period of n evenly spaced coordinates, n times the spacing; `None` if the number of coordinates is not n.
-fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
+pub(super) fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
     if coordinates.len() != points || points < 2 {
         return Ok(None);
     }
