@@ -85,11 +85,12 @@ impl Reader {
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
-    /// A numerical attribute of the group or variable at `path`.
+    /// A numerical attribute of the group or variable at `path`, the first number of several.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
-        let found = self.attribute(path, name).and_then(|attribute| attribute.read_scalar());
-        found.map_err(|error| FileError::read(&self.path, &whole, &error))
+        let found = self.attribute(path, name).and_then(|attribute| attribute.read_raw::<f64>());
+        let numbers = found.map_err(|error| FileError::read(&self.path, &whole, &error))?;
+        Ok(numbers.first().copied().unwrap_or(f64::NAN))
     }
 
     fn attribute(&self, path: &str, name: &str) -> Result<hdf5::Attribute, hdf5::Error> {

@@ -63,11 +63,10 @@ impl Header {
     /// The units of length that the line above the numbers names for each of its columns, such as `x in µm, y in µm`.
     pub(super) fn column_units(&self) -> Vec<Option<String>> {
         let separator = [';', '\t', ','].into_iter().find(|&separator| self.columns.contains(separator)).unwrap_or(' ');
+        // The word "in" is no inch here.
         let unit = |column: &str| {
-            let mut words = column
-                .split(|character: char| !character.is_alphabetic() && character != '~')
-                .skip(usize::from(separator == ' '));
-            words.find(|word| is_length(word)).map(str::to_owned)
+            let mut words = column.rsplit(|character: char| !character.is_alphabetic() && character != '~');
+            words.find(|word| *word != "in" && is_length(word)).map(str::to_owned)
         };
         self.columns.split(separator).map(unit).collect()
     }

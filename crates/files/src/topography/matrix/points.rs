@@ -38,11 +38,13 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
             let heights = rows.column(1).zip(rows.column(2)).map(|(z, valid)| if valid == 0.0 { f64::NAN } else { z });
             profile(rows.column(0).collect(), heights).map(|map| with_units(map, 0, 1))
         }
-        2 if is_monotonic(rows.column(0)) => match profile(rows.column(0).collect(), rows.column(1)) {
-            Ok(map) => Ok(with_units(map, 0, 1)),
-            Err(_) if rows.rows < MANY => Ok(None),
-            Err(error) => Err(error),
-        },
+        2 if is_monotonic(rows.column(0)) => {
+            profile(rows.column(0).collect(), rows.column(1)).map(|map| with_units(map, 0, 1))
+        }
+        // Separators at the ends of the lines make empty columns.
+        3 if is_monotonic(rows.column(0)) && rows.column(2).all(f64::is_nan) => {
+            profile(rows.column(0).collect(), rows.column(1)).map(|map| with_units(map, 0, 1))
+        }
         3 => match surface(rows) {
             Some(map) => Ok(with_units(map, 0, 2)),
             // A number of the point in the first column.
@@ -115,7 +117,9 @@ impl Axis {
         let steps = || sorted.windows(2).map(|pair| pair[1] - pair[0]);
         let largest = steps().fold(0.0, f64::max);
         let smallest = steps().filter(|step| *step > 0.1 * largest).fold(f64::INFINITY, f64::min);
-        let intervals = ((last - first) / smallest).round();
+        let single = || steps().filter(|step| *step > 0.1 * largest && *step < 1.5 * smallest);
+        let mean = single().sum::<f64>() / single().count() as f64;
+        let intervals = ((last - first) / mean).round();
         if intervals > coordinates.len() as f64 {
             return None;
         }
