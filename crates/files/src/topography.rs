@@ -5,17 +5,26 @@
 //!
 //! A format is a file of this folder with a constant `FORMAT` ([`format::Format`]) and a line in [`FORMATS`].
 
+mod al3d;
 pub(crate) mod archived;
 mod array;
 mod bytes;
 mod container;
+mod datx;
 mod file;
 mod format;
 mod gwyddion;
+mod ibw;
 mod matlab;
 mod matrix;
+mod metropro;
+mod nanoscope;
 mod netcdf;
+mod opd;
+mod opdx;
+mod plux;
 mod sdf;
+mod sur;
 mod unit;
 mod x3p;
 mod zipped;
@@ -30,16 +39,25 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 11] = [
+const FORMATS: [Format; 20] = [
     array::FORMAT,
     array::ARCHIVE,
-    archived::FORMAT,
     x3p::FORMAT,
+    plux::FORMAT,
     container::FORMAT,
+    datx::FORMAT,
+    archived::FORMAT,
     netcdf::FORMAT,
     matlab::FORMAT,
     gwyddion::GWY,
     gwyddion::GSF,
+    sur::FORMAT,
+    nanoscope::FORMAT,
+    opd::FORMAT,
+    opdx::FORMAT,
+    al3d::FORMAT,
+    metropro::FORMAT,
+    ibw::FORMAT,
     sdf::FORMAT,
     matrix::FORMAT,
 ];

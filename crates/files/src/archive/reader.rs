@@ -6,6 +6,7 @@ use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenU
 use hdf5::{Container, Dataset, File, H5Type};
 
 use super::FileError;
+use super::record::{self, Field};
 use crate::error::reason;
 
 /// An HDF5 file of any program, opened for reading.
@@ -85,12 +86,28 @@ impl Reader {
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
-    /// A numerical attribute of the group or variable at `path`, the first number of several.
+    /// A numerical attribute of the group or variable at `path`.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
-        let found = self.attribute(path, name).and_then(|attribute| attribute.read_raw::<f64>());
-        let numbers = found.map_err(|error| FileError::read(&self.path, &whole, &error))?;
-        Ok(numbers.first().copied().unwrap_or(f64::NAN))
+        // Other programs store a number as an array of one.
+        let found = self.attribute(path, name).and_then(|attribute| match attribute.read_raw()?[..] {
+            [number] => Ok(number),
+            ref numbers => Err(format!("the attribute has {} numbers; it must have one", numbers.len()).into()),
+        });
+        found.map_err(|error| FileError::read(&self.path, &whole, &error))
+    }
+
+    /// All values of a variable of compound type, or of such an attribute of the variable.
+    pub(crate) fn records(&self, path: &str, attribute: Option<&str>) -> Result<Vec<Vec<Field>>, FileError> {
+        let found = match attribute {
+            Some(name) => self.attribute(path, name).and_then(|attribute| record::read(&attribute, true)),
+            None => {
+                let dataset = self.dataset(path)?;
+                record::read(&dataset, false)
+            }
+        };
+        let whole = attribute.map_or_else(|| path.to_owned(), |name| format!("{path}@{name}"));
+        found.map_err(|error| FileError::read(&self.path, &whole, &error))
     }
 
     fn attribute(&self, path: &str, name: &str) -> Result<hdf5::Attribute, hdf5::Error> {

@@ -82,7 +82,7 @@ impl<'a> Bytes<'a> {
         self.take(count).map(text)
     }
 
-    number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+    number!(u8, u16, i16, u32, i32, u64, i64, f32, f64);
 }
 
 /// Most height maps of a file. Readers refuse files with more, since each costs more memory than its entry has bytes.
@@ -91,11 +91,10 @@ pub(super) const MOST_CHANNELS: usize = 1000;
 /// Decodes bytes as UTF-8 if they are valid, else as Latin-1; ends at the first byte that is zero.
 pub(super) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
-    let text = match std::str::from_utf8(&bytes[..end]) {
+    match std::str::from_utf8(&bytes[..end]) {
         Ok(text) => text.trim().to_owned(),
         Err(_) => bytes[..end].iter().copied().map(char::from).collect::<String>().trim().to_owned(),
-    };
-    text
+    }
 }
 
 /// Kind of the numbers of a grid.

@@ -161,10 +161,9 @@ impl<'a> Dataset<'a> {
             _ => None,
         };
         let length_unit = x.as_ref().and_then(|axis| axis.unit.clone());
-        if let (Some(x), Some(y)) = (&length_unit, y.as_ref().and_then(|axis| axis.unit.as_ref())) {
-            if x != y {
-                return Err(format!("the unit of x is {x} and that of y is {y}; they must be the same"));
-            }
+        let unit_of_y = y.as_ref().and_then(|axis| axis.unit.as_ref());
+        if let (Some(x), Some(y)) = (&length_unit, unit_of_y.filter(|unit| Some(*unit) != length_unit.as_ref())) {
+            return Err(format!("the unit of x is {x} and that of y is {y}; they must be the same"));
         }
         let height_unit = unit(&variable.attributes).or_else(|| length_unit.clone());
         let length_unit = length_unit.or_else(|| height_unit.clone()).filter(|_| lengths.is_some());
