@@ -23,7 +23,8 @@ pub(crate) const BY_LIBRARY: [&str; 2] = ["Zygo Mx", "HDF5"];
 /// Exit status of the guard.
 pub(crate) const ENDLESS: i32 = 3;
 
-/// Memory beyond four times the file and the grid of the height map, in bytes.
+/// Memory beyond four times the file and the grid of the height map, in bytes: an entry that describes others has up to
+/// 1 MiB and 20000 nodes, whatever its compressed size.
 const CONSTANT: usize = 4 << 20;
 
 /// Bytes for each point of the grid: a height and a mark.
@@ -93,18 +94,14 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
     let copy = bytes.to_vec();
     let before = memory::start();
     // The copy of the file is part of the memory.
-    let outcome = catch_unwind(AssertUnwindSafe(|| Topography::from_bytes("file", copy, None)));
+    let map = caught(|| Topography::from_bytes("file", copy, None))?;
     let (peak, time) = (memory::peak(before) + bytes.len(), started.elapsed());
-    *READING.lock().map_err(|error| error.to_string())? = None;
-    let map = outcome.map_err(|panic| {
-        let text = panic.downcast_ref::<String>().cloned();
-        format!("panic: {}", text.or(panic.downcast_ref::<&str>().map(|text| (*text).into())).unwrap_or_default())
-    })?;
     let grid = match &map {
         Ok(map) => map.heights.len(),
         // What the header says counts, even if the heights then are not there.
-        Err(_) => declared(bytes),
+        Err(_) => caught(|| declared(bytes))?,
     };
+    *READING.lock().map_err(|error| error.to_string())? = None;
     let allowed = 4 * bytes.len() + POINT * grid + CONSTANT;
     if peak > allowed {
         return Err(format!(
@@ -128,6 +125,14 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
         return Err(format!("the lengths are {:?}; they must be positive and finite", map.lengths));
     }
     Ok(true)
+}
+
+/// Calls `read`; a panic is an error.
+fn caught<T>(read: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(read)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        format!("panic: {}", text.or(panic.downcast_ref::<&str>().map(|text| (*text).into())).unwrap_or_default())
+    })
 }
 
 /// The largest number of points that a file declares for a height map.

@@ -106,7 +106,7 @@ pub(crate) fn damaged(seeds: &[Seed], random: &mut Random) -> Vec<u8> {
                 let entry = random.below(entries.len());
                 if random.below(16) == 0 {
                     let (name, bytes) = entries[entry].clone();
-                    entries.push((format!("{name}{}", random.below(10)), bytes));
+                    entries.push((format!("{name}{:x}", random.next()), bytes));
                 } else if random.below(16) == 0 && entries.len() > 1 {
                     entries.remove(entry);
                 } else {
@@ -145,7 +145,7 @@ fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
             let size = random.pick(&[2_usize, 4, 4, 8]);
             let word = match random.below(4) {
                 0 => random.next(),
-                1 => length as u64 + random.below(5) as u64 - 2,
+                1 => (length + random.below(5)).wrapping_sub(2) as u64,
                 _ => random.pick(&WORDS),
             };
             let word = if random.below(2) == 0 { word.to_le_bytes() } else { (word << (64 - 8 * size)).to_be_bytes() };
