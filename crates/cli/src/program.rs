@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
-use crate::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use crate::{body, contact, damping, green, kappa_sweep, law, path, punch, surface};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -136,8 +136,7 @@ pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -
 /// A standard output that cannot be written.
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
     if session.common.json {
-        let text = json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?;
-        return write(&(text + "\n"));
+        return write(&(session.json(report)? + "\n"));
     }
     write(&report.to_string())
 }

@@ -1,8 +1,10 @@
 //! The rigid surface of a contact: read from a file and prepared for a periodic cell, or generated.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Topography, Variable, contiguous};
+use gfmd_files::{Archive, Checksum, Dimension, Topography, Variable, contiguous, split_dataset};
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
@@ -10,6 +12,7 @@ use serde::Serialize;
 use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
+use crate::session::Session;
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -66,6 +69,8 @@ pub struct Surface {
     pub statistics: Statistics,
     /// The origin of the heights and the operations on them.
     pub description: String,
+    /// The file that the heights were read from, and its SHA-256.
+    pub origin: Option<(String, String)>,
 }
 
 impl Surface {
@@ -79,6 +84,11 @@ impl Surface {
         self.unit.as_deref().unwrap_or("length")
     }
 
+    /// The SHA-256 of the heights, row by row.
+    pub fn checksum(&self) -> String {
+        Checksum::of_numbers(self.heights.iter().copied())
+    }
+
     /// Writes the group `/surface` of a file.
     ///
     /// # Errors
@@ -89,6 +99,11 @@ impl Surface {
         archive.write("/surface/height", &height, &contiguous(&self.heights))?;
         archive.attribute("/surface", "description", self.description.as_str())?;
         archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
+        archive.attribute("/surface", "height_sha256", self.checksum())?;
+        if let Some((file, checksum)) = &self.origin {
+            archive.attribute("/surface", "file", file.as_str())?;
+            archive.attribute("/surface", "file_sha256", checksum.as_str())?;
+        }
         Ok(())
     }
 }
@@ -111,11 +126,11 @@ impl SourceArgs {
         Ok(Self { generator, ..self.clone() })
     }
 
-    /// Reads or generates the surface.
+    /// Reads or generates the surface; a doubtful one is warned of.
     ///
     /// # Errors
     /// A file that cannot be read or has points without a height; flags that do not fit.
-    pub fn surface(&self) -> Result<Surface, Failure> {
+    pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
         let (heights, grid, unit, mut description) = match &self.surface {
             Some(file) => self.read(file)?,
             None => {
@@ -129,15 +144,17 @@ impl SourceArgs {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
             if ratio > ROUGH_SEAM {
-                tracing::warn!(
+                let text = format!(
                     "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
                      roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
                     statistics.moments.rms_gradient(),
                     statistics.rms_gradient_inside
                 );
+                session.warn("rough-seam", text);
             }
         }
-        Ok(Surface { heights, grid, unit, statistics, description })
+        let origin = self.surface.as_deref().map(origin).transpose()?;
+        Ok(Surface { heights, grid, unit, statistics, description, origin })
     }
 
     fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {
@@ -174,4 +191,11 @@ impl SourceArgs {
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
         Ok((heights, grid, topography.unit, description))
     }
+}
+
+/// The file of a surface, without the name of a dataset in it, and its checksum.
+fn origin(surface: &str) -> Result<(String, String), Failure> {
+    let file = split_dataset(surface).map_or(surface, |(file, _)| file);
+    let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok((file.into(), checksum))
 }

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
-use crate::{FileError, Output};
+use crate::{FileError, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
@@ -51,6 +51,7 @@ pub struct Archive<'a> {
     file: Option<File>,
     /// Dimension scales by group and name.
     scales: BTreeMap<(String, String), Scale>,
+    warnings: Warnings,
 }
 
 impl<'a> Archive<'a> {
@@ -58,7 +59,8 @@ impl<'a> Archive<'a> {
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let part = output.part();
         let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
-        let mut archive = Self { output, file: Some(file), scales: BTreeMap::new() };
+        let mut archive =
+            Self { output, file: Some(file), scales: BTreeMap::new(), warnings: provenance.warnings.clone() };
         let texts = [
             ("program", &provenance.program),
             ("version", &provenance.version),
@@ -142,6 +144,7 @@ impl<'a> Archive<'a> {
     /// Completes the file, syncs it to the disk, and renames it to the target.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
         let part = self.output.part();
+        self.attribute("/", "warnings", self.warnings.lines())?;
         for scale in self.scales.values() {
             scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }

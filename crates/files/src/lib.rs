@@ -32,6 +32,7 @@ pub mod npy;
 mod output;
 mod topography;
 pub mod vti;
+mod warning;
 
 pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
 pub use checksum::Checksum;
@@ -41,3 +42,4 @@ pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{Topography, TopographyError};
+pub use warning::{Warning, Warnings};

@@ -7,7 +7,6 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Refinement, Step};
 use gfmd_law::{Exponential, Limit};
-use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
 
 /// A watcher that keeps a checkpoint at one of its calls, or continues from it.
@@ -38,11 +37,10 @@ impl Watch for Keeper {
 
 fn surface() -> (Body, Grid, Array2<f64>) {
     let grid = Grid::square(24, 1.0).unwrap();
-    let numbers = Discretisation { eps_t_inv: 1.0, eps_f_inv: 4.0, eps_c_inv: 6.0 };
-    let heights = numbers
-        .self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) })
-        .heights(&grid, 2)
-        .unwrap();
+    let heights = Array2::from_shape_fn((24, 24), |(i, j)| {
+        let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / 24.0);
+        0.006 * (x.cos() + 0.6 * (2.0 * y + 0.3).cos() + 0.4 * (3.0 * x - 2.0 * y + 1.1).cos())
+    });
     (Body::half_space(Material::from_contact_modulus(1.0, 0.2).unwrap()), grid, heights)
 }
 

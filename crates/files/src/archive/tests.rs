@@ -12,6 +12,7 @@ fn provenance() -> Provenance {
         config: "n = 8\n[body]\nyoung = 1.0\n".into(),
         machine: "two cores".into(),
         threads: 2,
+        warnings: crate::Warnings::default(),
     }
 }
 
@@ -79,6 +80,20 @@ fn what_is_written_is_read_back() {
     assert_eq!(seed.read_scalar::<u64>().unwrap(), u64::MAX, "to the last digit");
     assert_eq!(file.number("/fit", "p_star").unwrap(), 0.02);
     assert!(file.contains("/fields/pressure") && !file.contains("/fields/gap") && !file.contains("/fields"));
+}
+
+#[test]
+fn warnings_stand_in_the_root_even_those_made_while_the_file_was_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let output = Output::claim(&path).unwrap();
+    let provenance = provenance();
+    let archive = Archive::create(&output, &provenance).unwrap();
+    provenance.warnings.add(crate::Warning { code: "rough-seam", text: "steps across the seam".into() });
+    archive.finish().unwrap();
+    assert_eq!(Reader::open(&path).unwrap().text("/", "warnings").unwrap(), "rough-seam: steps across the seam\n");
+    write_all(&folder.path().join("b.h5"));
+    assert_eq!(Reader::open(folder.path().join("b.h5")).unwrap().text("/", "warnings").unwrap(), "");
 }
 
 #[test]
