@@ -1,5 +1,6 @@
 //! `contact`: one contact problem, one or more loads.
 
+mod check;
 mod figures;
 mod file;
 
@@ -32,6 +33,7 @@ use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 
+pub(crate) use check::{again, check};
 pub use file::ContactFile;
 
 /// Flags of `contact`.

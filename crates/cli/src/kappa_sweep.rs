@@ -1,6 +1,7 @@
 //! `kappa-sweep`: kappa in the thermodynamic, fractal and continuum limit, from many contacts.
 
 mod calibration;
+mod check;
 mod config;
 mod figures;
 mod file;
@@ -18,6 +19,7 @@ use gfmd_contact::SolveError;
 use gfmd_files::Output;
 use gfmd_sweep::{Extrapolation, Keep, Plan, Preset, Pressed, Study, SweepError};
 
+pub(crate) use check::check;
 pub use report::{PlanReport, Report};
 
 use crate::failure::Failure;

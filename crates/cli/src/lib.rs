@@ -18,6 +18,7 @@
 //! ```
 
 pub mod body;
+pub mod check;
 pub mod choice;
 pub mod contact;
 pub mod convergence;

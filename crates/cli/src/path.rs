@@ -1,5 +1,6 @@
 //! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
+mod check;
 mod figures;
 mod file;
 mod record;
@@ -34,6 +35,7 @@ use crate::resume::{Kept, Part, ResumeArgs};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
+pub(crate) use self::check::{again, check};
 pub use self::record::{ResidualRecord, StepRecord};
 pub use self::report::{Head, Report, Sliding};
 

@@ -22,6 +22,7 @@ use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 
+mod check;
 mod comparison;
 mod figures;
 mod refinement;
@@ -30,6 +31,7 @@ mod report;
 use comparison::Reference;
 use report::scalars;
 
+pub(crate) use check::{again, check};
 pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;
@@ -282,14 +284,7 @@ impl Prepared {
         progress: &Progress,
     ) -> Result<(Report, MixedSolution, Option<Failure>), Failure> {
         let started = Instant::now();
-        let points = self.punch.points(grid);
-        let refuse = |error: MixedError| Failure::Computation(error.to_string());
-        let prescribed = match args.contact {
-            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
-            ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
-        };
-        let problem =
-            prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed)).map_err(refuse)?;
+        let problem = self.problem(args, grid)?;
         let n = grid.points()[0];
         let mut history = History::default();
         let mut watch = |now: &gfmd_relax::Progress| {
@@ -314,12 +309,23 @@ impl Prepared {
             Err(MixedError::Interrupted { solution }) => {
                 (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
             }
-            Err(error) => return Err(refuse(error)),
+            Err(error) => return Err(Failure::Computation(error.to_string())),
         };
         progress.advance(1.0, &format!("n = {n}, residual {:.1e}", solution.residual));
         let seconds = started.elapsed().as_secs_f64();
-        let report = Report { not_converged, ..self.measure(args, grid, &points, &solution, seconds) };
+        let report = Report { not_converged, ..self.measure(args, grid, &self.punch.points(grid), &solution, seconds) };
         Ok((report, solution, failure))
+    }
+
+    /// The boundary conditions on a grid.
+    fn problem(&self, args: &Args, grid: &Grid) -> Result<MixedProblem, Failure> {
+        let points = self.punch.points(grid);
+        let prescribed = match args.contact {
+            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
+            ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
+        };
+        let problem = prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed));
+        problem.map_err(|error| Failure::Computation(error.to_string()))
     }
 
     fn measure(

@@ -1,14 +1,16 @@
 //! The rigid surface of a contact: read from a file and prepared for a periodic cell, or generated.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Checksum, Dimension, Topography, Variable, contiguous, split_dataset};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Topography, Variable, contiguous, split_dataset};
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
 
+use crate::check::{Comparison, words as flags};
 use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
@@ -100,6 +102,9 @@ impl Surface {
         archive.attribute("/surface", "description", self.description.as_str())?;
         archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
         archive.attribute("/surface", "height_sha256", self.checksum())?;
+        let [length_x, length_y] = self.grid.lengths();
+        archive.attribute("/surface", "length_x", length_x)?;
+        archive.attribute("/surface", "length_y", length_y)?;
         if let Some((file, checksum)) = &self.origin {
             archive.attribute("/surface", "file", file.as_str())?;
             archive.attribute("/surface", "file_sha256", checksum.as_str())?;
@@ -108,10 +113,63 @@ impl Surface {
     }
 }
 
+/// Compares the heights of a result with their checksum. Returns the flags of a command that reads them.
+///
+/// # Errors
+/// A file without a surface.
+pub(crate) fn stored_surface(reader: &Reader, comparison: &mut Comparison) -> Result<Vec<String>, Failure> {
+    let heights: Vec<f64> = reader.values("/surface/height")?;
+    if let Ok(stated) = reader.text("/surface", "height_sha256")
+        && Checksum::of_numbers(heights) != stated
+    {
+        comparison.differ("/surface/height", "its checksum does not hold".into());
+    }
+    let mut words = vec![format!("--surface={}:/surface/height", reader.path().display())];
+    if let (Ok(x), Ok(y)) = (reader.number("/surface", "length_x"), reader.number("/surface", "length_y")) {
+        words.push(if reader.shape("/surface/height")?.get(1) == Some(&1) {
+            format!("--length={x:e}")
+        } else {
+            format!("--length={x:e},{y:e}")
+        });
+    }
+    Ok(words)
+}
+
+/// The flags that repeat a run into `out`. A surface that was read from a file is taken from the result, where it is stored as
+/// it was used; a generated one is generated again.
+///
+/// # Errors
+/// A configuration that is not TOML, a file without a surface.
+pub(crate) fn again(reader: &Reader, config: &str, out: &Path) -> Result<Vec<String>, Failure> {
+    let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
+    let mut words = match table.contains_key("surface") {
+        true => {
+            let mut words = stored_surface(reader, &mut Comparison::default())?;
+            words.extend(flags(config, &SourceArgs::names())?);
+            words
+        }
+        // Defaults of the flags for files are no flags of a generated surface.
+        false => flags(config, &[])?,
+    };
+    words.push(format!("--out={}", out.display()));
+    Ok(words)
+}
+
 /// The ratio of the steps across the periodic seam to those inside above which a warning is given.
 const ROUGH_SEAM: f64 = 2.0;
 
 impl SourceArgs {
+    /// The keys of these flags in a configuration.
+    pub(crate) fn names() -> Vec<&'static str> {
+        // The names live as long as the program; there are a few, and they are made once.
+        static NAMES: OnceLock<Vec<String>> = OnceLock::new();
+        let names = NAMES.get_or_init(|| {
+            let command = Self::augment_args(clap::Command::new("surface"));
+            command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+        });
+        names.iter().map(String::as_str).collect()
+    }
+
     /// The name of the surface in messages: its file, or `the generated surface`.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())
@@ -194,7 +252,7 @@ impl SourceArgs {
 }
 
 /// The file of a surface, without the name of a dataset in it, and its checksum.
-fn origin(surface: &str) -> Result<(String, String), Failure> {
+pub(crate) fn origin(surface: &str) -> Result<(String, String), Failure> {
     let file = split_dataset(surface).map_or(surface, |(file, _)| file);
     let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
     Ok((file.into(), checksum))

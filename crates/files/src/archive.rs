@@ -8,8 +8,10 @@
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
+//! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input.
 
+mod content;
 mod reader;
 mod scale;
 mod variable;
@@ -148,6 +150,8 @@ impl<'a> Archive<'a> {
         for scale in self.scales.values() {
             scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }
+        let sum = self.file()?.flush().and_then(|()| content::checksum(self.file.as_ref().ok_or("closed")?));
+        self.attribute("/", content::NAME, sum.map_err(|error| self.failed("(checksum)", &error))?)?;
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());
             if let Err(error) = closed {

@@ -86,6 +86,21 @@ fn a_law_continues_bit_for_bit() {
     }
 }
 
+#[test]
+fn the_gap_determines_the_state() {
+    let interface = interface();
+    for load in [Load::MeanPressure(0.02), Load::Approach(0.002), Load::MeanPressure(-0.0005)] {
+        let state = interface.press(load).solve().unwrap();
+        let again = interface.certify(&state.gap, load.into()).unwrap();
+        assert!(again.residual.worst() < 2e-8, "{load:?}: {:?} from {:?}", again.residual, state.residual);
+        assert_eq!(again.contact_fraction, state.contact_fraction);
+        assert!((again.approach - state.approach).abs() < 1e-12);
+        let moved = &again.displacement - &state.displacement;
+        assert!(moved.iter().all(|u| u.abs() < 1e-12));
+    }
+    assert!(interface.certify(&Array2::zeros((3, 3)), Load::Approach(0.002).into()).is_err());
+}
+
 /// Follows a path, and follows it again from its state after every step.
 fn continues<P: Quasistatic + Resumable>(problem: &P, drives: &[Drive]) {
     let new = || Path::new(problem, Budget::default(), Refinement::default());

@@ -97,6 +97,31 @@ fn warnings_stand_in_the_root_even_those_made_while_the_file_was_open() {
 }
 
 #[test]
+fn a_changed_value_shape_or_attribute_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let changes: [fn(&File) -> hdf5::Result<()>; 6] = [
+        |file| file.dataset("/loads/area_fraction")?.write_raw(&[0.25, 0.500_000_000_000_000_1]),
+        |file| file.dataset("/loads/iterations")?.write_raw(&[17_u64, u64::MAX - 1]),
+        |file| file.dataset("/fields/pressure")?.write_slice(ndarray::arr3(&[[[1.0]]]).view(), (0..1, 3..4, 3..4)),
+        |file| file.attr("config")?.write_scalar(&"n = 9".parse::<VarLenUnicode>().unwrap()),
+        |file| file.group("/fit")?.attr("seed")?.write_scalar(&3_u64),
+        |file| file.unlink("/fit/kappa_tfc"),
+    ];
+    for (number, change) in changes.into_iter().enumerate() {
+        write_all(&path);
+        assert_eq!(Reader::open(&path).unwrap().is_intact().unwrap(), Some(true));
+        let file = File::open_rw(&path).unwrap();
+        change(&file).unwrap();
+        file.close().unwrap();
+        assert_eq!(Reader::open(&path).unwrap().is_intact().unwrap(), Some(false), "change {number}");
+    }
+    let file = File::create(&path).unwrap();
+    file.close().unwrap();
+    assert_eq!(Reader::open(&path).unwrap().is_intact().unwrap(), None);
+}
+
+#[test]
 fn equal_content_gives_equal_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let paths = [folder.path().join("a.h5"), folder.path().join("b.h5")];
