@@ -13,6 +13,7 @@
 
 mod content;
 mod reader;
+mod record;
 mod scale;
 mod variable;
 
@@ -30,6 +31,7 @@ use crate::{FileError, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
+pub(crate) use record::Field;
 pub use variable::{Attribute, Coordinates, Dimension, Provenance, Variable};
 
 /// Version of the file layout, increased whenever a name or its meaning changes.
