@@ -3,6 +3,7 @@
 
 mod comparison;
 mod rerun;
+mod surface;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ pub(crate) use comparison::Comparison;
 pub use comparison::Difference;
 use rerun::Rerun;
 pub(crate) use rerun::{all, parsed, words};
+pub(crate) use surface::{flags_again, stored_surface};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -5,12 +5,11 @@ use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Checksum, Dimension, Reader, Topography, Variable, contiguous, split_dataset};
+use gfmd_files::{Archive, Checksum, Dimension, Topography, Variable, contiguous, split_dataset};
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
 
-use crate::check::{Comparison, words as flags};
 use crate::choice::{by_name, parse_choice};
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
@@ -111,48 +110,6 @@ impl Surface {
         }
         Ok(())
     }
-}
-
-/// Compares the heights of a result with their checksum. Returns the flags of a command that reads them.
-///
-/// # Errors
-/// A file without a surface.
-pub(crate) fn stored_surface(reader: &Reader, comparison: &mut Comparison) -> Result<Vec<String>, Failure> {
-    let heights: Vec<f64> = reader.values("/surface/height")?;
-    if let Ok(stated) = reader.text("/surface", "height_sha256")
-        && Checksum::of_numbers(heights) != stated
-    {
-        comparison.differ("/surface/height", "its checksum does not hold".into());
-    }
-    let mut words = vec![format!("--surface={}:/surface/height", reader.path().display())];
-    if let (Ok(x), Ok(y)) = (reader.number("/surface", "length_x"), reader.number("/surface", "length_y")) {
-        words.push(if reader.shape("/surface/height")?.get(1) == Some(&1) {
-            format!("--length={x:e}")
-        } else {
-            format!("--length={x:e},{y:e}")
-        });
-    }
-    Ok(words)
-}
-
-/// The flags that repeat a run into `out`. A surface that was read from a file is taken from the result, where it is stored as
-/// it was used; a generated one is generated again.
-///
-/// # Errors
-/// A configuration that is not TOML, a file without a surface.
-pub(crate) fn again(reader: &Reader, config: &str, out: &Path) -> Result<Vec<String>, Failure> {
-    let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
-    let mut words = match table.contains_key("surface") {
-        true => {
-            let mut words = stored_surface(reader, &mut Comparison::default())?;
-            words.extend(flags(config, &SourceArgs::names())?);
-            words
-        }
-        // Defaults of the flags for files are no flags of a generated surface.
-        false => flags(config, &[])?,
-    };
-    words.push(format!("--out={}", out.display()));
-    Ok(words)
 }
 
 /// The ratio of the steps across the periodic seam to those inside above which a warning is given.

@@ -11,11 +11,11 @@ use gfmd_response::NormalResponse;
 use ndarray::Array2;
 
 use super::{Args, Prepared};
-use crate::check::{Comparison, parsed, words};
+use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, columns};
 use crate::session::Session;
-use crate::source::{SourceArgs, stored_surface};
+use crate::source::SourceArgs;
 
 /// The scalars that the fields do not determine: the effort, and the way to the state.
 const OF_THE_SOLVE: [&str; 5] = ["iterations", "transform_pairs", "seconds", "passed_instability", "lowest_curvature"];
@@ -108,7 +108,7 @@ fn compare<S: Recorded>(
 
 /// Runs the configuration of a file again, with the output `out`.
 pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let words = crate::source::again(reader, config, out)?;
+    let words = flags_again(reader, config, out)?;
     super::run(&parsed::<Args>(&words)?, session)?;
     Ok(true)
 }

@@ -11,10 +11,10 @@ use std::sync::Arc;
 
 use super::record::{Recorded, SCALARS};
 use super::{Action, Args, Prepared};
-use crate::check::{Comparison, parsed, words};
+use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::source::{SourceArgs, stored_surface};
+use crate::source::SourceArgs;
 
 /// The scalars that follow from the fields of one state alone.
 const OF_THE_STATE: [&str; 10] = [
@@ -189,7 +189,7 @@ fn flat(field: &Array2<f64>) -> Vec<f64> {
 
 /// Runs the configuration of a file again, with the output `out`.
 pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let words = crate::source::again(reader, config, out)?;
+    let words = flags_again(reader, config, out)?;
     super::run(&parsed::<Args>(&words)?, session)?;
     Ok(true)
 }

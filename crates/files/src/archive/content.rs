@@ -12,7 +12,7 @@ pub(super) const NAME: &str = "content_sha256";
 /// The most values that are read at a time.
 const PIECE: usize = 1 << 22;
 
-/// The checksum of the names, shapes and values of all variables, and of the attributes of all groups.
+/// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or texts.
 pub(super) fn checksum(file: &File) -> hdf5::Result<String> {
     let mut sum = Checksum::default();
     group(&file.as_group()?, "", &mut sum)?;
@@ -38,13 +38,16 @@ fn attributes(of: &Location, path: &str, sum: &mut Checksum) -> hdf5::Result<()>
     names.sort();
     for name in names.iter().filter(|name| *name != NAME) {
         let attribute = of.attr(name)?;
+        if attribute.ndim() > 0 {
+            continue; // Links between dimensions and variables follow from the rest.
+        }
         sum.bytes(format!("{path}@{name}=").as_bytes());
         match attribute.dtype()?.to_descriptor()? {
             TypeDescriptor::Float(_) => sum.bytes(&attribute.read_scalar::<f64>()?.to_le_bytes()),
             TypeDescriptor::Integer(_) => sum.bytes(&attribute.read_scalar::<i64>()?.to_le_bytes()),
             TypeDescriptor::Unsigned(_) => sum.bytes(&attribute.read_scalar::<u64>()?.to_le_bytes()),
             TypeDescriptor::VarLenUnicode => sum.bytes(attribute.read_scalar::<VarLenUnicode>()?.as_bytes()),
-            // Links between dimensions and variables follow from the rest.
+            // The marks of dimension scales.
             _ => {}
         }
     }
@@ -52,6 +55,7 @@ fn attributes(of: &Location, path: &str, sum: &mut Checksum) -> hdf5::Result<()>
 }
 
 fn variable(dataset: &Dataset, path: &str, sum: &mut Checksum) -> hdf5::Result<()> {
+    attributes(dataset, path, sum)?;
     sum.bytes(format!("{path}{:?}=", dataset.shape()).as_bytes());
     match dataset.dtype()?.to_descriptor()? {
         TypeDescriptor::Float(_) => values::<f64>(dataset, |value| sum.bytes(&value.to_le_bytes())),
