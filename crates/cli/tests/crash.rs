@@ -8,6 +8,7 @@
 //! GFMD_CRASH=500 cargo test -p gfmd-cli --test crash -- --nocapture --test-threads 1
 //! ```
 #![cfg(unix)]
+#![expect(clippy::print_stdout, reason = "the counts of the runs are the result")]
 
 mod common;
 
