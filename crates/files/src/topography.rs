@@ -9,19 +9,24 @@ mod al3d;
 pub(crate) mod archived;
 mod array;
 mod bytes;
+mod container;
 mod datx;
 mod file;
 mod format;
+mod gwyddion;
 mod ibw;
+mod matlab;
 mod matrix;
 mod metropro;
 mod nanoscope;
+mod netcdf;
 mod opd;
 mod opdx;
 mod plux;
 mod sdf;
 mod sur;
 mod unit;
+mod x3p;
 mod zipped;
 
 #[cfg(test)]
@@ -34,12 +39,18 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 14] = [
+const FORMATS: [Format; 20] = [
     array::FORMAT,
     array::ARCHIVE,
+    x3p::FORMAT,
     plux::FORMAT,
+    container::FORMAT,
     datx::FORMAT,
     archived::FORMAT,
+    netcdf::FORMAT,
+    matlab::FORMAT,
+    gwyddion::GWY,
+    gwyddion::GSF,
     sur::FORMAT,
     nanoscope::FORMAT,
     opd::FORMAT,
@@ -189,14 +200,14 @@ impl Topography {
             return Err("the file holds no height map".into());
         };
         let [nx, ny] = channel.points;
-        if nx == 0 || ny == 0 {
-            return Err(format!("the shape of the array is [{nx}, {ny}]; it must have at least one point"));
-        }
         if nx.checked_mul(ny).is_none_or(|points| points > MOST_POINTS) {
             return Err(format!("the grid is {nx} x {ny} points; it must have at most {MOST_POINTS}"));
         }
         let named = Some(channel.name).filter(|name| !name.is_empty());
         let mut map = (channel.read)()?;
+        if map.heights.is_empty() {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
+        }
         let conversion = map.convert()?;
         if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
             return Err(format!("the size is {x} by {y}; it must be positive and finite"));

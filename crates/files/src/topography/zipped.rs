@@ -9,6 +9,9 @@ use super::file::File;
 /// The largest size of an entry that describes others, in bytes.
 pub(super) const MOST_TEXT: u64 = 1 << 20;
 
+/// The largest ratio of compression of a data file.
+const MOST_RATIO: u64 = 64;
+
 /// A zip archive in memory.
 pub(super) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>);
 
@@ -48,6 +51,12 @@ impl<'a> Zip<'a> {
             return Err(format!("the entry {name} has more than {most} bytes; it must have at most so many"));
         }
         Ok(bytes)
+    }
+
+    /// Decompresses a whole file, which may have up to 64 times its compressed size.
+    pub(super) fn whole(&mut self, name: &str) -> Result<Vec<u8>, String> {
+        let compressed = self.stream(name)?.1 as u64;
+        self.read(name, compressed.saturating_mul(MOST_RATIO).max(MOST_TEXT))
     }
 
     /// Decompresses an entry of text.
