@@ -11,7 +11,8 @@ use crate::richardson::triples;
 use crate::rows::Rows;
 use crate::uncertainty::{Errors, Quantity};
 use crate::{
-    Axis, Datum, DatumReport, EdgeTerm, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning, Weighting,
+    Axis, Datum, DatumReport, EdgeTerm, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning,
+    Weighting,
 };
 
 /// The number of fits after which s and s' of the measured edge, which the scatter depends on, no longer change.

@@ -39,7 +39,12 @@ impl Default for Model {
     /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
     /// exponents of the other two axes are conventions; check them against a fit with [`Model::free`].
     fn default() -> Self {
-        Self { t: Some(Exponent::Fixed(1.0)), f: Some(Exponent::Fixed(1.0)), c: Some(Exponent::Fixed(1.0)), edge: false }
+        Self {
+            t: Some(Exponent::Fixed(1.0)),
+            f: Some(Exponent::Fixed(1.0)),
+            c: Some(Exponent::Fixed(1.0)),
+            edge: false,
+        }
     }
 }
 

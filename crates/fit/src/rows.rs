@@ -198,9 +198,8 @@ fn parent(data: &[Datum], index: usize) -> Option<usize> {
         let eps: f64 = data[i].all_eps().iter().product();
         (std::cmp::Reverse(data[i].kappa.len()), std::cmp::Reverse(eps.to_bits()), i)
     };
-    let distance = |i: usize| -> f64 {
-        Axis::ALL.iter().map(|&axis| (data[i].eps(axis) / datum.eps(axis)).ln().abs()).sum()
-    };
+    let distance =
+        |i: usize| -> f64 { Axis::ALL.iter().map(|&axis| (data[i].eps(axis) / datum.eps(axis)).ln().abs()).sum() };
     (0..data.len())
         .filter(|&i| order(i) < order(index))
         .filter(|&i| datum.kappa.keys().all(|seed| data[i].kappa.contains_key(seed)))

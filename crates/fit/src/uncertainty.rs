@@ -92,7 +92,8 @@ impl<'a> Errors<'a> {
             (Uncertainty::Misfit, _) => {
                 let freedom = self.degrees_of_freedom as f64;
                 let unit = self.minimum.sum_of_squares / freedom;
-                let variance: f64 = row.iter().zip(&self.rows.means.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
+                let variance: f64 =
+                    row.iter().zip(&self.rows.means.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
                 let half = student_975(freedom) * variance.sqrt();
                 (Some(variance.sqrt()), Some([value - half, value + half]))
             }

@@ -400,11 +400,8 @@ fn ladder(truth: &Parameters, seeds: u64, rng: &mut Pcg64) -> Vec<Datum> {
 const LADDER: Parameters =
     Parameters { kappa_tfc: 1.75, coefficients: [0.0, 0.8, 0.0], exponents: [1.0, 0.2, 1.0], edge: [0.83, 0.2] };
 
-const ON_LADDER: Settings = Settings {
-    model: Model { t: None, f: Some(Exponent::Fixed(0.2)), c: None, edge: true },
-    resamples: 0,
-    ..FREE
-};
+const ON_LADDER: Settings =
+    Settings { model: Model { t: None, f: Some(Exponent::Fixed(0.2)), c: None, edge: true }, resamples: 0, ..FREE };
 
 #[test]
 fn exact_ladders_give_the_limit_and_the_factor_of_the_edge() {

@@ -93,8 +93,8 @@ class KappaSweep(Record):
         ax.errorbar([point["n"] for point in points], [point["kappa"] for point in points], errors, fmt="o", label="sweep")
         fit = self["fit"]
         ax.axhline(fit["kappa_tfc"], color="k", label=r"limit $\kappa_\mathrm{TFC}$")
-        if fit["ci95"] is not None:
-            ax.axhspan(*fit["ci95"], color="k", alpha=0.15, label="95 %")
+        if fit["total_ci95"] is not None:
+            ax.axhspan(*fit["total_ci95"], color="k", alpha=0.15, label="95 % with the error of the form")
         ax.set_xscale("log", base=2)
         ax.set_xlabel("points along a side")
         ax.set_ylabel(r"$\kappa$")
