@@ -52,7 +52,7 @@ pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
                     free: shape.is_free(),
                     held: held.contains(&axis),
                     at_bound: shape.is_free() && !is_interior(shape, minimum.parameters.exponents[shape.axis]),
-                    profile: profile(&means, &shapes, k, &minimum),
+                    profile: profile(means, &shapes, k, &minimum),
                 }
             })
             .collect(),
