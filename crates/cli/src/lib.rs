@@ -35,6 +35,7 @@ pub mod path;
 pub mod program;
 pub mod progress;
 pub mod punch;
+pub mod scan;
 pub mod session;
 pub mod solver;
 pub mod source;

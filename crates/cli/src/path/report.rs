@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::StepRecord;
 use crate::memory::peak_bytes;
+use crate::scan::Scan;
 use crate::session::list_files;
 
 /// The problem whose path is followed.
@@ -18,6 +19,8 @@ pub struct Head {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
