@@ -5,7 +5,7 @@
 
 makes a virtual environment (in the target folder of Cargo, or in --environment), installs SurfaceTopography 1.27.1 or
 later, builds the example program `heights`, and reads every file of the folders with both. `--made` adds the files of
-`make_examples.py`. The programs agree on a height map if
+`make_examples.py` and those of `crates/files/tests/data`. The programs agree on a height map if
 
 - the shapes are equal, and each point is undefined in both or in neither;
 - the sizes agree within 4 units in the last place (1e-15), after conversion to one unit;
@@ -44,6 +44,12 @@ EXPLAINED = [
     (["*.h5-jpk", "*.topostats"], "a height map there*", "datasets of three dimensions, and of one line, are not listed here"),
     (["csv-1.csv"], "read here*", "its distances are equal within the digits that it gives"),
     (["csv-2.csv", "csv-3.csv"], "differs: unit*", "it does not find the unit in the title of the column"),
+    (["test.yaml"], "read here*", "lines that begin with a dash look like a matrix with undefined points, which are refused later"),
+    (["container.zip"], "read here*", "it refuses the whole container, since one of its files is no height map"),
+    (["four.nc"], "*", "it reads NetCDF-4 as HDF5 of any program, without the mask"),
+    (["compressed.mat"], "a height map there*", "complex numbers are no heights"),
+    (["small.mat"], "a height map there*", "one number is no height map"),
+    (["small.mat"], "differs: shape*", "a line is a profile [n, 1]"),
     (["container-2.zip"], "differs: 262144*", "it multiplies by the factor of meta.yml and by the same factor of the data file"),
 ]
 
@@ -202,7 +208,7 @@ def compare(file, program):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--examples", nargs="+", type=pathlib.Path, default=[], metavar="FOLDER")
-    parser.add_argument("--made", action="store_true", help="add the files of make_examples.py")
+    parser.add_argument("--made", action="store_true", help="add the files of make_examples.py and of crates/files/tests/data")
     parser.add_argument("--environment", type=pathlib.Path, help="folder of the virtual environment")
     parser.add_argument("--program", help="the example program, built")
     parser.add_argument("--markdown", action="store_true", help="print the table as Markdown")
@@ -219,7 +225,7 @@ def main():
     with tempfile.TemporaryDirectory() as made:
         if arguments.made:
             subprocess.run([sys.executable, str(HERE / "make_examples.py"), made], check=True)
-            files += sorted(pathlib.Path(made).iterdir())
+            files += sorted(pathlib.Path(made).iterdir()) + sorted((ROOT / "crates/files/tests/data").iterdir())
         counts, bad = collections.Counter(), 0
         print(f"gfmd against SurfaceTopography {SurfaceTopography.__version__}\n")
         columns = ("file", "format", "height map", "points", "result")
