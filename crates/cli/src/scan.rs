@@ -199,7 +199,6 @@ impl Scan {
             pairs.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
         };
         let texts = [
-            ("file", Some(self.file.clone())),
             ("format", Some(self.format.to_owned())),
             ("channel", self.channel.clone()),
             ("fill", self.fill.map(str::to_owned)),

@@ -1,8 +1,11 @@
 //! The rigid surface of a contact: read from a file ([`crate::scan`]), or generated.
 
+use std::path::Path;
+use std::sync::OnceLock;
+
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Variable, contiguous};
+use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
 use gfmd_surface::{Fill, Periodisation, Statistics};
 use ndarray::Array2;
 use serde::Serialize;
@@ -11,6 +14,7 @@ use crate::choice::{by_name, by_name_if, parse_choice};
 use crate::failure::Failure;
 use crate::generator::GeneratorArgs;
 use crate::scan::{Prepared, Scan};
+use crate::session::Session;
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -77,6 +81,8 @@ pub struct Surface {
     pub description: String,
     /// What the file says, if the heights come from one.
     pub scan: Option<Scan>,
+    /// The file that the heights were read from, and its SHA-256.
+    pub origin: Option<(String, String)>,
 }
 
 impl Surface {
@@ -90,6 +96,11 @@ impl Surface {
         self.unit.as_deref().unwrap_or("length")
     }
 
+    /// The SHA-256 of the heights, row by row.
+    pub fn checksum(&self) -> String {
+        Checksum::of_numbers(self.heights.iter().copied())
+    }
+
     /// Writes the group `/surface` of a file.
     ///
     /// # Errors
@@ -100,6 +111,14 @@ impl Surface {
         archive.write("/surface/height", &height, &contiguous(&self.heights))?;
         archive.attribute("/surface", "description", self.description.as_str())?;
         archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
+        archive.attribute("/surface", "height_sha256", self.checksum())?;
+        let [length_x, length_y] = self.grid.lengths();
+        archive.attribute("/surface", "length_x", length_x)?;
+        archive.attribute("/surface", "length_y", length_y)?;
+        if let Some((file, checksum)) = &self.origin {
+            archive.attribute("/surface", "file", file.as_str())?;
+            archive.attribute("/surface", "file_sha256", checksum.as_str())?;
+        }
         self.scan.iter().try_for_each(|scan| scan.write(archive, "/surface"))
     }
 }
@@ -108,6 +127,17 @@ impl Surface {
 const ROUGH_SEAM: f64 = 2.0;
 
 impl SourceArgs {
+    /// The keys of these flags in a configuration.
+    pub(crate) fn names() -> Vec<&'static str> {
+        // The names live as long as the program; there are a few, and they are made once.
+        static NAMES: OnceLock<Vec<String>> = OnceLock::new();
+        let names = NAMES.get_or_init(|| {
+            let command = Self::augment_args(clap::Command::new("surface"));
+            command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+        });
+        names.iter().map(String::as_str).collect()
+    }
+
     /// The name of the surface in messages: its file, or `the generated surface`.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())
@@ -122,11 +152,11 @@ impl SourceArgs {
         Ok(Self { generator, ..self.clone() })
     }
 
-    /// Reads or generates the surface.
+    /// Reads or generates the surface; a doubtful one is warned of.
     ///
     /// # Errors
     /// A file that cannot be read or has points without a height; flags that do not fit.
-    pub fn surface(&self) -> Result<Surface, Failure> {
+    pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
         let (heights, grid, mut description, scan) = match &self.surface {
             Some(file) => {
                 let Prepared { heights, grid, description, scan } = self.prepare(file)?;
@@ -143,15 +173,24 @@ impl SourceArgs {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
             if ratio > ROUGH_SEAM {
-                tracing::warn!(
+                let text = format!(
                     "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
                      roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
                     statistics.moments.rms_gradient(),
                     statistics.rms_gradient_inside
                 );
+                session.warn("rough-seam", text);
             }
         }
         let unit = scan.as_ref().and_then(|scan| scan.unit.clone());
-        Ok(Surface { heights, grid, unit, statistics, description, scan })
+        let origin = self.surface.as_deref().map(origin).transpose()?;
+        Ok(Surface { heights, grid, unit, statistics, description, scan, origin })
     }
+}
+
+/// The file of a surface, without the name of a dataset in it, and its checksum.
+pub(crate) fn origin(surface: &str) -> Result<(String, String), Failure> {
+    let file = split_dataset(surface).map_or(surface, |(file, _)| file);
+    let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok((file.into(), checksum))
 }

@@ -163,7 +163,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
 
 fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
-    let surface = args.source.surface()?;
+    let surface = args.source.surface(session)?;
     let name = args.source.name();
     let (grid, statistics) = (surface.grid, &surface.statistics);
     let refused = |error| Failure::input(&name, error);

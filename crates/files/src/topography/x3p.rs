@@ -9,12 +9,12 @@ mod write;
 
 use std::io::Read;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::bytes::{Grid, Layout, Order, Sample, clip, count, positive};
 use super::file::File;
 use super::format::{Channel, Contents, Format, Map};
-use super::zipped::Zip;
+use super::zipped::{Zip, xml};
 
 pub use write::X3p;
 
@@ -35,7 +35,7 @@ const DETAILS: [&str; 9] = [
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let text = Zip::open(file)?.text("main.xml")?;
-    let document = Document::parse(&text).map_err(|error| format!("main.xml is damaged: {error}"))?;
+    let document = xml("main.xml", &text)?;
     let header = Header::parse(document.root_element())?;
     let points = header.grid.points;
     let read = Box::new(move || header.read(file));
