@@ -218,7 +218,7 @@ impl Prepared {
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
-        if let (Err(_), Some(kept)) = (&outcome, &mut kept) {
+        if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
             let _ = kept.flush();
         }
