@@ -8,6 +8,7 @@ use gfmd_cli::memory::Held;
 use gfmd_contact::{Budget, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
@@ -141,10 +142,18 @@ impl Problem {
         Ok((State { rest }, record, pressure, displacement, gap, failure, raised))
     }
 
-    /// The state of a pressure of this contact, to start from: a hard wall's.
-    fn resume(&self, py: Python<'_>, pressure: PyReadonlyArray2<'_, f64>, approach: f64) -> PyResult<State> {
-        let pressure = pressure.as_array().to_owned();
-        let made = quick(py, || self.loads.certified(&pressure, Load::Approach(approach), &self.scales))?;
+    /// The state of a contact with these fields, to start from.
+    fn recall(
+        &self,
+        py: Python<'_>,
+        pressure: PyReadonlyArray2<'_, f64>,
+        displacement: PyReadonlyArray2<'_, f64>,
+        gap: PyReadonlyArray2<'_, f64>,
+        approach: f64,
+    ) -> PyResult<State> {
+        let [pressure, displacement, gap] = [pressure, displacement, gap].map(|field| field.as_array().to_owned());
+        let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+        let made = quick(py, || self.loads.recalled(kept, &self.scales))?;
         made.map(|rest| State { rest }).map_err(|failure| failed(py, &failure))
     }
 

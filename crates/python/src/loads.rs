@@ -6,7 +6,7 @@ use std::time::Instant;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded};
 use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch};
-use gfmd_interface::{Interface, State};
+use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
@@ -132,12 +132,18 @@ impl Loads {
         }
     }
 
-    /// The state of a `pressure`, as of an earlier run, to start from. A contact with a law has none: its state is more.
-    pub(crate) fn certified(&self, pressure: &ArrayRef2<f64>, load: Load, scales: &Scales) -> Result<Rest, Failure> {
-        let Kindred::Wall(contact) = &self.contact else {
-            return Err(Failure::input("start", "the pressure alone is not the state of a contact with a law"));
-        };
-        let solution = contact.certify(pressure, load).map_err(|error| Failure::input("start", error))?;
-        Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+    /// The state with these fields, as a file keeps them, to start from.
+    pub(crate) fn recalled(&self, kept: Kept<'_>, scales: &Scales) -> Result<Rest, Failure> {
+        let refuse = |error: Refusal| Failure::input("start", error);
+        match &self.contact {
+            Kindred::Wall(contact) => {
+                let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
+                Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+            }
+            Kindred::Law(interface) => {
+                let state = interface.recall(kept).map_err(refuse)?;
+                Ok(Rest::of(state, Reached::Law, scales, f64::INFINITY, 0.0))
+            }
+        }
     }
 }

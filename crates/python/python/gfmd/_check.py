@@ -15,7 +15,7 @@ from ._errors import InputError
 Array = npt.NDArray[np.float64]
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -33,7 +33,7 @@ def number(name: str, value: object) -> float:
                 return float(value)
         except (TypeError, ValueError, OverflowError):
             pass
-    raise InputError(f"{name} is {_shown(value)}; it must be a number")
+    raise InputError(f"{name} is {shown(value)}; it must be a number")
 
 
 def optional(name: str, value: object) -> Optional[float]:
@@ -49,12 +49,12 @@ def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int
         except (TypeError, ValueError, OverflowError):
             pass
     limits = f"between {least} and {most}" if most < 2**63 - 1 else f"at least {least}"
-    raise InputError(f"{name} is {_shown(value)}; it must be a whole number, {limits}")
+    raise InputError(f"{name} is {shown(value)}; it must be a whole number, {limits}")
 
 
 def word(name: str, value: object) -> str:
     if not isinstance(value, str):
-        raise InputError(f"{name} is {_shown(value)}; it must be a text")
+        raise InputError(f"{name} is {shown(value)}; it must be a text")
     return value
 
 
@@ -65,7 +65,7 @@ def numbers(name: str, value: Any) -> list[float]:
     try:
         entries = list(value)
     except Exception as error:
-        raise InputError(f"{name} is {_shown(value)}; it must be numbers") from error
+        raise InputError(f"{name} is {shown(value)}; it must be numbers") from error
     found = [number(name, entry) for entry in entries]
     if not found:
         raise InputError(f"{name} is empty; it must have at least one number")
@@ -76,14 +76,14 @@ def heights(value: Any) -> Array:
     """A copy of heights as [x, y], row-major, that nobody writes to."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"
     if isinstance(value, (str, bytes)):
-        raise InputError(f"heights is the text {_shown(value)}; it must be {wanted} (gfmd.read reads files)")
+        raise InputError(f"heights is the text {shown(value)}; it must be {wanted} (gfmd.read reads files)")
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         missing = int(np.ma.getmaskarray(value).sum())
         raise InputError(f"heights has {missing} masked points of {value.size}; every point needs a height")
     try:
         given = np.asarray(value)
     except Exception as error:
-        raise InputError(f"heights is {_shown(value)}; it must be {wanted}") from error
+        raise InputError(f"heights is {shown(value)}; it must be {wanted}") from error
     if given.dtype.kind not in "fiu":
         raise InputError(f"heights has the type {given.dtype}; it must be {wanted}")
     if given.ndim == 1:
@@ -114,10 +114,10 @@ def size(value: Any, shape: tuple[int, ...]) -> tuple[float, float]:
     nx, ny = shape
     given = [] if value is None else numbers("size", value)
     if len(given) > 2:
-        raise InputError(f"size is {_shown(value)}; it must be L or (Lx, Ly)")
+        raise InputError(f"size is {shown(value)}; it must be L or (Lx, Ly)")
     along_x = given[0] if given else 1.0
     along_y = given[1] if len(given) == 2 else (1.0 if ny == 1 else along_x * ny / nx)
     for length in (along_x, along_y):
         if not (0.0 < length < math.inf):
-            raise InputError(f"size is {_shown(value)}; lengths must be positive and finite")
+            raise InputError(f"size is {shown(value)}; lengths must be positive and finite")
     return along_x, along_y

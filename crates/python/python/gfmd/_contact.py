@@ -22,15 +22,64 @@ CONTROLS = ("mean_pressure", "p_star", "approach")
 class Contact(Record):
     """A contact at rest under one load. It cannot be changed, and it pickles.
 
-    The scalars are attributes by the keys of `gfmd contact --json`: `mean_pressure`, `p_star`, `displacement` (the approach
-    beyond first touch, also `approach`), `area_fraction`, `area_fraction_corrected`, `kappa`, `mean_gap`, `max_pressure`,
-    `elastic_energy`, `iterations`, `transform_pairs`, `converged`, `residual`, `seconds` and so on. A number that does not
-    exist is NaN. `surface`, `body`, `law` are those given.
+    A number that does not exist is NaN. Lengths and stresses are in the units of the surface and the body.
+
+    Attributes:
+        surface, body, law: those given.
+        mean_pressure: mean pressure over the whole surface, stress; with a law, attraction included.
+        p_star: mean pressure over E* times the rms gradient.
+        displacement, approach: rigid approach beyond first touch, length.
+        area_fraction: points in contact (with a law: repelled) over all points.
+        area_fraction_corrected: the same less the excess of the pixels along the perimeter.
+        kappa, kappa_corrected: area_fraction, area_fraction_corrected over p_star.
+        contact_nodes, boundary_links: points in contact; neighbouring pairs of which one is in contact.
+        mean_gap: mean distance between the surfaces, length.
+        max_pressure: largest pressure, stress.
+        mean_pressure_in_contact, pressure_deviation_in_contact: mean and standard deviation over the points in contact, stress.
+        pressure_moment_2: mean square pressure over the whole surface, stress^2.
+        elastic_energy: elastic energy per area, stress * length.
+        iterations, transform_pairs: effort of the solve.
+        converged: True if no residual exceeds the tolerance.
+        residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
+        seconds: wall time of the solve.
+        interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
+        passed_instability: True if the surfaces jumped on the way from `start`.
+        lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
+        residual_equilibrium: largest unbalanced force per area over the scale of stress.
+
+    Example:
+        >>> c = gfmd.contact(s, gfmd.Body(), p_star=0.05)
+        >>> c.pressure.shape, c.converged
+        ((64, 64), True)
     """
 
     surface: Surface
     body: Body
     law: Law
+    mean_pressure: float
+    p_star: float
+    displacement: float
+    area_fraction: float
+    area_fraction_corrected: float
+    kappa: float
+    kappa_corrected: float
+    contact_nodes: int
+    boundary_links: int
+    mean_gap: float
+    max_pressure: float
+    mean_pressure_in_contact: float
+    pressure_deviation_in_contact: float
+    pressure_moment_2: float
+    elastic_energy: float
+    iterations: int
+    transform_pairs: float
+    converged: bool
+    residual: Residual
+    seconds: float
+    interface_energy: float
+    passed_instability: bool
+    lowest_curvature: float
+    residual_equilibrium: float
     _pressure: Array
     _displacement_z: Array
     _gap: Array
@@ -232,9 +281,7 @@ class _Setup:
             raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
         if start._state is not None:
             return start._state
-        if self.law["name"] != "hard-wall":
-            raise InputError("start comes from a file or a pickle, which keeps no complete state of a contact with a law")
-        return self.problem.resume(start.pressure, start.approach)
+        return self.problem.recall(start.pressure, start.displacement_z, start.gap, start.approach)
 
     def check(self, control: str, value: float) -> None:
         pulls = self.law["name"] != "hard-wall"
