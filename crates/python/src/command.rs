@@ -8,6 +8,7 @@ use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, status};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -56,10 +57,14 @@ pub(crate) fn run(
             result
         })
     })?;
-    match result {
-        Ok((text, failure)) => Ok((text, failure)),
-        Err(failure) => Err(raised.unwrap_or_else(|| failed(py, &failure))),
-    }
+    // An interruption keeps the result so far; any other exception of a signal's handler is the caller's own.
+    let raised = match raised {
+        Some(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
+        other => other,
+    };
+    let (text, failure) = result.map_err(|failure| failed(py, &failure))?;
+    let failure = failure.or_else(|| raised.map(|_| ("interrupted", "interrupted at the end".into())));
+    Ok((text, failure))
 }
 
 type Report = Result<(String, Option<(&'static str, String)>), Failure>;

@@ -5,12 +5,14 @@ use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded};
-use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch};
+use gfmd_contact::{
+    Budget, Contact, Equilibrium, Fields, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch,
+};
 use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
-use ndarray::{Array2, ArrayRef2};
+use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.
 pub(crate) struct Loads {
@@ -26,28 +28,39 @@ enum Kindred {
 /// A load at rest, or as far as it came.
 pub(crate) struct Rest {
     pub(crate) record: LoadRecord,
-    pub(crate) pressure: Array2<f64>,
-    pub(crate) displacement: Array2<f64>,
-    pub(crate) gap: Array2<f64>,
-    /// The state that the next load starts from.
-    state: Reached,
+    reached: Reached,
 }
 
+/// The state that the next load starts from.
 enum Reached {
     Wall(Solution),
-    Law(State),
+    /// A state with a law, and the pressure that follows from its traction.
+    Law(State, Array2<f64>),
 }
 
 impl Rest {
-    fn of<S: Recorded>(state: S, reached: fn(S) -> Reached, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
-        Self {
-            record: LoadRecord::measure(&state, scales, tolerance, seconds),
-            pressure: state.pressure().into_owned(),
-            displacement: state.displacement_z().to_owned(),
-            gap: state.gap().to_owned(),
-            state: reached(state),
+    fn of<S: Recorded>(
+        state: S,
+        reached: impl FnOnce(S) -> Reached,
+        scales: &Scales,
+        tolerance: f64,
+        seconds: f64,
+    ) -> Self {
+        Self { record: LoadRecord::measure(&state, scales, tolerance, seconds), reached: reached(state) }
+    }
+
+    /// Pressure, displacement, gap.
+    pub(crate) fn fields(&self) -> [ArrayView2<'_, f64>; 3] {
+        match &self.reached {
+            Reached::Wall(solution) => [solution.pressure.view(), solution.displacement_z(), solution.gap()],
+            Reached::Law(state, pressure) => [pressure.view(), state.displacement_z(), state.gap()],
         }
     }
+}
+
+fn with_pressure(state: State) -> Reached {
+    let pressure = state.pressure().into_owned();
+    Reached::Law(state, pressure)
 }
 
 impl Loads {
@@ -92,7 +105,7 @@ impl Loads {
         watch: &mut dyn Watch,
     ) -> Result<(Rest, Option<Failure>), Failure> {
         let started = Instant::now();
-        let last = last.map(|rest| &rest.state);
+        let last = last.map(|rest| &rest.reached);
         match &self.contact {
             Kindred::Wall(contact) => {
                 let start = if let Some(Reached::Wall(start)) = last { Some(start) } else { None };
@@ -101,10 +114,10 @@ impl Loads {
                 Ok((Rest::of(state, Reached::Wall, scales, budget.tolerance, seconds), failure))
             }
             Kindred::Law(interface) => {
-                let start = if let Some(Reached::Law(start)) = last { Some(start) } else { None };
+                let start = if let Some(Reached::Law(start, _)) = last { Some(start) } else { None };
                 let (state, failure) = self.press(interface, load, budget, start, watch)?;
                 let seconds = started.elapsed().as_secs_f64();
-                Ok((Rest::of(state, Reached::Law, scales, budget.tolerance, seconds), failure))
+                Ok((Rest::of(state, with_pressure, scales, budget.tolerance, seconds), failure))
             }
         }
     }
@@ -142,7 +155,7 @@ impl Loads {
             }
             Kindred::Law(interface) => {
                 let state = interface.recall(kept).map_err(refuse)?;
-                Ok(Rest::of(state, Reached::Law, scales, f64::INFINITY, 0.0))
+                Ok(Rest::of(state, with_pressure, scales, f64::INFINITY, 0.0))
             }
         }
     }

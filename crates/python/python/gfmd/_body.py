@@ -194,10 +194,15 @@ def as_law(value: object) -> Law:
     raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
 
 
-def as_body(value: object) -> Body:
-    """A body that a contact can have."""
+def as_any_body(value: object) -> Body:
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
-    if value.base != "bonded":
-        raise InputError(f"the base of the body is {value.base!r}; it must be 'bonded' here")
     return value
+
+
+def as_body(value: object) -> Body:
+    """A body that a contact can have."""
+    given = as_any_body(value)
+    if given.base != "bonded":
+        raise InputError(f"the base of the body is {given.base!r}; it must be 'bonded' here")
+    return given

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Iterable
 from typing import Any, Optional
 
@@ -16,7 +17,7 @@ Array = npt.NDArray[np.float64]
 
 
 def shown(value: object) -> str:
-    text = repr(value).replace("\n", " ")
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -53,9 +54,39 @@ def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int
 
 
 def word(name: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"{name} is {shown(value)}; it must be a text")
-    return value
+    """A text that UTF-8 can hold, which excludes halves of surrogate pairs."""
+    try:
+        if isinstance(value, str):
+            value.encode()
+            return value
+    except UnicodeEncodeError:
+        pass
+    raise InputError(f"{name} is {shown(value)}; it must be a text")
+
+
+def path(name: str, value: Any) -> str:
+    """The path of a file."""
+    try:
+        return word(name, os.fsdecode(value))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {shown(value)}; it must be the path of a file") from error
+
+
+def flag(name: str, value: object) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} is {shown(value)}; it must be True or False")
+    return bool(value)
+
+
+def texts(name: str, value: Any) -> list[str]:
+    """One text, or several."""
+    entries = [value] if isinstance(value, str) else value
+    if not isinstance(entries, Iterable) or isinstance(entries, bytes):
+        raise InputError(f"{name} is {shown(value)}; it must be texts")
+    found = [word(name, entry) for entry in entries]
+    if not found:
+        raise InputError(f"{name} is empty; it must have at least one text")
+    return found
 
 
 def numbers(name: str, value: Any) -> list[float]:
