@@ -85,24 +85,6 @@ impl Problem {
         made.map_err(|failure| refused(py, &failure))
     }
 
-    /// The contact modulus E*.
-    #[getter]
-    fn e_star(&self) -> f64 {
-        self.scales.contact_modulus
-    }
-
-    /// The spectral rms gradient of the surface.
-    #[getter]
-    fn rms_gradient(&self) -> f64 {
-        self.scales.rms_gradient
-    }
-
-    /// The rms height of the surface.
-    #[getter]
-    fn rms_height(&self) -> f64 {
-        self.loads.surface().rms_height()
-    }
-
     /// Brings the contact to rest under one load.
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn solve(

@@ -31,7 +31,7 @@ class Body(Record):
 
     Example:
         >>> gfmd.Body(young=70e9, poisson=0.33).e_star
-        78554595444.84906
+        78554595443.83347
     """
 
     young: float

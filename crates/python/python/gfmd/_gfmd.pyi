@@ -1,31 +1,50 @@
 from collections.abc import Callable
-from typing import Any, Optional
+from typing import Any, Optional, final
 
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "GIT_COMMIT",
+    "Problem",
+    "State",
+    "VERSION",
+    "check_law",
+    "detrend",
+    "json_to_toml",
+    "periodise",
+    "program",
+    "read",
+    "read_array",
+    "read_text",
+    "run",
+    "save",
+    "self_affine",
+    "solvers",
+    "statistics",
+    "toml_to_json",
+]
 VERSION: str
 GIT_COMMIT: str
 
 _Array = npt.NDArray[np.float64]
 _Tick = Optional[Callable[[int, float], None]]
 
+@final
 class State:
     fields: tuple[_Array, _Array, _Array]
 
+@final
 class Problem:
-    e_star: float
-    rms_gradient: float
-    rms_height: float
-    def __init__(
-        self,
+    def __new__(
+        cls,
         heights: _Array,
         lengths: tuple[float, float],
         body: tuple[float, float, Optional[float], Optional[float]],
         law: tuple[str, list[tuple[str, float]]],
         solver: str,
         threads: int,
-    ) -> None: ...
+    ) -> Problem: ...
     def solve(
         self, control: str, value: float, tolerance: float, max_iterations: int, start: Optional[State], threads: int, tick: _Tick
     ) -> tuple[State, str, Optional[tuple[str, str]], Optional[BaseException]]: ...

@@ -30,8 +30,8 @@ class KappaSweep(Record):
         seconds: wall time.
 
     Example:
-        >>> len(k.points), k.theory.persson
-        (6, 1.5957691216057308)
+        >>> k.points[0].kappa > k.theory.persson
+        True
     """
 
     points: list[Record]
@@ -107,23 +107,29 @@ def kappa_sweep(
             folder if `out` was not given, and `.state.runs` the number of finished runs.
 
     Example:
-        >>> k = gfmd.kappa_sweep({"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}})
-        >>> 1.0 < k.fit.kappa_tfc < 3.5
-        True
+        >>> k = gfmd.kappa_sweep("smoke")
+        >>> round(k.fit.kappa_tfc, 2), len(k.fit.ci95)
+        (2.04, 2)
     """
     folder = tempfile.mkdtemp(prefix="gfmd-")
+    file = os.path.join(folder, "kappa.h5")
     kept = None
     try:
-        file = os.path.join(folder, "kappa.h5") if out is None else path("out", out)
+        file = file if out is None else path("out", out)
         words = [*_config(config, folder), f"--out={file}", *(["--resume"] if flag("resume", resume) else [])]
         values, failure = _command.run("kappa-sweep", words, threads)
         return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}), failure)
-    except (Interrupted, NotConverged) as error:
+    except (KeyboardInterrupt, NotConverged) as error:
+        if isinstance(getattr(error, "state", None), KappaSweep):
+            raise
         journal = Path(f"{file}.journal")
         runs = max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
         kept = file if runs else None
-        told = f"{error}; continue with gfmd.kappa_sweep(..., out={kept!r}, resume=True)" if runs else str(error)
-        raise type(error)(told, Record({"out": kept, "runs": runs})) from error
+        told = str(error).split("; finished runs are in ")[0] or "interrupted"
+        if runs:
+            told += f"; {runs} finished runs are kept: gfmd.kappa_sweep(..., out={kept!r}, resume=True) continues"
+        kind = NotConverged if isinstance(error, NotConverged) else Interrupted
+        raise kind(told, Record({"out": kept, "runs": runs})) from error
     finally:
         if kept is None or out is not None:
             shutil.rmtree(folder, ignore_errors=True)

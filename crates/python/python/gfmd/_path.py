@@ -184,7 +184,8 @@ def path(
         words = [*_command.surface_flags(made, folder), *_command.body_flags(elastic), *words, f"--out={file}"]
         values, failure = _command.run("path", words, threads)
         fields = _command.fields(file, ("pressure", "gap", "shear_x", "shear_y"))
-    rows = [{**step, **{f"residual_{part}": value for part, value in step.pop("residual").items()}} for step in values["steps"]]
+    parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
+    rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
@@ -219,7 +220,7 @@ def friction(
         NotConverged, Interrupted: `.state` is the Path so far.
 
     Example:
-        >>> pushed = gfmd.friction(gfmd.self_affine(n=32), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.002], steps=4)
+        >>> pushed = gfmd.friction(gfmd.self_affine(n=32), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.01], steps=4)
         >>> round(pushed.sliding[0].friction_coefficient, 2)
         0.3
     """

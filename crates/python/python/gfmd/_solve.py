@@ -127,8 +127,8 @@ def contact(
 
     Example:
         >>> c = gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(young=70e9, poisson=0.33), p_star=0.05)
-        >>> round(c.area_fraction, 3), c.pressure.max() == c.max_pressure
-        (0.11, True)
+        >>> round(c.area_fraction, 3), c.pressure.shape
+        (0.128, (64, 64))
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     value = number(control, given)
@@ -182,5 +182,7 @@ def contacts(
             except (NotConverged, Interrupted) as error:
                 kept = [*done, error.state] if error.state is not None else done
                 raise type(error)(f"load {index}: {error}", Contacts(kept)) from error
+            except KeyboardInterrupt as error:  # between two solves
+                raise Interrupted(f"load {index}: interrupted", Contacts(done)) from error
             state = done[-1]._state
     return Contacts(done)
