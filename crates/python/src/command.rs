@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
-use gfmd_cli::program::{Command, status};
+use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -102,5 +102,6 @@ fn ended(Outcome { report, failure }: Outcome<impl Serialize>) -> Report {
 /// The exit status of the program `gfmd` with these words, of which the first is its name.
 #[pyfunction]
 pub(crate) fn program(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
+    keep_freed_memory(); // the process is that of the program
     py.detach(|| status("gfmd", words, Command::run))
 }

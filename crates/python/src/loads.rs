@@ -5,9 +5,7 @@ use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded};
-use gfmd_contact::{
-    Budget, Contact, Equilibrium, Fields, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch,
-};
+use gfmd_contact::{Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch};
 use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
@@ -86,13 +84,6 @@ impl Loads {
             return Err(Refusal::Solver { found: solver, allowed });
         }
         Ok(Self { contact, solver })
-    }
-
-    pub(crate) fn surface(&self) -> &RigidSurface {
-        match &self.contact {
-            Kindred::Wall(contact) => contact.surface(),
-            Kindred::Law(interface) => interface.surface(),
-        }
     }
 
     /// Brings one load to rest. With a failure, the state is as far as it came; without a state, the load was refused.
