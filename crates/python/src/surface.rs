@@ -5,7 +5,7 @@ use gfmd_cli::json;
 use gfmd_cli::surface::{Report, whole_band};
 use gfmd_field::Grid;
 use gfmd_files::Topography;
-use gfmd_surface::{PowerSpectrum, Statistics};
+use gfmd_surface::{Fill, PowerSpectrum, Statistics};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -84,6 +84,21 @@ pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> P
         "details": details, "notes": notes,
     });
     Ok((heights.into_pyarray(py), lengths, unit, source, told.to_string()))
+}
+
+/// The heights with undefined points (NaN) filled.
+#[pyfunction]
+pub(crate) fn fill<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    how: &str,
+) -> PyResult<Array<'py>> {
+    let how: Fill = how.parse().map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let whole = quick(py, || gfmd_surface::fill(&heights, grid.spacing(), how))?.map_err(|error| refused(py, &error))?;
+    Ok(whole.into_pyarray(py))
 }
 
 /// The heights without a trend.

@@ -11,6 +11,7 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
+from . import _gfmd
 from ._errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -103,16 +104,13 @@ def numbers(name: str, value: Any) -> list[float]:
     return found
 
 
-def heights(value: Any) -> Array:
-    """A copy of heights as [x, y], row-major, that nobody writes to."""
+def heights(value: Any) -> tuple[Array, int]:
+    """A copy of heights as [x, y], row-major, NaN where they are undefined, and the number of such points."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"
     if isinstance(value, (str, bytes)):
         raise InputError(f"heights is the text {shown(value)}; it must be {wanted} (gfmd.read reads files)")
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        missing = int(np.ma.getmaskarray(value).sum())
-        raise InputError(f"heights has {missing} masked points of {value.size}; every point needs a height")
     try:
-        given = np.asarray(value)
+        given = np.ma.asarray(value) if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
     except Exception as error:
         raise InputError(f"heights is {shown(value)}; it must be {wanted}") from error
     if given.dtype.kind not in "fiu":
@@ -127,12 +125,28 @@ def heights(value: Any) -> Array:
     if nx < 2 or ny < 1:
         raise InputError(f"heights has the shape [{nx}, {ny}]; it must have at least 2 points along each axis")
     with np.errstate(all="ignore"):
-        copy = np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
-    wrong = ~np.isfinite(copy)
-    if wrong.any():
-        i, j = (int(k) for k in np.argwhere(wrong)[0])
-        raise InputError(f"heights has {int(wrong.sum())} points that are not finite, the first ({copy[i, j]}) at [{i}, {j}]; every point needs a height")
-    return frozen(copy)
+        copy = np.array(np.ma.getdata(given), dtype=np.float64, order="C", copy=True, subok=False)
+    if isinstance(given, np.ma.MaskedArray):
+        copy[np.ma.getmaskarray(given)] = np.nan
+    if np.isfinite(copy).all():
+        return copy, 0
+    if np.isinf(copy).any():
+        i, j = (int(k) for k in np.argwhere(np.isinf(copy))[0])
+        raise InputError(f"heights has {int(np.isinf(copy).sum())} infinite points, the first at [{i}, {j}]; every height must be finite")
+    return copy, int(np.isnan(copy).sum())
+
+
+def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float], fill: Optional[str]) -> Array:
+    """The heights with their undefined points filled."""
+    how = None if fill is None else word("fill", fill)
+    if how is not None and how not in ("harmonic", "nearest"):
+        raise InputError(f"fill is {how!r}; it must be 'harmonic', 'nearest' or None")
+    if not undefined:
+        return found
+    if how is None:
+        i, j = (int(k) for k in np.argwhere(np.isnan(found))[0])
+        raise InputError(f"{name} has {undefined} undefined points of {found.size}, the first at [{i}, {j}]; every point needs a height: fill='harmonic' or 'nearest' gives one")
+    return _gfmd.fill(found, lengths, how)
 
 
 def frozen(array: Array) -> Array:

@@ -69,7 +69,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    heights, size, unit, _ = _gfmd.read(f"{name}:/surface/height")
+    heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
     length = config.get("length", [])
     if len(length) == 2:
         size = (length[0], length[1])

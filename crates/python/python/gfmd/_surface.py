@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
-import numpy as np
 import numpy.typing as npt
 
 from . import _check, _gfmd
@@ -60,6 +59,16 @@ class Statistics(Record):
     seam: list[float]
 
 
+class _Origin(NamedTuple):
+    """Where heights come from: in words, and what their file says."""
+
+    description: str
+    file: dict[str, Any]
+
+    def after(self, step: str) -> _Origin:
+        return self._replace(description=f"{self.description}, {step}")
+
+
 class Surface:
     """Heights of the rigid surface in a periodic cell. A surface does not change: methods return new ones.
 
@@ -72,44 +81,50 @@ class Surface:
         size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x, and
             the points are as far apart along y.
         unit: the unit of heights and lengths, such as "m"; only told, never converted.
+        fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points) or
+            "nearest"; None refuses them.
 
     Raises:
-        InputError: another shape or type, NaN, masked points, a size that is not positive.
+        InputError: another shape or type, undefined or infinite points, a size that is not positive.
 
     Example:
         >>> gfmd.Surface([[0, 1], [1, 0]], size=(1e-4, 1e-4), unit="m")
         Surface of 2 x 2 points on 0.0001 x 0.0001 m (array)
         >>> gfmd.contact(gfmd.Surface(np.cos(np.arange(64) * np.pi / 32)), gfmd.Body(), p_star=0.1).gap.shape
         (64, 1)
+        >>> gfmd.Surface([[0, 1], [np.nan, 0]], fill="nearest").undefined
+        1
     """
 
-    __slots__ = ("__weakref__", "_description", "_heights", "_size", "_statistics", "_unit")
+    __slots__ = ("__weakref__", "_heights", "_origin", "_size", "_statistics", "_unit")
     _heights: Array
     _size: tuple[float, float]
     _unit: Optional[str]
-    _description: str
+    _origin: _Origin
     _statistics: Optional[Statistics]
 
-    def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None) -> None:
+    def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None) -> None:
         description = "array"
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             heights, lengths, told = _taken_over(heights)
             size = lengths if size is None else size
             unit = told if unit is None else unit
             description = "SurfaceTopography"
-        copy = _check.heights(heights)
-        shape = (int(copy.shape[0]), int(copy.shape[1]))
-        self._set(copy, _check.size(size, shape), None if unit is None else word("unit", unit), description)
+        copy, undefined = _check.heights(heights)
+        cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])))
+        copy = _check.whole("heights", copy, undefined, cell, fill)
+        origin = _Origin(_filled(description, undefined, fill), {"undefined": undefined})
+        self._set(copy, cell, None if unit is None else word("unit", unit), origin)
 
-    def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], description: str) -> None:
-        for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("description", description), ("statistics", None)):
+    def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin) -> None:
+        for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("origin", origin), ("statistics", None)):
             object.__setattr__(self, "_" + name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("a Surface cannot be changed; its methods return new ones")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _surface, (self._heights, self._size, self._unit, self._description)
+        return _surface, (self._heights, self._size, self._unit, self._origin)
 
     @property
     def heights(self) -> Array:
@@ -134,7 +149,32 @@ class Surface:
     @property
     def description(self) -> str:
         """The origin of the heights, and how they were prepared."""
-        return self._description
+        return self._origin.description
+
+    @property
+    def undefined(self) -> int:
+        """The number of points that had no height and were filled."""
+        return int(self._origin.file.get("undefined", 0))
+
+    @property
+    def format(self) -> Optional[str]:
+        """The name of the format of the file, the origin of the heights; None without a file."""
+        return self._origin.file.get("format")
+
+    @property
+    def channel(self) -> Optional[str]:
+        """The name of the channel of the file that the heights are; None if the origin has no name."""
+        return self._origin.file.get("channel")
+
+    @property
+    def channels(self) -> list[str]:
+        """The names of all height maps in the file, for `gfmd.read(name, channel)`; their numbers where they have no names."""
+        return list(self._origin.file.get("channels", []))
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What the file says of instrument and measurement, by name."""
+        return dict(self._origin.file.get("details", {}))
 
     @property
     def rms_gradient(self) -> float:
@@ -189,7 +229,7 @@ class Surface:
             True
         """
         heights = _gfmd.detrend(self._heights, word("trend", trend))
-        return _surface(heights, self._size, self._unit, f"{self._description}, {trend} removed")
+        return _surface(heights, self._size, self._unit, self._origin.after(f"{trend} removed"))
 
     def periodise(self, way: str = "mirror") -> Surface:
         """Returns one period of a surface that is not periodic.
@@ -205,7 +245,7 @@ class Surface:
             (128, 128)
         """
         heights, size = _gfmd.periodise(self._heights, self._size, word("way", way))
-        return _surface(heights, size, self._unit, f"{self._description}, {way}")
+        return _surface(heights, size, self._unit, self._origin.after(way))
 
     def flip(self) -> Surface:
         """Returns the surface turned over: valleys become peaks. For scans whose peaks point away from the body.
@@ -214,7 +254,7 @@ class Surface:
             >>> np.array_equal(s.flip().heights, -s.heights)
             True
         """
-        return _surface(-self._heights, self._size, self._unit, f"{self._description}, turned over")
+        return _surface(-self._heights, self._size, self._unit, self._origin.after("turned over"))
 
     def plot(self, ax: Any = None) -> Any:
         """Draws a map of the heights, or the profile, with matplotlib. Returns the axes.
@@ -249,7 +289,7 @@ class Surface:
     def __repr__(self) -> str:
         nx, ny = self.n
         points, cell = (f"{nx} points", f"{self._size[0]:g}") if ny == 1 else (f"{nx} x {ny} points", f"{self._size[0]:g} x {self._size[1]:g}")
-        return f"Surface of {points} on {cell} {self._unit or 'length units'} ({self._description})"
+        return f"Surface of {points} on {cell} {self._unit or 'length units'} ({self.description})"
 
     def _repr_html_(self) -> str:
         from . import _show
@@ -257,10 +297,14 @@ class Surface:
         return _show.maps_html([self._heights], repr(self))
 
 
-def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], description: str) -> Surface:
+def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin | str) -> Surface:
     made = object.__new__(Surface)
-    made._set(heights, (float(size[0]), float(size[1])), unit, description)
+    made._set(heights, (float(size[0]), float(size[1])), unit, _Origin(origin, {}) if isinstance(origin, str) else origin)
     return made
+
+
+def _filled(description: str, undefined: int, fill: Optional[str]) -> str:
+    return f"{description}, {undefined} points filled ({fill})" if undefined else description
 
 
 def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
@@ -269,12 +313,9 @@ def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
         if getattr(topography, name, wanted) is not wanted:
             words = "not at equal distances" if wanted else "spread over several processes"
             raise InputError(f"heights is a {type(topography).__name__} whose points are {words}; they must be a whole regular grid")
-    heights, lengths = topography.heights(), topography.physical_sizes
-    missing = int(np.ma.count_masked(heights))
-    if missing:
-        raise InputError(f"heights has {missing} undefined points of {heights.size}; every point needs a height (topography.fill_undefined_data() fills them)")
+    lengths = topography.physical_sizes
     size = None if lengths is None else tuple(float(length) for length in lengths)
-    return heights, size, getattr(topography, "unit", None)  # type: ignore[return-value]
+    return topography.heights(), size, getattr(topography, "unit", None)  # type: ignore[return-value]
 
 
 def as_surface(value: Any) -> Surface:
@@ -353,23 +394,36 @@ def self_affine(
     return _surface(heights, lengths, None if unit is None else word("unit", unit), description)
 
 
-def read(name: Union[str, "os.PathLike[str]"], *, size: Size = None, unit: Optional[str] = None) -> Surface:
-    """A surface from a file: every format that `gfmd surface --surface` reads.
+def read(
+    name: Union[str, "os.PathLike[str]"],
+    channel: Union[str, int, None] = None,
+    *,
+    fill: Optional[str] = None,
+    size: Size = None,
+    unit: Optional[str] = None,
+) -> Surface:
+    """Reads a surface from a file: every format that `gfmd surface --surface` reads, told by the contents of the file.
 
     Args:
-        name: a .npy file, "FILE.h5:/dataset", or a text matrix with or without an instrument's header.
+        name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
+        channel: name or number, from 0, of the height map in the file; the default of the file if not given.
+        fill: heights for undefined points, "harmonic" or "nearest", as of `Surface`; None refuses them.
         size: lengths of the cell; those of the file by default, or 1.
         unit: unit of heights and lengths; that of the file by default.
 
     Raises:
-        InputError: a file that cannot be read or has points without a height.
+        InputError: a file that cannot be read, a channel that it does not have, undefined points.
 
     Example:
         >>> np.savetxt("scan.txt", [[0.0, 1.0, 0.5], [0.5, 0.0, 1.0]])
         >>> gfmd.read("scan.txt", size=(3e-6, 2e-6), unit="m")
         Surface of 3 x 2 points on 3e-06 x 2e-06 m (scan.txt)
     """
-    heights, lengths, told, description = _gfmd.read(_check.path("name", name))
-    given = lengths if size is None else size
-    shape = (int(heights.shape[0]), int(heights.shape[1]))
-    return _surface(heights, _check.size(given, shape), told if unit is None else word("unit", unit), description)
+    path = _check.path("name", name)
+    asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
+    heights, lengths, told, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
+    said = parsed(file)
+    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])))
+    heights = _check.whole(path, heights, said["undefined"], cell, fill)
+    origin = _Origin(_filled(description, said["undefined"], fill), said)
+    return _surface(heights, cell, told if unit is None else word("unit", unit), origin)
