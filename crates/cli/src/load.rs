@@ -5,6 +5,8 @@ use gfmd_interface::State;
 use gfmd_measure::{Column, Scales, Summary};
 use serde::{Deserialize, Serialize};
 
+use crate::failure::Failure;
+
 /// The scalars of one load. Units: those of the input (stress, length).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
@@ -96,6 +98,15 @@ impl Recorded for State {
 }
 
 impl LoadRecord {
+    /// The record as TOML, which holds every number to the last bit, and NaN.
+    ///
+    /// # Errors
+    /// None for numbers.
+    pub fn to_toml(&self) -> Result<String, Failure> {
+        let table = toml::Table::try_from(self);
+        table.map(|table| table.to_string()).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
     /// Measures a state in units of `scales`.
     pub fn measure<S: Recorded>(state: &S, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
         let summary = state.summary_in(scales);

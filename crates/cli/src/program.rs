@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
-use crate::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, surface};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -44,6 +44,8 @@ pub enum Command {
     Path(Box<path::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
+    /// Recompute the numbers of a result file from its inputs, and compare
+    Check(Box<check::Args>),
 }
 
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
@@ -117,6 +119,7 @@ impl Command {
             Self::Green(args) => print(&green::run(args)?, session),
             Self::Path(args) => conclude(path::run(args, session)?, session),
             Self::Law(args) => print(&law::run(args)?, session),
+            Self::Check(args) => conclude(check::run(args, session)?, session),
         }
     }
 }
@@ -136,8 +139,7 @@ pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -
 /// A standard output that cannot be written.
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
     if session.common.json {
-        let text = json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?;
-        return write(&(text + "\n"));
+        return write(&(session.json(report)? + "\n"));
     }
     write(&report.to_string())
 }

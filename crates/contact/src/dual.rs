@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, RelaxError, Target};
+use gfmd_relax::{Variables, Visit};
 use gfmd_response::NormalTransforms;
 
 use crate::attempt::{Attempt, Ended};
@@ -87,6 +88,10 @@ impl Quadratic for Dual<'_> {
         transforms.convolve_rows(stiffness, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
     }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+    }
 }
 
 pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
@@ -105,15 +110,32 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => {
-            let max_iterations = target.budget.max_iterations.min(PATIENCE);
-            let patience = Target { budget: Budget { max_iterations, ..target.budget }, ..target };
-            let minimum = PreconditionedCg.minimise(&mut dual, x, &patience, attempt.watch)?;
-            if let Ending::GaveUp(_) = minimum.ending {
-                attempt.effort.iterations = minimum.reached.iteration;
-                let rest = Target { budget: attempt.budget_left(), ..target };
-                ProjectedCg.minimise(&mut dual, x, &rest, &mut attempt.onlooker())?
-            } else {
-                minimum
+            // True once the search continues without the preconditioner.
+            let mut plain = false;
+            if let Some(kept) = attempt.watch.recall() {
+                attempt.effort.visit(kept);
+                kept.flag(&mut plain);
+            }
+            let mut minimum = None;
+            if !plain {
+                let max_iterations = target.budget.max_iterations.min(PATIENCE);
+                let patience = Target { budget: Budget { max_iterations, ..target.budget }, ..target };
+                let watch = &mut attempt.onlooker(|visitor| visitor.flag(&mut plain));
+                minimum = Some(PreconditionedCg.minimise(&mut dual, x, &patience, watch)?);
+            }
+            match minimum {
+                Some(minimum) if !matches!(minimum.ending, Ending::GaveUp(_)) => minimum,
+                reached => {
+                    attempt.effort.iterations += reached.map_or(0, |minimum| minimum.reached.iteration);
+                    plain = true;
+                    let rest = Target { budget: attempt.budget_left(), ..target };
+                    ProjectedCg.minimise(
+                        &mut dual,
+                        x,
+                        &rest,
+                        &mut attempt.onlooker(|visitor| visitor.flag(&mut plain)),
+                    )?
+                }
             }
         }
     };

@@ -165,16 +165,7 @@ impl Topography {
     pub fn list(name: &str) -> Result<Listing, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let (path, _) = archived::split(name).unwrap_or((name, ""));
-        let file = File::open(path).map_err(fail)?;
-        let (format, contents) = open(&file).map_err(fail)?;
-        let names = names(&contents.channels);
-        let listed = |(channel, name): (&Channel, String)| ListedChannel {
-            name,
-            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
-            points: channel.points,
-        };
-        let channels = contents.channels.iter().zip(names).map(listed).collect();
-        Ok(Listing { format: format.name, channels, default: contents.default })
+        File::open(path).and_then(|file| Listing::of(&file)).map_err(fail)
     }
 
     /// Returns an error with the number of undefined points and the first of them, if there are any.
@@ -230,6 +221,28 @@ impl Topography {
             notes: map.notes,
             source,
         })
+    }
+}
+
+impl Listing {
+    /// Lists the height maps of a file whose bytes are in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// An unknown format.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, TopographyError> {
+        Self::of(&File::from_bytes(bytes)).map_err(|reason| TopographyError { file: name.into(), reason })
+    }
+
+    fn of(file: &File) -> Result<Self, String> {
+        let (format, contents) = open(file)?;
+        let names = names(&contents.channels);
+        let listed = |(channel, name): (&Channel, String)| ListedChannel {
+            name,
+            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
+            points: channel.points,
+        };
+        let channels = contents.channels.iter().zip(names).map(listed).collect();
+        Ok(Self { format: format.name, channels, default: contents.default })
     }
 }
 

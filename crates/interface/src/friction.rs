@@ -81,6 +81,11 @@ impl FrictionalContact {
         &self.surface
     }
 
+    /// The state of `drive` before its solution, with all tractions as they are guessed.
+    pub(crate) fn at_start(&self, drive: Drive) -> FrictionState {
+        certify(&mut Increment::new(self, drive, None))
+    }
+
     /// The number of lateral components.
     fn lateral_components(&self) -> usize {
         self.response.components().len() - 1

@@ -43,6 +43,7 @@ mod newton;
 mod numbers;
 mod path;
 mod problem;
+mod resumable;
 mod solve;
 mod state;
 

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver, judge};
 use gfmd_law::HardWall;
-use gfmd_relax::{Budget, Fire, Watch};
+use gfmd_relax::{Budget, Fire, Progress, Watch};
 
 use crate::certify::certify;
 use crate::ended::{End, Ended};
@@ -45,7 +45,11 @@ impl Equilibrium for Interface {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            None if is_pressed && !self.is_wall_alone() => self.without_attraction(drive, budget, watch)?,
+            // A search that continues has its own position.
+            None if is_pressed && !self.is_wall_alone() && watch.recall().is_none() => {
+                // The search on the wall is short and writes no checkpoint.
+                self.without_attraction(drive, budget, &mut |now: &Progress| watch.see(now))?
+            }
             _ => None,
         };
         let start = start.or(on_wall.as_ref());

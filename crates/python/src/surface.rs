@@ -97,7 +97,8 @@ pub(crate) fn fill<'py>(
     let how: Fill = how.parse().map_err(|error| refused(py, &error))?;
     let heights = heights.as_array().to_owned();
     let grid = grid(py, heights.dim().into(), lengths)?;
-    let whole = quick(py, || gfmd_surface::fill(&heights, grid.spacing(), how))?.map_err(|error| refused(py, &error))?;
+    let whole =
+        quick(py, || gfmd_surface::fill(&heights, grid.spacing(), how))?.map_err(|error| refused(py, &error))?;
     Ok(whole.into_pyarray(py))
 }
 
