@@ -40,7 +40,7 @@ pub(crate) fn run(
         let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
         refused(py, &line.trim_start_matches("error: "))
     })?;
-    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 });
+    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 }).without_resumption();
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let finished = AtomicBool::new(false);
         std::thread::scope(|scope| {

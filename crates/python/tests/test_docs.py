@@ -59,7 +59,7 @@ def test_it_is_documented(name):
     if not (isinstance(NAMES[name], property) or isinstance(NAMES[name], type) and issubclass(NAMES[name], ERRORS)):
         assert ">>> " in text, "an example"
     if isinstance(NAMES[name], property):
-        assert any(word in text for word in ("[x, y]", "length", "stress", "without unit", "points", "unit", "origin", "by name")), "shape or unit"
+        assert any(word in text for word in ("[x, y]", "length", "stress", "without unit", "points", "unit", "origin", "of the file", "in the file", "by name")), "shape or unit"
 
 
 @pytest.mark.parametrize("name", CALLED)

@@ -115,5 +115,5 @@ def test_ctrl_c_ends_the_program_with_its_state_saved(tmp_path):
         _, told = process.communicate(timeout=60)
     finally:
         process.kill()
-    assert process.returncode == 130, told
-    assert gfmd.load(tmp_path / "c.h5").iterations > 0
+    assert process.returncode == 130 and "interrupted" in told, told
+    assert any((tmp_path / f"c.h5.{kind}").exists() for kind in ("checkpoint", "state"))

@@ -32,6 +32,7 @@ class Punch(Record):
         punch_width, effective_width, depth, height: length; the height is infinite for a half-space.
         contact_nodes, n, length, young, poisson, contact, nodes, dim, components: the problem.
         residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
+        warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
 
     Example:
@@ -64,6 +65,7 @@ class Punch(Record):
     iterations: int
     transform_pairs: int
     seconds: float
+    warnings: list[Record]
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
         """Returns displacement, strain and stress below the punch; see `gfmd.interior`.
@@ -99,6 +101,7 @@ class FieldsBelow(Record):
         energy_density: [depth, x, y], stress.
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
         n, length: points and lengths along x and y.
+        warnings: a Record for each warning of the computation: `code`, `text`.
 
     On a slice (along=), the axis across it is missing; below a line, y is.
 
@@ -115,6 +118,7 @@ class FieldsBelow(Record):
     levels: list[Record]
     n: list[int]
     length: list[float]
+    warnings: list[Record]
 
 
 class Green(Record):
@@ -125,6 +129,7 @@ class Green(Record):
         normal_compliance, normal_stiffness: without friction, length/stress and stress/length.
         displacement_transfer: complex [component, component], displacement inside over that of the surface.
         stress_transfer: complex [tensor, component], stress/length. stress_components: the names of its rows.
+        warnings: none.
         q: wave vector, rad/length. components: x, y, z, or x, z in 2-D.
 
     Example:
@@ -141,6 +146,7 @@ class Green(Record):
     stress_components: list[str]
     q: list[float]
     components: list[str]
+    warnings: list[Record]
 
 
 def punch(

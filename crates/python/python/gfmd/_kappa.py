@@ -28,6 +28,7 @@ class KappaSweep(Record):
         fits: those of all Hurst exponents, loads and ways to count area.
         theory: limits of theories: `persson`, `bush_gibson_thomas`.
         seconds: wall time.
+        warnings: a Record for each warning of the computation: `code`, `text`.
 
     Example:
         >>> k.points[0].kappa > k.theory.persson
@@ -39,6 +40,7 @@ class KappaSweep(Record):
     fits: list[Record]
     theory: Record
     seconds: float
+    warnings: list[Record]
 
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the points [point].

@@ -33,6 +33,7 @@ class Path(Record):
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.
         parted_at: the step at which the surfaces parted under their load, or None.
+        warnings: a Record for each warning of the computation: `code`, `text`.
         surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the effort.
 
     Example:
@@ -60,6 +61,7 @@ class Path(Record):
     law: str
     direction: list[float]
     extra_solves: int
+    warnings: list[Record]
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
