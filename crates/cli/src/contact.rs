@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
-use gfmd_files::Output;
+use gfmd_files::{Output, contiguous};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
@@ -297,9 +297,10 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = ContactFile::fields(&state).map(|field| field.iter().copied().collect());
-                let part = Part { text: record.to_toml()?, fields: fields.into() };
-                kept.keep(&part, |visitor| contact.keep(&mut state, visitor))?;
+                let fields = ContactFile::fields(&state);
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
             }
             last = Some(state);
         }

@@ -7,6 +7,7 @@ mod record;
 mod report;
 mod waypoints;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -255,8 +256,8 @@ impl Prepared {
                     let record = &log.steps[index];
                     progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
                     if let Some(kept) = &mut kept {
-                        let part = Part { text: record.to_toml()?, fields };
-                        kept.keep(&part, |visitor| {
+                        kept.add(&Part { text: record.to_toml()?, fields });
+                        kept.keep_state(|visitor| {
                             path.keep(visitor);
                             log.visit_widest(visitor);
                         })?;
@@ -380,7 +381,7 @@ impl<'a> Log<'a> {
         reading: &Reading,
         step: &Step,
         seconds: f64,
-    ) -> Result<Vec<Vec<f64>>, Failure> {
+    ) -> Result<Vec<Cow<'static, [f64]>>, Failure> {
         let index = self.steps.len();
         let mut fields = Vec::new();
         if let (Some(file), true) = (&mut self.file, index.is_multiple_of(self.steps_of_leg)) {

@@ -11,6 +11,7 @@
 
 mod snapshot;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -55,9 +56,9 @@ const FIRST_COST: Duration = Duration::from_millis(5);
 const MOST_WAITING: usize = 1 << 26;
 
 /// A finished part: its scalars as text, and the fields that go into the output.
-pub(crate) struct Part {
+pub(crate) struct Part<'a> {
     pub(crate) text: String,
-    pub(crate) fields: Vec<Vec<f64>>,
+    pub(crate) fields: Vec<Cow<'a, [f64]>>,
 }
 
 /// The files beside an output that is being computed.
@@ -147,7 +148,7 @@ impl<'a> Kept<'a> {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub(crate) fn part(&self, index: usize) -> Result<Part, Failure> {
+    pub(crate) fn part(&self, index: usize) -> Result<Part<'static>, Failure> {
         let missing = || Failure::Computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
         let record = journal.read(index).map_err(refused)?;
@@ -173,16 +174,20 @@ impl<'a> Kept<'a> {
         self.running.as_mut().filter(|running| !running.is_at_end())
     }
 
-    /// Keeps a finished part and the state after it.
+    /// Adds a finished part, of which [`keep_state`](Self::keep_state) keeps the state.
+    pub(crate) fn add(&mut self, part: &Part) {
+        self.waiting.push(part.encode());
+        self.done += 1;
+    }
+
+    /// Keeps the part that was added, and the state after it.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(crate) fn keep(&mut self, part: &Part, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
-        self.done += 1;
-        self.waiting.push(part.encode());
-        let mut writer = Writer::new(&self.head, self.done);
+    pub(crate) fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
+        let mut writer = Writer::new(Vec::new(), &self.head, self.done);
         state(&mut writer);
-        self.latest = writer.finish();
+        self.latest = writer.finish().map_err(|error| Failure::Computation(error.to_string()))?;
         let waiting: usize = self.waiting.iter().map(Vec::len).sum::<usize>() + self.latest.len();
         if self.written.elapsed() >= PATIENCE * self.cost || waiting > MOST_WAITING {
             self.flush()?;
@@ -228,10 +233,11 @@ impl<'a> Kept<'a> {
         self.flush()?;
         let started = Instant::now();
         let [_, _, path] = self.paths();
-        let mut writer = Writer::new(&self.head, self.done);
-        variables(&mut writer);
-        let bytes = writer.finish();
-        gfmd_files::replace(&path, |file| std::io::Write::write_all(file, &bytes))?;
+        gfmd_files::replace(&path, |file| {
+            let mut writer = Writer::new(file, &self.head, self.done);
+            variables(&mut writer);
+            writer.finish().map(drop)
+        })?;
         self.on_disk = true;
         (self.cost, self.written) = (started.elapsed(), Instant::now());
         Ok(())
@@ -275,21 +281,20 @@ pub(crate) fn not_written(error: JournalError) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-impl Part {
+impl Part<'_> {
     fn encode(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let mut piece = |content: &[u8]| {
-            bytes.extend((content.len() as u64).to_le_bytes());
-            bytes.extend(content);
-        };
-        piece(self.text.as_bytes());
+        let size = |field: &Cow<[f64]>| 8 + 8 * field.len();
+        let mut bytes = Vec::with_capacity(8 + self.text.len() + self.fields.iter().map(size).sum::<usize>());
+        bytes.extend((self.text.len() as u64).to_le_bytes());
+        bytes.extend(self.text.as_bytes());
         for field in &self.fields {
-            piece(&field.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>());
+            bytes.extend((8 * field.len() as u64).to_le_bytes());
+            field.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         }
         bytes
     }
 
-    fn decode(mut bytes: &[u8]) -> Option<Self> {
+    fn decode(mut bytes: &[u8]) -> Option<Part<'static>> {
         let mut piece = || -> Option<&[u8]> {
             let (length, rest) = bytes.split_first_chunk::<8>()?;
             let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
@@ -299,10 +304,10 @@ impl Part {
         let text = String::from_utf8(piece()?.to_vec()).ok()?;
         let fields = std::iter::from_fn(piece).map(|field| {
             let (numbers, rest) = field.as_chunks::<8>();
-            rest.is_empty().then(|| numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+            rest.is_empty().then(|| numbers.iter().map(|number| f64::from_le_bytes(*number)).collect::<Vec<_>>().into())
         });
-        let fields = fields.collect::<Option<Vec<Vec<f64>>>>()?;
-        bytes.is_empty().then_some(Self { text, fields })
+        let fields = fields.collect::<Option<Vec<Cow<[f64]>>>>()?;
+        bytes.is_empty().then_some(Part { text, fields })
     }
 }
 
@@ -318,7 +323,7 @@ mod tests {
 
     #[test]
     fn parts_are_read_back_and_others_refused() {
-        let part = Part { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN], vec![]] };
+        let part = Part { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN].into(), vec![].into()] };
         let bytes = part.encode();
         let back = Part::decode(&bytes).unwrap();
         assert_eq!(back.text, part.text);
@@ -336,12 +341,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = |resume| ResumeArgs { resume, checkpoint: 60.0 };
-        let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3]] };
+        let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
         let mut kept = Kept::open(&output, "one".into(), 4, args(false)).unwrap();
         assert_eq!(kept.finished(), 0);
-        kept.keep(&part(0.0), |visitor| visitor.number(&mut 0.5)).unwrap();
+        kept.add(&part(0.0));
+        kept.keep_state(|visitor| visitor.number(&mut 0.5)).unwrap();
         assert!(!folder.path().join("a.h5.journal").exists(), "a short run writes nothing");
-        kept.keep(&part(1.0), |visitor| visitor.number(&mut 1.5)).unwrap();
+        kept.add(&part(1.0));
+        kept.keep_state(|visitor| visitor.number(&mut 1.5)).unwrap();
         kept.checkpoint(&mut |visitor| visitor.field(&mut [2.5; 2])).unwrap();
         drop(kept);
 
@@ -352,7 +359,7 @@ mod tests {
 
         let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
         assert_eq!(kept.finished(), 2);
-        assert_eq!(kept.part(1).unwrap().fields, [[1.0; 3]]);
+        assert_eq!(kept.part(1).unwrap().fields, [vec![1.0; 3]]);
         let number = kept.state().unwrap().restore(|visitor| {
             let mut number = 0.0;
             visitor.number(&mut number);
@@ -364,7 +371,8 @@ mod tests {
         assert_eq!(field, [2.5; 2]);
         assert!(kept.running().is_none(), "it is read once");
         // The next part ends, and the copy of its solve is of no use any more.
-        kept.keep(&part(2.0), |visitor| visitor.number(&mut 2.5)).unwrap();
+        kept.add(&part(2.0));
+        kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();
         drop(kept);
         let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
@@ -381,7 +389,8 @@ mod tests {
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = ResumeArgs { resume: true, checkpoint: 60.0 };
         let mut kept = Kept::open(&output, "one".into(), 4, args).unwrap();
-        kept.keep(&Part { text: "0".into(), fields: vec![] }, |visitor| visitor.field(&mut [0.25; 8])).unwrap();
+        kept.add(&Part { text: "0".into(), fields: vec![] });
+        kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         drop(kept);
         let path = folder.path().join("a.h5.state");

@@ -18,10 +18,13 @@ mod ibw;
 mod matlab;
 mod matrix;
 mod metropro;
+mod mi;
 mod nanoscope;
+mod nanosurf;
 mod netcdf;
 mod opd;
 mod opdx;
+mod plu;
 mod plux;
 mod sdf;
 mod sur;
@@ -39,7 +42,7 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 20] = [
+const FORMATS: [Format; 23] = [
     array::FORMAT,
     array::ARCHIVE,
     x3p::FORMAT,
@@ -57,6 +60,9 @@ const FORMATS: [Format; 20] = [
     opdx::FORMAT,
     al3d::FORMAT,
     metropro::FORMAT,
+    nanosurf::FORMAT,
+    mi::FORMAT,
+    plu::FORMAT,
     ibw::FORMAT,
     sdf::FORMAT,
     matrix::FORMAT,

@@ -309,3 +309,59 @@ fn zygo_mx_leads_from_its_root_to_the_surface() {
     let map = check(std::fs::read(&path).unwrap(), &expected);
     assert_eq!(map.conversion.as_deref(), Some("heights converted from nm to m, 1000000000 nm = 1 m"));
 }
+
+#[test]
+fn older_files_of_sensofar_have_an_image_behind_each_layer() {
+    let expected = Expected {
+        format: "Sensofar PLu",
+        channel: "layer0",
+        lengths: [2.5, 1.0],
+        unit: "µm",
+        scale: 1.0,
+        undefined: true,
+    };
+    let map = check(made::plu(), &expected);
+    assert_eq!(map.channels, ["layer0", "layer1"]);
+    assert_eq!(map.details[0], ("date".into(), "Fri Mar 10 16:35:59 2023".into()));
+    let second = Topography::from_bytes("scan", made::plu(), Some("1")).unwrap();
+    check_at(&second, &Expected { channel: "layer1", ..expected }, |point| point);
+}
+
+#[test]
+fn molecular_imaging_scales_by_the_range_of_the_channel() {
+    for bits in [16, 32] {
+        let expected = Expected {
+            format: "Molecular Imaging",
+            channel: "Topography",
+            lengths: [1e-5, 5e-6],
+            unit: "m",
+            scale: 1e-6 / 1024.0,
+            undefined: false,
+        };
+        let map = check(made::mi(bits), &expected);
+        assert_eq!(map.channels, ["Topography"], "friction is no height");
+    }
+    let wrong = refusal(edited(made::mi(16), "BINARY", "ASCII_"));
+    assert_eq!(wrong, "the data are \"ASCII_\"; they must be BINARY or BINARY_32");
+}
+
+#[test]
+fn nanosurf_covers_the_range_of_the_channel() {
+    let expected = Expected {
+        format: "Nanosurf",
+        channel: "Scan forward (Z-Axis)",
+        lengths: [1e-5, 5e-6],
+        unit: "m",
+        scale: 2_f64.powi(-20),
+        undefined: false,
+    };
+    let map = check(made::nanosurf(), &expected);
+    assert_eq!(map.channels, ["Scan forward (Z-Axis)"], "deflection is no height");
+    // A range that is not about zero.
+    let shifted = read(edited(
+        made::nanosurf(),
+        "Dim2Min=-0.03125\r\nSaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n#!",
+        "Dim2Min=+0.03125\r\nSaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n#!",
+    ));
+    assert_eq!(shifted.heights, map.heights.mapv(|height| height + 0.0625));
+}

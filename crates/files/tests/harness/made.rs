@@ -345,6 +345,63 @@ pub(crate) fn plux() -> Vec<(&'static str, Vec<u8>)> {
     vec![("index.xml", index.into_bytes()), ("LAYER_0.raw", data)]
 }
 
+/// Sensofar PLu: pixels of 0.5 by 0.25 µm, heights in µm; two layers with an image each.
+pub(crate) fn plu() -> Vec<u8> {
+    let [nx, ny] = POINTS.map(|n| n as i32);
+    let value = |(index, value)| if is_undefined(index) { 1_000_001.0 } else { f32::from(value) };
+    let data = joined(lines().enumerate().map(value).map(f32::to_le_bytes));
+    let layer = Bytes::default().ints(&[ny, nx]).add(data).floats(&[-1.0, 1.0]).zeros(3 * POINTS[0] * POINTS[1]).0;
+    Bytes::default()
+        .add(fixed("Fri Mar 10 16:35:59 2023", 128))
+        .zeros(4)
+        .add(fixed("made by hand", 256))
+        .ints(&[ny, nx, nx])
+        .floats(&[1.0, 0.5, 0.25])
+        .zeros(4 * 4)
+        .ints(&[3, 0, 0, 14, 3])
+        .zeros(40)
+        .add([0, 2, 0xfb, 6, 1, 0, 0, 0])
+        .ints(&[1])
+        .add(&layer)
+        .add(&layer)
+        .0
+}
+
+/// Molecular Imaging: 10 by 5 µm, heights of 2^-10 µm per unit; the first of two channels is no height.
+pub(crate) fn mi(bits: usize) -> Vec<u8> {
+    let data: Vec<u8> = match bits {
+        16 => joined(lines_upwards().chain(lines_upwards()).map(i16::to_le_bytes)),
+        _ => joined(lines_upwards().chain(lines_upwards()).map(|value| (i32::from(value) << 16).to_le_bytes())),
+    };
+    let kind = if bits == 16 { "BINARY" } else { "BINARY_32" };
+    let header = format!(
+        "fileType      Image\nversion       hand\nmode          Contact AFM\nxPixels       {}\nyPixels       {}\n\
+         xLength       1e-05\nyLength       5e-06\nbufferLabel   Friction\nbufferRange   10\nbufferUnit    V\n\
+         bufferLabel   Topography\nbufferRange   32\nbufferUnit    um\ndata          {kind}\n",
+        POINTS[0], POINTS[1]
+    );
+    [header.into_bytes(), data].concat()
+}
+
+/// Nanosurf: 10 by 5 µm, heights of 2^-20 m per unit, the range from -1/32 m; the first of two channels is no height.
+pub(crate) fn nanosurf() -> Vec<u8> {
+    let section = |number: usize, name: &str, unit: &str| {
+        format!(
+            "[DataSet-0:{number}]\r\nPoints={}\r\nLines={}\r\nFrame=Scan forward\r\nDim0Unit=m\r\nDim0Range=1e-05\r\n\
+             Dim1Unit=m\r\nDim1Range=5e-06\r\nDim2Name={name}\r\nDim2Unit={unit}\r\nDim2Range=0.0625\r\nDim2Min=-0.03125\r\n\
+             SaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n",
+            POINTS[0], POINTS[1]
+        )
+    };
+    let header = format!(
+        "[DataSet]\r\nVersion=2\r\nGroupCount=1\r\nGr0-Count=8\r\nGr0-Ch0=DataSet-0:0\r\nGr0-Ch7=DataSet-0:7\r\n\
+         [DataSet-Info]\r\nHead type=Test\r\n{}{}#!",
+        section(0, "Deflection", "N"),
+        section(7, "Z-Axis", "m")
+    );
+    [header.into_bytes(), joined(lines_upwards().chain(lines_upwards()).map(i16::to_le_bytes))].concat()
+}
+
 /// A link of Zygo's meta data.
 #[derive(Clone, hdf5::H5Type)]
 #[repr(C)]

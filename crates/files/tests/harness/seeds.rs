@@ -29,6 +29,9 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
         ("Igor binary wave", bytes(vec![made::ibw(false), made::ibw(true), made::ibw_profile()])),
         ("Sensofar PLUX", zip(made::plux())),
         ("Zygo Mx", bytes(vec![datx])),
+        ("Sensofar PLu", bytes(vec![made::plu()])),
+        ("Molecular Imaging", bytes(vec![made::mi(16), made::mi(32)])),
+        ("Nanosurf", bytes(vec![made::nanosurf()])),
     ];
     let data = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")).unwrap();
     let mut written: Vec<Vec<u8>> = data.filter_map(|entry| std::fs::read(entry.unwrap().path()).ok()).collect();
