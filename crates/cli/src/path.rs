@@ -196,7 +196,7 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) if session.is_resumable() => {
                 let identity = session.identity(&args.config()?, &self.surface);
-                Some(Kept::open(output, identity, self.drives.len(), args.resume)?)
+                Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
             _ => None,
         };
