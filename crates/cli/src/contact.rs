@@ -28,7 +28,7 @@ use crate::law::LawArgs;
 use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::resume::{Kept, Part, ResumeArgs};
+use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
@@ -63,6 +63,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    checkpoint: CheckpointArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -133,6 +136,7 @@ impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.checkpoint.every()?;
         let law = args.law.build()?.into_shared();
         let flags = [
             ("--pressure", &args.control.pressure),
@@ -208,7 +212,7 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let head = session.identity(&config, &self.surface);
-                Some(Kept::open(output, head, self.controls.len(), args.resume)?)
+                Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
         };
