@@ -194,11 +194,11 @@ impl Prepared {
             problem.check(*drive).map_err(|error| Failure::input("--displacement", error))?;
         }
         let mut kept = match &self.output {
-            Some(output) => {
+            Some(output) if session.is_resumable() => {
                 let identity = session.identity(&args.config()?, &self.surface);
-                Some(Kept::open(output, identity, self.drives.len(), args.resume)?)
+                Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
-            None => None,
+            _ => None,
         };
         let outcome = self.steps(problem, args, session, kept.as_mut());
         if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept)
