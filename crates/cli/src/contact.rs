@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
-use gfmd_files::Output;
+use gfmd_files::{Output, contiguous};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
@@ -28,7 +28,8 @@ use crate::law::LawArgs;
 use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::resume::{Kept, Part, ResumeArgs};
+use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
+use crate::scan::Scan;
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
@@ -63,6 +64,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    checkpoint: CheckpointArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -100,6 +104,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
@@ -133,6 +139,7 @@ impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.checkpoint.every()?;
         let law = args.law.build()?.into_shared();
         let flags = [
             ("--pressure", &args.control.pressure),
@@ -194,6 +201,7 @@ impl Prepared {
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
+            scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
             e_star: self.body.material().contact_modulus(),
@@ -208,13 +216,13 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let head = session.identity(&config, &self.surface);
-                Some(Kept::open(output, head, self.controls.len(), args.resume)?)
+                Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
-        if let (Err(_), Some(kept)) = (&outcome, &mut kept) {
+        if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
             let _ = kept.flush();
         }
@@ -297,9 +305,10 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = ContactFile::fields(&state).map(|field| field.iter().copied().collect());
-                let part = Part { text: record.to_toml()?, fields: fields.into() };
-                kept.keep(&part, |visitor| contact.keep(&mut state, visitor))?;
+                let fields = ContactFile::fields(&state);
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
             }
             last = Some(state);
         }
@@ -378,6 +387,9 @@ impl fmt::Display for Report {
         let [nx, ny] = self.n;
         let unit = self.unit.as_deref().unwrap_or("length units");
         writeln!(f, "{}", self.surface)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
         writeln!(
             f,
