@@ -269,13 +269,12 @@ impl<'a> Kept<'a> {
         }
     }
 
-    /// Removes the files: the run is complete and its output stored.
+    /// Removes the files: the run is complete and its output stored. A kill may have left an unfinished one.
     pub(crate) fn remove(self) {
-        if self.on_disk {
-            for path in self.paths().into_iter().filter(|path| path.exists()) {
-                if let Err(error) = std::fs::remove_file(&path) {
-                    tracing::info!("cannot remove {}: {error}", path.display());
-                }
+        let unfinished = [".state.part", ".checkpoint.part"].map(|suffix| self.output.beside(suffix));
+        for path in self.paths().into_iter().chain(unfinished).filter(|path| path.exists()) {
+            if let Err(error) = std::fs::remove_file(&path) {
+                tracing::info!("cannot remove {}: {error}", path.display());
             }
         }
     }
@@ -391,6 +390,7 @@ mod tests {
         let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 3);
         assert!(kept.running().is_none());
+        std::fs::write(folder.path().join("a.h5.state.part"), "cut off by a kill").unwrap();
         kept.remove();
         drop(output);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
