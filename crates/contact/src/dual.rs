@@ -41,7 +41,7 @@ const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
     fn new(contact: &'a Contact, load: Load) -> Self {
-        let Contact { response, surface } = contact;
+        let Contact { response, surface, .. } = contact;
         let (compliance, stiffness, linear) = match load {
             Load::MeanPressure(_) => {
                 (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(surface.clearance()))
@@ -99,7 +99,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     let uniform = || vec![mean.unwrap_or(0.0); contact.surface.clearance().len()];
     let mut pressure = attempt.start.take().unwrap_or_else(uniform);
     let x = &mut pressure;
-    let target = Target { mean, gradient_scale: contact.surface.rms_height(), budget: attempt.budget };
+    let target = Target { mean, gradient_scale: attempt.length_scale(), budget: attempt.budget };
     let minimum = match gradients {
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,

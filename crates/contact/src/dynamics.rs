@@ -49,7 +49,7 @@ fn equilibrate(
     load: Load,
     start: Option<Vec<f64>>,
 ) -> Result<(Vec<f64>, Ending), RelaxError> {
-    let layer = Layer::new(attempt.contact, load);
+    let layer = Layer::new(attempt.contact, load, attempt.length_scale());
     let [softest, stiffest] = layer.band();
     match motion {
         Motion::Fire => run(attempt, load, layer, &Fire::bitzek(Fire::largest_dt(stiffest)), start),
@@ -122,7 +122,7 @@ fn search_load(
         let solution = contact.certified(found.clone(), load);
         attempt.effort.transform_pairs += solution.effort.transform_pairs;
         let excess = solution.approach - approach;
-        if excess.abs() <= 0.1 * attempt.budget.tolerance * contact.surface.rms_height() {
+        if excess.abs() <= 0.1 * attempt.budget.tolerance * attempt.length_scale() {
             return Ok((found, ending));
         }
         if !search.learn(excess) {
