@@ -16,7 +16,6 @@ use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
 use serde::Serialize;
 
 use crate::elastic::BodyArgs;
@@ -83,6 +82,17 @@ struct ControlArgs {
     displacement: Vec<f64>,
 }
 
+impl ControlArgs {
+    /// The flag that is given.
+    fn flag(&self) -> &'static str {
+        match (self.pressure.is_empty(), self.p_star.is_empty()) {
+            (false, _) => "--pressure",
+            (_, false) => "--p-star",
+            _ => "--displacement",
+        }
+    }
+}
+
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
@@ -141,6 +151,7 @@ impl Prepared {
         let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        args.body.check_on(&surface.grid, unit_pressure)?;
         let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
             .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
@@ -152,14 +163,13 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |refusal: Refusal| Failure::input(&args.source.name(), refusal);
-        let response = NormalResponse::new(self.surface.grid, &self.body);
-        let heights = &self.surface.heights;
+        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::on(response, heights).map_err(refuse)?;
+            let contact = Contact::new(body, grid, heights).map_err(refuse)?;
             return self.press(&contact, contact.surface(), args, session);
         }
-        let interface = Interface::on(response, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
             tracing::warn!("{trapping}");
         }
@@ -178,7 +188,11 @@ impl Prepared {
         if !contact.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
         }
-        self.controls.iter().try_for_each(|load| contact.check((*load).into()))?;
+        for (index, load) in self.controls.iter().enumerate() {
+            let drive = (*load).into();
+            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, budget.tolerance));
+            checked.map_err(|refusal| Failure::input(&format!("{}, load {index}", args.control.flag()), refusal))?;
+        }
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
@@ -217,6 +231,7 @@ impl Prepared {
                 file.write(index, &state)?;
             }
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
+            record.check(index)?;
             report.loads.push(record);
             last = Some(state);
             if let Some(stopped) = stopped {

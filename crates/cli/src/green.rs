@@ -137,7 +137,32 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
         }
     });
     let normal_stiffness = normal_compliance.recip();
-    Ok(Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside })
+    let report = Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside };
+    match report.unrepresentable() {
+        Some((what, found)) if q != [0.0; 2] => Err(Failure::Input(format!(
+            "--qx is {:e}, --qy {:e} and --young {:e}; every number of the result must be finite, and the {what} has an \
+             entry {found}: choose other units",
+            args.qx, args.qy, args.young
+        ))),
+        _ => Ok(report),
+    }
+}
+
+impl Report {
+    /// The first number that is NaN or infinite, and the name of its matrix. At q = 0 infinite entries have a meaning.
+    fn unrepresentable(&self) -> Option<(&'static str, f64)> {
+        let inside = self.inside.as_ref();
+        let matrices = [
+            ("stiffness", Some(&self.stiffness)),
+            ("compliance", Some(&self.compliance)),
+            ("displacement transfer", inside.map(|inside| &inside.displacement_transfer)),
+            ("stress transfer", inside.map(|inside| &inside.stress_transfer)),
+        ];
+        let scalars = [("normal compliance", self.normal_compliance), ("normal stiffness", self.normal_stiffness)];
+        let entries = matrices.into_iter().filter_map(|(name, matrix)| Some((name, matrix?)));
+        let entries = entries.flat_map(|(name, rows)| rows.iter().flatten().flatten().map(move |entry| (name, *entry)));
+        entries.chain(scalars).find(|(_, entry)| !entry.is_finite())
+    }
 }
 
 fn body(args: &Args) -> Result<Body, Failure> {

@@ -8,7 +8,8 @@ use ndarray::Array2;
 use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
-use crate::failure::Failure;
+use crate::elastic::sides;
+use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
 
 /// Flags that name or describe a surface.
@@ -124,6 +125,7 @@ impl SourceArgs {
             }
         };
         let name = self.name();
+        self.check_sizes(&grid, &heights)?;
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
         if self.surface.is_some() {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
@@ -138,6 +140,26 @@ impl SourceArgs {
             }
         }
         Ok(Surface { heights, grid, unit, statistics, description })
+    }
+
+    /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
+    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+        sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
+        let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
+        let all_equal = heights.iter().all(|height| *height == heights[[0, 0]]);
+        if all_equal || !largest.is_finite() {
+            return Ok(()); // judged by what uses the heights
+        }
+        let flag = match (&self.surface, self.generator.rms_height) {
+            (Some(file), _) => file,
+            (None, Some(_)) => "--rms-height",
+            (None, None) => "--rms-gradient",
+        };
+        if SIZES.contains(&largest) {
+            return Ok(());
+        }
+        let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
+        Err(Failure::input(flag, reason + ", which another unit of length makes it"))
     }
 
     fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {
