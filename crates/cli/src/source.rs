@@ -163,7 +163,9 @@ impl SourceArgs {
     }
 
     fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {
-        let topography = Topography::read(file).map_err(|error| Failure::Input(error.to_string()))?;
+        let topography = Topography::read(file, None)
+            .and_then(|topography| topography.check_complete().map(|()| topography))
+            .map_err(|error| Failure::Input(error.to_string()))?;
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
         let lengths = match (&self.length[..], topography.lengths) {

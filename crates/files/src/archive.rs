@@ -11,6 +11,7 @@
 //! - [`Reader`] reads values, for resuming and for input.
 
 mod reader;
+mod record;
 mod scale;
 mod variable;
 
@@ -28,6 +29,7 @@ use crate::{FileError, Output};
 use scale::Scale;
 
 pub use reader::Reader;
+pub(crate) use record::Field;
 pub use variable::{Attribute, Coordinates, Dimension, Provenance, Variable};
 
 /// Version of the file layout, increased whenever a name or its meaning changes.

@@ -4,7 +4,7 @@
 //!   that name is valid until the new one is complete.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`vti::Image`] writes fields for ParaView; [`npy`] reads and writes arrays of NumPy.
-//! - [`Topography`] reads height maps from HDF5, NumPy and text files.
+//! - [`Topography`] reads height maps of instruments and programs.
 //!
 //! ```
 //! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};
@@ -35,4 +35,4 @@ pub use error::FileError;
 pub use fields::{axes, contiguous};
 pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
-pub use topography::{Topography, TopographyError};
+pub use topography::{ListedChannel, Listing, Topography, TopographyError};

@@ -1,36 +1,121 @@
-//! Surfaces from files: NumPy arrays, HDF5 datasets, and text files of instruments.
+//! Height maps from files of instruments and programs. The format is told by the contents of a file, not by its name.
 //!
-//! | name               | contents                                                | sizes and units                |
-//! |--------------------|---------------------------------------------------------|--------------------------------|
-//! | `FILE.npy`         | NumPy array, 1-D or 2-D, floats of 32 or 64 bits        | none                           |
-//! | `FILE.h5:/dataset` | HDF5 dataset of numbers, 1-D or 2-D                     | coordinates `x`, `y` beside it |
-//! | any other          | text: a matrix of numbers, a line per y, a column per x | header, as `# Width: 10 µm`    |
+//! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the lengths.
+//! `docs/formats.md` has the table of formats, with what each says of sizes, units and the order of its rows.
 //!
-//! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`. Points without a height are an error, which gives their
-//! number and the first of them; they are never filled in.
+//! A format is a file of this folder with a constant `FORMAT` ([`format::Format`]) and a line in [`FORMATS`].
 
+mod al3d;
 pub(crate) mod archived;
+mod array;
+mod bytes;
+mod container;
+mod datx;
+mod file;
+mod format;
+mod gwyddion;
+mod ibw;
+mod matlab;
 mod matrix;
+mod metropro;
+mod nanoscope;
+mod netcdf;
+mod opd;
+mod opdx;
+mod plux;
+mod sdf;
+mod sur;
+mod unit;
+mod x3p;
+mod zipped;
 
 #[cfg(test)]
 mod tests;
 
 use ndarray::Array2;
 
-use crate::npy;
+use file::File;
+use format::{Channel, Contents, Format, Map};
+use unit::Conversion;
 
-/// Heights with the sizes and the unit given in their file.
+/// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
+const FORMATS: [Format; 20] = [
+    array::FORMAT,
+    array::ARCHIVE,
+    x3p::FORMAT,
+    plux::FORMAT,
+    container::FORMAT,
+    datx::FORMAT,
+    archived::FORMAT,
+    netcdf::FORMAT,
+    matlab::FORMAT,
+    gwyddion::GWY,
+    gwyddion::GSF,
+    sur::FORMAT,
+    nanoscope::FORMAT,
+    opd::FORMAT,
+    opdx::FORMAT,
+    al3d::FORMAT,
+    metropro::FORMAT,
+    ibw::FORMAT,
+    sdf::FORMAT,
+    matrix::FORMAT,
+];
+
+/// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
+const MOST_POINTS: usize = 1 << 30;
+
+/// The number of channels that a message lists.
+const LISTED: usize = 20;
+
+/// A height map with what its file says of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topography {
-    /// Heights `[x, y]` in `unit`, row-major; all finite.
+    /// Heights `[x, y]` in `unit`, row-major; NaN at undefined points.
     pub heights: Array2<f64>,
+    /// The number of points without a height.
+    pub undefined: usize,
     /// Size of the scanned field along x and y in `unit`, n times the spacing, if the file has it. The second size of a
     /// profile is 1 and has no meaning.
     pub lengths: Option<[f64; 2]>,
     /// Unit of heights and lengths, if the file has it.
     pub unit: Option<String>,
+    /// The name of the format.
+    pub format: &'static str,
+    /// The name of the channel, if the file has it.
+    pub channel: Option<String>,
+    /// The names of all height maps in the file; their numbers where they have no names.
+    pub channels: Vec<String>,
+    /// The conversion of the heights to the unit of the lengths, with its factor, if the file has different units.
+    pub conversion: Option<String>,
+    /// What the file says of instrument and measurement: key and value.
+    pub details: Vec<(String, String)>,
+    /// Remarks on this file.
+    pub notes: Vec<String>,
     /// Description of file and channel.
     pub source: String,
+}
+
+/// The height maps in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listing {
+    /// The name of the format.
+    pub format: &'static str,
+    /// The height maps in the order of the file.
+    pub channels: Vec<ListedChannel>,
+    /// The channel that is read if none is named, if there is one.
+    pub default: Option<usize>,
+}
+
+/// A height map in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ListedChannel {
+    /// The name; the number of the channel if it has none.
+    pub name: String,
+    /// The unit of the heights.
+    pub unit: Option<String>,
+    /// The number of points along x and y.
+    pub points: [usize; 2],
 }
 
 /// Error of reading a topography: one line that starts with the file.
@@ -43,75 +128,203 @@ pub struct TopographyError {
     pub reason: String,
 }
 
-/// Contents of a file before the checks common to all formats.
-#[derive(Debug)]
-struct Found {
-    heights: Array2<f64>,
-    lengths: Option<[f64; 2]>,
-    unit: Option<String>,
-    channel: Option<String>,
-}
-
 impl Topography {
-    /// Reads the file `name`, in one of the formats in the table of this module.
+    /// Reads a channel of the file `name`, in one of the formats in `docs/formats.md`.
+    ///
+    /// A channel is given by its name or its number from 0; without one, the default of the file is read. `FILE.h5:/dataset`
+    /// names file and channel.
     ///
     /// # Errors
-    /// A file that cannot be read, has another format than its name says, or has points without a height.
-    pub fn read(name: &str) -> Result<Self, TopographyError> {
+    /// A file that cannot be read or has another format; a channel that it does not have.
+    pub fn read(name: &str, channel: Option<&str>) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
-        let found = match archived::split(name) {
-            Some((path, dataset)) => archived::read(path, dataset),
-            None if name.to_ascii_lowercase().ends_with(".npy") => array(name),
-            None => matrix::read(name),
+        let (path, dataset) = archived::split(name).unwrap_or((name, ""));
+        let channel = match (dataset, channel) {
+            ("", channel) => channel,
+            (dataset, None) => Some(dataset),
+            (dataset, Some(channel)) => {
+                return Err(fail(format!("both {dataset} and the channel {channel} are named; only one must be")));
+            }
         };
-        let Found { heights, lengths, unit, channel } = found.map_err(fail)?;
-        let (nx, ny) = heights.dim();
-        if nx == 0 || ny == 0 {
-            return Err(fail(format!("the shape of the array is [{nx}, {ny}]; it must have at least one point")));
-        }
-        check_complete(&heights).map_err(fail)?;
-        if let Some(lengths) = lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
-            return Err(fail(format!("the size is {} by {}; it must be positive and finite", lengths[0], lengths[1])));
-        }
-        let source = match channel {
-            Some(channel) => format!("{name}, channel {channel}"),
-            None => name.into(),
+        File::open(path).and_then(|file| Self::decode(&file, name, channel)).map_err(fail)
+    }
+
+    /// Reads a channel of a file whose bytes are in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// Those of [`Topography::read`].
+    pub fn from_bytes(name: &str, bytes: Vec<u8>, channel: Option<&str>) -> Result<Self, TopographyError> {
+        let fail = |reason| TopographyError { file: name.into(), reason };
+        Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
+    }
+
+    /// Lists the height maps of a file without decoding them.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has an unknown format.
+    pub fn list(name: &str) -> Result<Listing, TopographyError> {
+        let fail = |reason| TopographyError { file: name.into(), reason };
+        let (path, _) = archived::split(name).unwrap_or((name, ""));
+        let file = File::open(path).map_err(fail)?;
+        let (format, contents) = open(&file).map_err(fail)?;
+        let names = names(&contents.channels);
+        let listed = |(channel, name): (&Channel, String)| ListedChannel {
+            name,
+            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
+            points: channel.points,
         };
-        Ok(Self { heights: heights.as_standard_layout().into_owned(), lengths, unit, source })
+        let channels = contents.channels.iter().zip(names).map(listed).collect();
+        Ok(Listing { format: format.name, channels, default: contents.default })
+    }
+
+    /// Returns an error with the number of undefined points and the first of them, if there are any.
+    ///
+    /// # Errors
+    /// Undefined points.
+    pub fn check_complete(&self) -> Result<(), TopographyError> {
+        let mut missing = self.heights.indexed_iter().filter(|(_, h)| !h.is_finite());
+        let Some(((i, j), _)) = missing.next() else { return Ok(()) };
+        let [count, points] = [1 + missing.count(), self.heights.len()];
+        let reason = format!(
+            "{count} of {points} points are undefined, the first at [x, y] = [{i}, {j}]; every point must have a height: \
+             fill them (harmonic or nearest)"
+        );
+        Err(TopographyError { file: self.source.clone(), reason })
+    }
+
+    fn decode(file: &File, name: &str, asked: Option<&str>) -> Result<Self, String> {
+        let (format, contents) = open(file)?;
+        let names = names(&contents.channels);
+        let number = choose(&contents, &names, asked)?;
+        let Some(channel) = contents.channels.into_iter().nth(number) else {
+            return Err("the file holds no height map".into());
+        };
+        let [nx, ny] = channel.points;
+        if nx.checked_mul(ny).is_none_or(|points| points > MOST_POINTS) {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at most {MOST_POINTS}"));
+        }
+        let named = Some(channel.name).filter(|name| !name.is_empty());
+        let mut map = (channel.read)()?;
+        if map.heights.is_empty() {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
+        }
+        let conversion = map.convert()?;
+        if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
+            return Err(format!("the size is {x} by {y}; it must be positive and finite"));
+        }
+        let undefined = map.undefine();
+        let source = match &named {
+            Some(channel) if !name.ends_with(&format!(":{channel}")) => format!("{name}, channel {channel}"),
+            _ => name.into(),
+        };
+        Ok(Self {
+            heights: map.heights.as_standard_layout().into_owned(),
+            undefined,
+            lengths: map.lengths,
+            unit: map.height_unit,
+            format: format.name,
+            channel: named,
+            channels: names,
+            conversion,
+            details: map.details,
+            notes: map.notes,
+            source,
+        })
     }
 }
 
-/// Reads the heights of an `.npy` file.
-fn array(path: &str) -> Result<Found, String> {
-    let array = npy::read(path)?;
-    let shape = array.shape().to_vec();
-    let heights = two_dimensional(&shape, array.into_iter().collect())?;
-    Ok(Found { heights, lengths: None, unit: None, channel: None })
-}
-
-/// Returns an error with the number of points without a height and the first of them, if there are any.
-fn check_complete(heights: &Array2<f64>) -> Result<(), String> {
-    let mut missing = heights.indexed_iter().filter(|(_, h)| !h.is_finite());
-    let Some(((i, j), value)) = missing.next() else { return Ok(()) };
-    Err(format!(
-        "{} of {} points have no finite height, the first ({value}) at [x, y] = [{i}, {j}]; every point must \
-         have a height: fill them in first",
-        1 + missing.count(),
-        heights.len()
-    ))
-}
-
-/// Converts an array of one or two dimensions to `[x, y]`.
-fn two_dimensional(shape: &[usize], values: Vec<f64>) -> Result<Array2<f64>, String> {
-    let [nx, ny] = match *shape {
-        [n] => [n, 1],
-        [1, n] if n > 1 => {
-            return Err(format!("the shape of the array is [1, {n}]; a profile must have the shape [{n}] or [{n}, 1]"));
+impl Map {
+    /// Converts the heights to the unit of the lengths. Returns the conversion in words, if there is one.
+    fn convert(&mut self) -> Result<Option<String>, String> {
+        let canonical = |unit: &mut Option<String>| {
+            *unit = unit.take().map(|unit| unit::canonical(&unit).to_owned()).filter(|unit| !unit.is_empty());
+        };
+        canonical(&mut self.length_unit);
+        canonical(&mut self.height_unit);
+        match (&self.height_unit, &self.length_unit) {
+            (Some(heights), Some(lengths)) => {
+                let Some(conversion) = Conversion::between(heights, lengths)? else { return Ok(None) };
+                self.heights.mapv_inplace(|height| conversion.apply(height));
+                self.height_unit.clone_from(&self.length_unit);
+                Ok(Some(format!("heights converted {conversion}")))
+            }
+            (None, Some(lengths)) if self.lengths.is_some() => Err(format!(
+                "the unit of the lengths is {lengths} but the heights have no unit; both or neither must have one"
+            )),
+            (Some(heights), None) if self.lengths.is_some() => Err(format!(
+                "the unit of the heights is {heights} but the lengths have no unit; both or neither must have one"
+            )),
+            _ => Ok(None),
         }
-        [nx, ny] => [nx, ny],
-        _ => return Err(format!("the shape of the array is {shape:?}; it must have 1 or 2 dimensions")),
+    }
+
+    /// Sets heights that are not finite to NaN. Returns their number.
+    fn undefine(&mut self) -> usize {
+        let mut count = 0;
+        for height in self.heights.iter_mut().filter(|height| !height.is_finite()) {
+            *height = f64::NAN;
+            count += 1;
+        }
+        count
+    }
+}
+
+/// Finds the format of a file and its channels.
+fn open(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
+    static TRIED: [Format; FORMATS.len()] = FORMATS;
+    if file.head().is_empty() {
+        return Err("the file is empty; it must have at least one point".into());
+    }
+    let Some(format) = TRIED.iter().find(|format| (format.sniff)(file)) else {
+        let names: Vec<&str> = TRIED.iter().map(|format| format.name).collect();
+        return Err(format!("the format is unknown; it must be one of {}", names.join(", ")));
     };
+    Ok((format, (format.open)(file)?))
+}
+
+/// The names of channels; their numbers where they have none.
+fn names(channels: &[Channel]) -> Vec<String> {
+    let name = |(number, channel): (usize, &Channel)| match channel.name.as_str() {
+        "" => number.to_string(),
+        name => name.to_owned(),
+    };
+    channels.iter().enumerate().map(name).collect()
+}
+
+/// The number of the channel with the name or the number that is asked for. A name goes before a number.
+fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
+    let listed = || {
+        let numbered = |(number, name): (usize, &String)| {
+            if *name == number.to_string() { name.clone() } else { format!("{number} {name}") }
+        };
+        let first: Vec<String> = names.iter().enumerate().take(LISTED).map(numbered).collect();
+        let rest = names.len().saturating_sub(LISTED);
+        first.join(", ") + &if rest > 0 { format!(" and {rest} more") } else { String::new() }
+    };
+    let Some(asked) = asked else {
+        return contents.default.ok_or_else(|| format!("no channel is named; it must be one of {}", listed()));
+    };
+    let same = |name: &String| name.trim_start_matches('/') == asked.trim_start_matches('/');
+    let by_name = names.iter().position(|name| name == asked).or_else(|| names.iter().position(same));
+    let by_number = || asked.parse().ok().filter(|&number: &usize| number < names.len());
+    by_name.or_else(by_number).ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
+}
+
+/// The points along x and y of an array of one or two dimensions.
+fn two_dimensional(shape: &[usize]) -> Result<[usize; 2], String> {
+    match *shape {
+        [n] => Ok([n, 1]),
+        [1, n] if n > 1 => {
+            Err(format!("the shape of the array is [1, {n}]; a profile must have the shape [{n}] or [{n}, 1]"))
+        }
+        [nx, ny] => Ok([nx, ny]),
+        _ => Err(format!("the shape of the array is {shape:?}; it must have 1 or 2 dimensions")),
+    }
+}
+
+/// The heights of an array `[x, y]`.
+fn shaped([nx, ny]: [usize; 2], values: Vec<f64>) -> Result<Array2<f64>, String> {
     let count = values.len();
     Array2::from_shape_vec((nx, ny), values)
-        .map_err(|_| format!("the array has {count} values for the shape {shape:?}"))
+        .map_err(|_| format!("the array has {count} values for the shape [{nx}, {ny}]"))
 }

@@ -74,8 +74,11 @@ type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String);
 /// The height map in a file.
 #[pyfunction]
 pub(crate) fn read<'py>(py: Python<'py>, name: &str) -> PyResult<HeightMap<'py>> {
-    let Topography { heights, lengths, unit, source } =
-        quick(py, || Topography::read(name))?.map_err(|error| refused(py, &error))?;
+    let topography = quick(py, || {
+        let topography = Topography::read(name, None)?;
+        topography.check_complete().map(|()| topography)
+    })?;
+    let Topography { heights, lengths, unit, source, .. } = topography.map_err(|error| refused(py, &error))?;
     Ok((heights.into_pyarray(py), lengths, unit, source))
 }
 

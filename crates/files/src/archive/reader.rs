@@ -6,6 +6,7 @@ use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenU
 use hdf5::{Container, Dataset, File, H5Type};
 
 use super::FileError;
+use super::record::{self, Field};
 use crate::error::reason;
 
 /// An HDF5 file of any program, opened for reading.
@@ -38,6 +39,14 @@ impl Reader {
     /// True if there is a variable at `path`.
     pub fn contains(&self, path: &str) -> bool {
         self.file.dataset(path).is_ok()
+    }
+
+    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without coordinates
+    /// (dimension scales). Groups are searched to a depth of 8, and at most 1000 datasets are returned.
+    pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
+        let mut found = Vec::new();
+        search(&self.file, "", 8, &mut found);
+        found
     }
 
     /// The lengths of a variable's dimensions.
@@ -80,7 +89,24 @@ impl Reader {
     /// A numerical attribute of the group or variable at `path`.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
-        let found = self.attribute(path, name).and_then(|attribute| attribute.read_scalar());
+        // Other programs store a number as an array of one.
+        let found = self.attribute(path, name).and_then(|attribute| match attribute.read_raw()?[..] {
+            [number] => Ok(number),
+            ref numbers => Err(format!("the attribute has {} numbers; it must have one", numbers.len()).into()),
+        });
+        found.map_err(|error| FileError::read(&self.path, &whole, &error))
+    }
+
+    /// All values of a variable of compound type, or of such an attribute of the variable.
+    pub(crate) fn records(&self, path: &str, attribute: Option<&str>) -> Result<Vec<Vec<Field>>, FileError> {
+        let found = match attribute {
+            Some(name) => self.attribute(path, name).and_then(|attribute| record::read(&attribute, true)),
+            None => {
+                let dataset = self.dataset(path)?;
+                record::read(&dataset, false)
+            }
+        };
+        let whole = attribute.map_or_else(|| path.to_owned(), |name| format!("{path}@{name}"));
         found.map_err(|error| FileError::read(&self.path, &whole, &error))
     }
 
@@ -96,6 +122,34 @@ impl Reader {
             let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
             FileError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) }
         })
+    }
+}
+
+/// The largest number of datasets that a search returns.
+const MOST_DATASETS: usize = 1000;
+
+/// Adds the datasets in and below a group, as for [`Reader::datasets`].
+fn search(group: &hdf5::Group, path: &str, depth: usize, found: &mut Vec<(String, Vec<usize>)>) {
+    let mut names = group.member_names().unwrap_or_default();
+    names.sort();
+    for name in names {
+        if found.len() >= MOST_DATASETS {
+            return;
+        }
+        let whole = format!("{path}/{name}");
+        if let Ok(dataset) = group.dataset(&name) {
+            let number = dataset.dtype().and_then(|kind| kind.to_descriptor());
+            let is_number = matches!(
+                number,
+                Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) | TypeDescriptor::Float(_))
+            );
+            let is_scale = dataset.attr("CLASS").and_then(|class| texts(&class));
+            if is_number && !is_scale.is_ok_and(|class| class == ["DIMENSION_SCALE"]) {
+                found.push((whole, dataset.shape()));
+            }
+        } else if let (1.., Ok(inner)) = (depth, group.group(&name)) {
+            search(&inner, &whole, depth - 1, found);
+        }
     }
 }
 

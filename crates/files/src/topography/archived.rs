@@ -1,8 +1,22 @@
-//! Heights from datasets of HDF5 files of any program.
+//! Heights from datasets of HDF5 files of any program, such as the surfaces of the contact-mechanics challenge.
+//!
+//! Every dataset of numbers with one or two dimensions is a channel under its path, except coordinates (dimension
+//! scales). Without a name, the only dataset of two dimensions is read, or `/surface`, `/surface/height`, `/heights`.
+//! Sizes come from evenly spaced coordinates `x` and `y` in the group of the dataset, the unit from its attribute `units`.
+//!
+//! In NetCDF-4, which is HDF5, SurfaceTopography writes the size as the attribute `length` of `x` and `y`, the unit as
+//! `unit`, and marks undefined points of `heights` in `mask`.
 
 use crate::Reader;
 
-use super::{Found, two_dimensional};
+use super::file::File;
+use super::format::{Channel, Contents, Format, Map};
+use super::{shaped, two_dimensional};
+
+pub(super) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open };
+
+/// The datasets that are read without being named, if there are several.
+const USUAL: [&str; 3] = ["/surface", "/surface/height", "/heights"];
 
 /// Relative deviation of a coordinate from even spacing that counts as rounding.
 const EVEN: f64 = 1e-6;
@@ -21,22 +35,60 @@ pub fn split(name: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// Reads the heights of a dataset, and the lengths from evenly spaced coordinates `x` and `y` in its group, if any.
-pub(super) fn read(path: &str, dataset: &str) -> Result<Found, String> {
-    let reader = Reader::open(path).map_err(|error| error.to_string())?;
-    if dataset.is_empty() {
-        let names = reader.names("/").join(", ");
-        return Err(format!(
-            "no dataset is named; it must be named, such as {path}:/surface/height; the file holds {names}"
-        ));
+fn open(file: &File) -> Result<Contents<'_>, String> {
+    let reader = file.hdf5()?;
+    let mut channels = Vec::new();
+    for (name, shape) in reader.datasets() {
+        let Ok(points) = two_dimensional(&shape) else { continue };
+        if name.strip_suffix("/mask").is_some_and(|group| reader.contains(&format!("{group}/heights"))) {
+            continue;
+        }
+        let dataset = name.clone();
+        let read = Box::new(move || read(&file.hdf5()?, &dataset, points));
+        channels.push(Channel { unit: unit(&reader, &name), name, points, read });
     }
-    let shape = reader.shape(dataset).map_err(|error| error.to_string())?;
+    if channels.is_empty() {
+        return Err("the file has no dataset of numbers with one or two dimensions; it must have one".into());
+    }
+    let maps: Vec<usize> = (0..channels.len()).filter(|&k| channels[k].points[1] > 1).collect();
+    let usual = || USUAL.iter().find_map(|name| channels.iter().position(|channel| channel.name == *name));
+    let default = match (&maps[..], channels.len()) {
+        ([only], _) => Some(*only),
+        ([], 1) => Some(0),
+        _ => usual(),
+    };
+    Ok(Contents { channels, default })
+}
+
+/// Reads the heights of a dataset, and the lengths from evenly spaced coordinates `x` and `y` in its group, if any.
+fn read(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Map, String> {
     let values = reader.values::<f64>(dataset).map_err(|error| error.to_string())?;
-    let heights = two_dimensional(&shape, values)?;
-    let lengths = lengths(&reader, dataset, heights.dim().into())?;
-    // "length" and "1" stand for any consistent unit.
-    let unit = reader.text(dataset, "units").ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()));
-    Ok(Found { heights, lengths, unit, channel: None })
+    let mut heights = shaped(points, values)?;
+    let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
+    let mask = format!("{group}/mask");
+    if dataset.ends_with("/heights") && reader.contains(&mask) {
+        let mask = shaped(points, reader.values::<f64>(&mask).map_err(|error| error.to_string())?)?;
+        heights.zip_mut_with(&mask, |height, mark| {
+            if *mark != 0.0 {
+                *height = f64::NAN;
+            }
+        });
+    }
+    let written = |axis: &str| reader.number(&format!("{group}/{axis}"), "length").ok();
+    let lengths = match (written("x"), written("y"), points[1]) {
+        (Some(x), _, 1) => Some([x, 1.0]),
+        (Some(x), Some(y), _) => Some([x, y]),
+        _ => lengths(reader, dataset, points)?,
+    };
+    let unit = unit(reader, dataset);
+    let length_unit = lengths.and(unit.clone());
+    Ok(Map { heights, lengths, length_unit, height_unit: unit, ..Map::default() })
+}
+
+/// The unit of a dataset; "length" and "1" stand for any consistent unit.
+fn unit(reader: &Reader, dataset: &str) -> Option<String> {
+    let unit = reader.text(dataset, "units").or_else(|_| reader.text(dataset, "unit"));
+    unit.ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()))
 }
 
 /// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. The second length of a
@@ -59,7 +111,7 @@ pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Opt
 }
 
 /// The period of n evenly spaced coordinates, n times the spacing; `None` if the number of coordinates is not n.
-fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
+pub(super) fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
     if coordinates.len() != points || points < 2 {
         return Ok(None);
     }

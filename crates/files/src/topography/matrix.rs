@@ -1,4 +1,4 @@
-//! Text files: a matrix of numbers, with or without the header of instruments.
+//! Text: a matrix of numbers or a list of points, with or without the header of instruments and programs.
 //!
 //! ```text
 //! # Channel: ZSensor
@@ -8,64 +8,99 @@
 //! 1.8823e-008    1.8497e-008    ...
 //! ```
 //!
-//! The numbers of a line run along x at constant y: heights\[x, y\] is the number in column x of line y. The encoding
-//! is UTF-8 or Latin-1; numbers have a decimal point and are separated by blanks, tabs, commas or semicolons.
+//! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y. The
+//! encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a decimal point,
+//! or a decimal comma where commas do not separate. Lines before the first number are a header.
+
+mod header;
+mod points;
+
+use std::borrow::Cow;
 
 use ndarray::Array2;
 
-use super::Found;
+use super::bytes::clip;
+use super::file::File;
+use super::format::{Channel, Contents, Format, Map};
+
+use header::{Header, Sizes};
+
+pub(super) const FORMAT: Format = Format { name: "text", sniff, open };
 
 /// Words that denote a point without a height.
 const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
 
-/// Units of length and their number in a metre: integers, so that a conversion has one rounding error.
-const UNITS: [(&str, f64); 14] = [
-    ("m", 1.0),
-    ("meter", 1.0),
-    ("cm", 1e2),
-    ("mm", 1e3),
-    ("µm", 1e6), // micro sign
-    ("μm", 1e6), // Greek letter mu
-    ("um", 1e6),
-    ("~m", 1e6), // written by some instruments
-    ("micron", 1e6),
-    ("nm", 1e9),
-    ("pm", 1e12),
-    ("Å", 1e10),
-    ("Å", 1e10), // Angstrom sign
-    ("in", 1.0 / 0.0254),
-];
+/// The first bytes of UTF-16 with the lower byte first.
+const UTF_16: &[u8] = &[0xff, 0xfe];
 
-/// Reads the heights of a text file.
-pub(super) fn read(path: &str) -> Result<Found, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    if bytes.contains(&0) {
-        return Err(
-            "the format is unknown; it must be a matrix of numbers as text, FILE.npy or FILE.h5:/dataset".into()
-        );
+fn sniff(file: &File) -> bool {
+    file.starts_with(UTF_16) || !file.head().contains(&0)
+}
+
+fn open(file: &File) -> Result<Contents<'_>, String> {
+    let text = decode(file.bytes()?);
+    let (rows, header) = parse(&text)?;
+    let channel = header.channel.clone().unwrap_or_default();
+    let list = if header.has_size() { None } else { points::list(&rows, &header)? };
+    let map = match list {
+        Some(map) => map,
+        None => {
+            let factor = header.factor;
+            let mut heights = rows.heights()?;
+            let Sizes { unit, lengths, mut notes } = header.sizes(heights.dim().into())?;
+            if let Some(factor) = factor {
+                heights.mapv_inplace(|height| height * factor);
+                notes.push(format!("heights are the numbers times {factor:e}, the factor in the header"));
+            }
+            let length_unit = lengths.and(unit.clone());
+            Map { heights, lengths, length_unit, height_unit: unit, notes, ..Map::default() }
+        }
+    };
+    let (unit, points) = (map.height_unit.clone(), map.heights.dim().into());
+    Ok(Channel { name: channel, unit, points, read: Box::new(move || Ok(map)) }.into())
+}
+
+/// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its character.
+fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    if let Some(bytes) = bytes.strip_prefix(UTF_16) {
+        let units = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
+        return char::decode_utf16(units).map(|found| found.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
     }
-    parse(&decode(bytes))
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).into(),
+        Err(_) => bytes.iter().copied().map(char::from).collect(),
+    }
 }
 
-/// Decodes UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its character.
-fn decode(bytes: Vec<u8>) -> String {
-    let text =
-        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
-    text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)
-}
-
-fn parse(text: &str) -> Result<Found, String> {
+fn parse(text: &str) -> Result<(Rows, Header), String> {
     let (mut header, mut rows) = (Header::default(), Rows::default());
+    let mut refused = None;
     for (line, content) in text.lines().enumerate().map(|(index, content)| (index + 1, content.trim())) {
         if let Some(comment) = content.strip_prefix(['#', '%']) {
             header.read(line, comment)?;
         } else if !content.is_empty() {
-            rows.push(line, content)?;
+            match rows.push(line, content, text) {
+                Ok(()) => {}
+                // A line that starts with a number is meant as numbers.
+                Err(error) if rows.rows > 0 || starts_with_number(content) => return Err(error),
+                Err(error) => {
+                    refused.get_or_insert(error);
+                    header.read(line, content)?;
+                    header.columns = content.into();
+                }
+            }
         }
     }
-    let heights = rows.heights()?;
-    let (unit, lengths) = header.sizes(heights.dim())?;
-    Ok(Found { heights, lengths, unit, channel: header.channel })
+    match refused {
+        Some(error) if rows.rows == 0 => Err(error),
+        _ => Ok((rows, header)),
+    }
+}
+
+/// True if the first word of a line is a number.
+fn starts_with_number(content: &str) -> bool {
+    let word = content.split([' ', '\t', ';', ',']).next().unwrap_or_default();
+    word.parse::<f64>().is_ok()
 }
 
 /// The numbers of a file, line by line.
@@ -78,9 +113,25 @@ struct Rows {
 }
 
 impl Rows {
-    fn push(&mut self, line: usize, content: &str) -> Result<(), String> {
-        let separator = *self.separator.get_or_insert_with(|| separator(content));
+    /// Takes a line of numbers; after an error, none of them. The text is the whole file.
+    fn push(&mut self, line: usize, content: &str, text: &str) -> Result<(), String> {
         let before = self.values.len();
+        let pushed = self.push_numbers(line, content, before);
+        if pushed.is_err() {
+            self.values.truncate(before);
+        } else if self.rows == 1 {
+            // As many numbers as the lines can have, so that the memory does not grow beyond them.
+            let lines = text.bytes().filter(|&byte| byte == b'\n').count() + 1;
+            self.values.reserve_exact(lines.saturating_mul(self.columns).min(text.len() / 2 + 1));
+        }
+        pushed
+    }
+
+    fn push_numbers(&mut self, line: usize, content: &str, before: usize) -> Result<(), String> {
+        let separator = match (self.rows, self.separator) {
+            (1.., Some(separator)) => separator,
+            _ => *self.separator.insert(separator(content)),
+        };
         if separator == ' ' {
             for (column, word) in content.split_whitespace().enumerate() {
                 self.values.push(number(word, line, column + 1)?);
@@ -105,22 +156,26 @@ impl Rows {
         Ok(())
     }
 
+    /// The numbers of a column.
+    fn column(&self, column: usize) -> impl Iterator<Item = f64> + Clone {
+        self.values.iter().copied().skip(column).step_by(self.columns.max(1))
+    }
+
     /// The heights `[x, y]` from lines of constant y; a single line or column is a profile.
     fn heights(self) -> Result<Array2<f64>, String> {
         let Self { values, columns, rows, .. } = self;
-        if columns == 3 && is_point_list(&values) {
-            return Err(format!(
-                "the {rows} lines of three numbers look like points x y z; they must be a matrix, one line per y"
-            ));
-        }
         let lines = Array2::from_shape_vec((rows, columns), values).map_err(|error| error.to_string())?;
         Ok(if columns == 1 { lines } else { lines.reversed_axes().as_standard_layout().into_owned() })
     }
 }
 
-/// The separator of the numbers, found from their first line.
+/// The separator of the numbers, found from their first line. Between blanks, commas are decimal commas.
 fn separator(content: &str) -> char {
-    [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)).unwrap_or(' ')
+    match [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)) {
+        Some(',') if content.split(',').any(|word| word.trim().contains(char::is_whitespace)) => ' ',
+        Some(separator) => separator,
+        None => ' ',
+    }
 }
 
 /// Parses a number; NaN for a point without a height.
@@ -128,103 +183,9 @@ fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
     if word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str()) {
         return Ok(f64::NAN);
     }
-    word.parse().map_err(|_| {
-        let hint = if word.contains(',') { " with a decimal point" } else { "" };
-        let word: String = word.chars().take(40).collect();
-        format!("line {line}, column {column} is {word:?}; it must be a number{hint}")
-    })
-}
-
-/// True if rows of three numbers are the points of a lattice: all pairs of the first two coordinates occur.
-fn is_point_list(values: &[f64]) -> bool {
-    let column = |k: usize| values.iter().skip(k).step_by(3).copied();
-    let count = |column: &mut dyn Iterator<Item = f64>| {
-        let mut sorted: Vec<f64> = column.collect();
-        sorted.sort_by(f64::total_cmp);
-        sorted.dedup();
-        sorted.len()
-    };
-    let [x, y] = [count(&mut column(0)), count(&mut column(1))];
-    let mut pairs: Vec<[u64; 2]> = column(0).zip(column(1)).map(|(x, y)| [x.to_bits(), y.to_bits()]).collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    x > 1 && y > 1 && x * y == values.len() / 3 && pairs.len() == x * y
-}
-
-/// The header: the comment lines above the numbers.
-#[derive(Debug, Default)]
-struct Header {
-    channel: Option<String>,
-    width: Option<Length>,
-    height: Option<Length>,
-    value_unit: Option<String>,
-}
-
-/// A length with its unit, if any.
-#[derive(Clone, Debug)]
-struct Length {
-    value: f64,
-    unit: Option<String>,
-}
-
-impl Header {
-    /// Parses `Key: value`; other comment lines are ignored.
-    fn read(&mut self, line: usize, comment: &str) -> Result<(), String> {
-        let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
-        let value = value.trim();
-        match key.trim().to_ascii_lowercase().as_str() {
-            "channel" => self.channel = Some(value.into()),
-            "width" => self.width = Some(length(line, value)?),
-            "height" => self.height = Some(length(line, value)?),
-            "value units" | "value unit" => self.value_unit = Some(value.into()),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// The unit of the heights, and the sizes in this unit.
-    fn sizes(&self, (nx, ny): (usize, usize)) -> Result<(Option<String>, Option<[f64; 2]>), String> {
-        let unit = self.value_unit.clone();
-        let along = |name: &str, length: &Length| match (&length.unit, &unit) {
-            (None, None) => Ok(length.value),
-            (Some(from), Some(to)) if from == to => Ok(length.value),
-            (Some(from), Some(to)) => {
-                let (from, to) = (per_metre(from)?, per_metre(to)?);
-                Ok(if to >= from { length.value * (to / from) } else { length.value / (from / to) })
-            }
-            (Some(from), None) => Err(format!(
-                "the unit of {name} is {from} but the heights have no unit; a line \"# Value units: ...\" must give it"
-            )),
-            (None, Some(to)) => {
-                Err(format!("the unit of the heights is {to} but {name} has no unit; both or neither must have one"))
-            }
-        };
-        let lengths = match (&self.width, &self.height) {
-            (Some(width), Some(height)) if nx > 1 && ny > 1 => Some([along("Width", width)?, along("Height", height)?]),
-            // The length of a profile is the longer of the two; the shorter is one pixel or zero.
-            (Some(one), Some(other)) => Some([along("Width", one)?.max(along("Height", other)?), 1.0]),
-            (Some(one), None) | (None, Some(one)) if ny == 1 => Some([along("the length", one)?, 1.0]),
-            (None, None) => None,
-            _ => return Err("only one of Width and Height is given; both or neither must be given".into()),
-        };
-        Ok((unit, lengths))
-    }
-}
-
-/// Parses a length with or without a unit, such as `10.00 µm`.
-fn length(line: usize, text: &str) -> Result<Length, String> {
-    let end = text.find(char::is_whitespace).unwrap_or(text.len());
-    let (value, unit) = text.split_at(end);
-    let value =
-        value.parse().map_err(|_| format!("the length in line {line} is {text:?}; it must have the form 10.00 µm"))?;
-    let unit = unit.trim();
-    Ok(Length { value, unit: (!unit.is_empty()).then(|| unit.into()) })
-}
-
-/// The number of units in a metre.
-fn per_metre(unit: &str) -> Result<f64, String> {
-    UNITS.iter().find(|(name, _)| *name == unit).map(|(_, count)| *count).ok_or_else(|| {
-        let names: Vec<&str> = UNITS.iter().map(|(name, _)| *name).collect();
-        format!("the unit is {unit:?}; it must be one of {}", names.join(", "))
-    })
+    let decimal_comma = || word.replacen(',', ".", 1).parse().ok().filter(|_| !word.contains('.'));
+    word.parse()
+        .ok()
+        .or_else(decimal_comma)
+        .ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
 }

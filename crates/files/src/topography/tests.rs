@@ -6,7 +6,7 @@ use ndarray::{Array1, Array2, ShapeBuilder};
 use ndarray_npy::write_npy;
 use tempfile::TempDir;
 
-use super::Topography;
+use super::{Topography, TopographyError};
 use crate::{Archive, Dimension, Output, Provenance, Variable};
 
 /// A temporary folder with one file, and the name of the file.
@@ -20,7 +20,13 @@ fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
 
 fn read_text(text: &str) -> Result<Topography, String> {
     let (_folder, name) = file("scan.txt", text.as_bytes());
-    Topography::read(&name).map_err(|error| error.to_string().replace(&name, "FILE"))
+    complete(&name).map_err(|error| error.to_string().replace(&name, "FILE"))
+}
+
+/// The height map in a file, which must have no undefined points.
+fn complete(name: &str) -> Result<Topography, TopographyError> {
+    let found = Topography::read(name, None)?;
+    found.check_complete().map(|()| found)
 }
 
 /// The error message for a text file.
@@ -52,7 +58,7 @@ fn encodings_and_spellings_of_a_unit_do_not_matter() {
     marked.extend_from_slice(SCAN.replace('\n', "\r\n").as_bytes());
     for bytes in [latin, marked, SCAN.replace("µm", "um").into(), SCAN.replace('µ', "\u{3bc}").into()] {
         let (_folder, name) = file("scan.txt", &bytes);
-        let found = Topography::read(&name).unwrap();
+        let found = Topography::read(&name, None).unwrap();
         assert_eq!((found.heights, found.lengths), (expected.heights.clone(), expected.lengths));
     }
 }
@@ -80,15 +86,13 @@ fn plain_matrices_have_no_size() {
 
 #[test]
 fn points_without_a_height_are_named_and_counted() {
-    let expected = "FILE: 2 of 6 points have no finite height, the first (NaN) at [x, y] = [1, 1]; every point \
-                    must have a height: fill them in first";
+    let expected = "FILE: 2 of 6 points are undefined, the first at [x, y] = [1, 1]; every point must have a \
+                    height: fill them (harmonic or nearest)";
     assert_eq!(refusal("1 2 3\n4 NaN nan\n"), expected);
     for text in ["1,2,3\n4,,\n", "1,2,3,\n4,,,\n", "1;2;3\n4; BAD; -\n", "1 2 3\n4 -- na\n"] {
         assert_eq!(refusal(text), expected, "{text:?}");
     }
-    assert!(
-        refusal("1 inf\n2 3\n").contains("1 of 4 points have no finite height, the first (inf) at [x, y] = [1, 0]")
-    );
+    assert!(refusal("1 inf\n2 3\n").contains("1 of 4 points are undefined, the first at [x, y] = [1, 0]"));
 }
 
 #[test]
@@ -100,9 +104,9 @@ fn text_that_is_no_matrix_is_refused_by_line_and_column() {
     };
     says("1 2 3\n4 5\n", "line 2 has 2 numbers; it must have 3 as the lines before");
     says("1 2\n3 high\n", "line 2, column 2 is \"high\"; it must be a number");
-    says("1,5;2,5\n", "line 1, column 1 is \"1,5\"; it must be a number with a decimal point");
+    says("1,5.0;2,5\n", "line 1, column 1 is \"1,5.0\"; it must be a number");
     says("", "it must have at least one point");
-    says("0 0 1\n0 1 2\n1 0 3\n1 1 4\n", "look like points x y z");
+    says("no numbers\nat all\n", "line 1, column 1 is \"no\"; it must be a number");
     says("# Width: wide\n1 2\n3 4\n", "the length in line 1 is \"wide\"; it must have the form 10.00 µm");
     says("# Width: 1 µm\n1 2\n3 4\n", "both or neither must be given");
     says("# Width: 1 µm\n# Height: 1 µm\n1 2\n3 4\n", "the heights have no unit");
@@ -113,17 +117,15 @@ fn text_that_is_no_matrix_is_refused_by_line_and_column() {
         "the size is 0 by 1; it must be positive and finite",
     );
     let (_folder, name) = file("scan.al3d", b"Alicona\0\x01\x02");
-    assert!(Topography::read(&name).unwrap_err().reason.contains("FILE.npy or FILE.h5:/dataset"));
-    assert!(
-        Topography::read("no/such/file.txt").unwrap_err().to_string().starts_with("no/such/file.txt: No such file")
-    );
+    assert!(complete(&name).unwrap_err().reason.starts_with("the format is unknown; it must be one of NumPy, "));
+    assert!(complete("no/such/file.txt").unwrap_err().to_string().starts_with("no/such/file.txt: No such file"));
 }
 
 #[test]
 fn arrays_of_numpy_in_any_precision_and_order() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| -> PathBuf { folder.path().join(name) };
-    let read = |name: &str| Topography::read(path(name).to_str().unwrap());
+    let read = |name: &str| complete(path(name).to_str().unwrap());
     let heights = Array2::from_shape_fn((3, 4), |(i, j)| i as f64 - 0.25 * j as f64);
     let column_major = Array2::from_shape_fn((3, 4).f(), |(i, j)| i as f64 - 0.25 * j as f64);
     write_npy(path("c.npy"), &heights).unwrap();
@@ -141,8 +143,22 @@ fn arrays_of_numpy_in_any_precision_and_order() {
         let message = read(name).unwrap_err().to_string();
         assert!(message.contains(words), "{message:?} lacks {words:?}");
     };
-    write_npy(path("whole.npy"), &heights.mapv(|h| h as i64)).unwrap();
-    says("whole.npy", "they must be floats of 64 or 32 bits ('<f8', '<f4')");
+    write_npy(path("whole.npy"), &heights.mapv(|h| (4.0 * h) as i64)).unwrap();
+    assert_eq!(read("whole.npy").unwrap().heights, heights.mapv(|h| 4.0 * h));
+    let big_endian: &[u8] = b"\x93NUMPY\x01\x00\x40\x00{'descr': '>i2', 'fortran_order': False, 'shape': (2, 2), }    \n\0\x01\xff\xff\x80\0\x01\0";
+    std::fs::write(path("big.npy"), big_endian).unwrap();
+    assert_eq!(read("big.npy").unwrap().heights, ndarray::array![[1.0, -1.0], [-32768.0, 256.0]]);
+    for (from, to, words) in [
+        ("'>i2'", "'<c8'", "the entries have the type '<c8'; they must be real numbers"),
+        ("(2, 2)", "(2, 9)", "the heights of 2 by 9 points have 8 bytes; they must have 36"),
+        ("(2, 2)", "(-2,2)", "the header of the NumPy array is damaged"),
+    ] {
+        let position = big_endian.windows(from.len()).position(|part| part == from.as_bytes()).unwrap();
+        let mut bytes = big_endian.to_vec();
+        bytes.splice(position..position + from.len(), to.bytes());
+        std::fs::write(path("lies.npy"), bytes).unwrap();
+        says("lies.npy", words);
+    }
     write_npy(path("cube.npy"), &ndarray::Array3::<f64>::zeros((2, 2, 2))).unwrap();
     says("cube.npy", "the shape of the array is [2, 2, 2]; it must have 1 or 2 dimensions");
     write_npy(path("row.npy"), &Array2::<f64>::zeros((1, 5))).unwrap();
@@ -152,12 +168,13 @@ fn arrays_of_numpy_in_any_precision_and_order() {
     let mut holes = heights.clone();
     holes[[2, 1]] = f64::NAN;
     write_npy(path("holes.npy"), &holes).unwrap();
-    says("holes.npy", "1 of 12 points have no finite height, the first (NaN) at [x, y] = [2, 1]");
+    says("holes.npy", "1 of 12 points are undefined, the first at [x, y] = [2, 1]");
     let bytes = std::fs::read(path("c.npy")).unwrap();
     std::fs::write(path("short.npy"), &bytes[..bytes.len() - 8]).unwrap();
-    says("short.npy", "reached EOF");
-    std::fs::write(path("text.npy"), "1 2 3 4 5 6 7 8 9").unwrap();
-    says("text.npy", "error parsing header");
+    says("short.npy", "the heights of 3 by 4 points have 88 bytes; they must have 96");
+    // The contents tell the format, not the name.
+    std::fs::write(path("text.npy"), "1 2 3\n4 5 6\n").unwrap();
+    assert_eq!(read("text.npy").unwrap().format, "text");
 }
 
 #[test]
@@ -179,7 +196,7 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
         archive.write("/bare/height", &bare, &[1_f32, 2.0, 3.0]).unwrap();
         archive.finish().unwrap();
     }
-    let read = |dataset: &str| Topography::read(&format!("{}{dataset}", path.display()));
+    let read = |dataset: &str| complete(&format!("{}{dataset}", path.display()));
     let found = read(":/surface/height").unwrap();
     assert_eq!((found.heights, found.lengths, found.unit.as_deref()), (heights, Some([1.5, 8.0]), Some("µm")));
     let bare = read(":/bare/height").unwrap();
@@ -192,7 +209,10 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
         ":/uneven/height",
         "a step of the coordinates /uneven/x is 0.5; it must be 1, since they must be evenly spaced",
     );
-    says(":/surface/depth", "height");
-    says("", "no dataset is named");
-    assert!(Topography::read("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
+    says(":/surface/depth", "the channel is /surface/depth; it must be one of 0 /bare/height, 1 /surface/height, 2");
+    let only = read("").unwrap();
+    assert_eq!((only.channel.as_deref(), only.channels.len()), (Some("/surface/height"), 3));
+    assert!(only.source.ends_with("h.h5, channel /surface/height"));
+    assert!(read(":/surface/height").unwrap().source.ends_with("h.h5:/surface/height"));
+    assert!(complete("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
 }
