@@ -432,3 +432,162 @@ fn every_case_ends_well() {
     assert!(bad.is_empty(), "{} of {} cases end badly:\n{}", bad.len(), cases.len(), bad.join("\n"));
     assert_eq!(names(), before, "no case leaves a file");
 }
+
+/// What exists and is no regular file is refused as `--out`, named as what it is, and stays.
+#[cfg(unix)]
+#[test]
+fn special_files_are_not_replaced() {
+    use std::os::unix::fs::symlink;
+    use std::os::unix::net::UnixListener;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    assert!(Command::new("mkfifo").arg(at("pipe.h5")).status().unwrap().success());
+    let _socket = UnixListener::bind(at("socket.h5")).unwrap();
+    std::fs::create_dir(at("folder.h5")).unwrap();
+    symlink(at("nowhere"), at("dangling.h5")).unwrap();
+    symlink(at("pipe.h5"), at("link.h5")).unwrap();
+    // A device of one's own needs rights that not every user has; the real /dev/null is left alone.
+    let device = Command::new("mknod").arg(at("device.h5")).args(["c", "1", "3"]).stderr(Stdio::null()).status();
+    let mut targets = vec![
+        ("pipe", "a pipe"),
+        ("socket", "a socket"),
+        ("folder", "a folder"),
+        ("dangling", "link"),
+        ("link", "a pipe"),
+    ];
+    if device.is_ok_and(|status| status.success()) {
+        targets.push(("device", "a device"));
+    }
+    let before = names(folder.path());
+    let commands = [
+        "contact --n 8 --eps-f-inv 2 --p-star 0.05",
+        "path --n 8 --eps-f-inv 2 --law exponential --param gamma=1e-4,range=0.01 --displacement 0.002 --steps 1",
+        "punch --n 8",
+        "surface --n 8 --eps-f-inv 2",
+        "damping --n 4 --steps 60",
+        "kappa-sweep --preset smoke",
+    ];
+    for command in commands {
+        for (name, kind) in &targets {
+            let words: Vec<String> =
+                format!("{command} --out {name}.h5").split_whitespace().map(str::to_owned).collect();
+            let (status, _, stderr) = limited(folder.path(), &words);
+            assert_eq!(status, Some(2), "{words:?}: {stderr}");
+            assert!(stderr.starts_with("error: --out") && stderr.contains(kind), "{words:?}: {stderr}");
+        }
+    }
+    assert_eq!(names(folder.path()), before);
+    use std::os::unix::fs::FileTypeExt;
+    assert!(std::fs::symlink_metadata(at("pipe.h5")).unwrap().file_type().is_fifo());
+    assert!(std::fs::symlink_metadata(at("dangling.h5")).unwrap().is_symlink());
+}
+
+#[cfg(unix)]
+fn names(folder: &Path) -> BTreeSet<std::ffi::OsString> {
+    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect()
+}
+
+/// A reader that closes the pipe early, closed standard streams, and arguments that are no text.
+#[cfg(unix)]
+#[test]
+fn closed_streams_and_bytes_that_are_no_text() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let program = env!("CARGO_BIN_EXE_gfmd");
+    let shell = |script: &str| {
+        let output = Command::new("bash").args(["-c", script, program]).current_dir(folder.path()).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let commands = ["", "contact", "path", "punch", "body", "surface", "damping", "green", "law", "kappa-sweep"];
+    for command in commands {
+        let (status, stderr) = shell(&format!("\"$0\" {command} --help | head -c 0; exit ${{PIPESTATUS[0]}}"));
+        assert!(status == Some(0) && stderr.is_empty(), "{command} --help: {status:?} {stderr}");
+    }
+    for streams in ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"] {
+        let (status, stderr) = shell(&format!("\"$0\" green --qx 1 --height inf {streams}"));
+        assert!([Some(0), Some(1)].contains(&status) && !stderr.contains("panicked"), "{streams}: {status:?} {stderr}");
+        let (status, stderr) = shell(&format!("\"$0\" green --qx nan {streams}"));
+        assert!(status == Some(2) && !stderr.contains("panicked"), "{streams}: {status:?} {stderr}");
+    }
+    let (status, stderr) = shell("\"$0\" green --qx 1 --height inf | head -c 0; exit ${PIPESTATUS[0]}");
+    assert!([Some(0), Some(1)].contains(&status) && !stderr.contains("panicked"), "{status:?} {stderr}");
+    for flag in ["--out", "--surface", "--plots"] {
+        let output = Command::new(program)
+            .args(["contact", "--n", "8", "--eps-f-inv", "2", "--p-star", "0.1", flag])
+            .arg(OsStr::from_bytes(b"\xff\xfe.h5"))
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && stderr.contains("is not UTF-8"), "{flag}: {stderr}");
+    }
+    assert_eq!(names(folder.path()).len(), 0);
+}
+
+/// Fields of a sweep that cannot be meant are refused by name before the first contact.
+#[test]
+fn sweeps_out_of_range_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let lists = ["[]", "[0.0]", "[-1.0]", "[nan]", "[inf]", "[1e300]", "[5e-324]", "[0.5, nan]"];
+    let numbers = ["nan", "inf", "-inf", "-1.0", "1e300", "1e-300", "5e-324"];
+    let counts = ["-1", "1.5", "9223372036854775808", "18446744073709551616"];
+    let mut fields: Vec<(&str, &str)> = Vec::new();
+    let mut all =
+        |name: &'static str, values: &[&'static str]| fields.extend(values.iter().map(|value| (name, *value)));
+    all("surface.hurst", &["[]", "[-1.0]", "[nan]", "[inf]", "[1e300]", "[0.5, nan]", "[0.5, 0.5]", "[0.0, -0.0]"]);
+    all("surface.rms_gradient", &numbers);
+    all("surface.rms_gradient", &["0.0"]);
+    all("body.young", &["0.0", "nan", "inf", "-1.0", "1e300", "1e-300", "5e-324"]);
+    all("body.poisson", &["nan", "inf", "-inf", "-1.0", "0.51", "1e300"]);
+    all("body.height", &["0.0", "nan", "-1.0", "1e300", "1e-300", "5e-324", "\"high\""]);
+    ["points.eps_t_inv", "points.eps_f_inv", "points.eps_c_inv", "loads.p_star"].into_iter().for_each(|name| all(name, &lists));
+    all("loads.p_star", &["[0.02, 0.02]", "[0.02, 0.01]", "[0.02, 1e30]"]);
+    ["fit.alpha_t", "fit.alpha_f", "fit.alpha_c"].into_iter().for_each(|name| all(name, &["0", "0.0", "-0.0", "-1", "17.0"]));
+    ["fit.alpha_t", "fit.alpha_f", "fit.alpha_c"].into_iter().for_each(|name| all(name, &numbers));
+    ["fit.resamples", "statistics.realisations", "statistics.seed", "solver.max_iter", "points.largest_n"]
+        .into_iter()
+        .for_each(|name| all(name, &counts));
+    all("fit.resamples", &["9223372036854775807", "2147483648"]);
+    all("statistics.realisations", &["0", "9223372036854775807", "2147483648"]);
+    all("solver.max_iter", &["0"]);
+    all("solver.tol", &numbers);
+    all("solver.tol", &["0.0", "1.0"]);
+    all("fit.p_star", &numbers);
+    let small = "
+[points]
+design = \"grid\"
+eps_t_inv = [1.0, 2.0]
+eps_f_inv = [2.0, 4.0]
+eps_c_inv = [2.0, 4.0]
+centre = [2.0, 2.0, 2.0]
+[loads]
+p_star = [0.05]
+[statistics]
+realisations = 2
+[fit]
+p_star = 0.05
+resamples = 20
+";
+    for (field, value) in fields {
+        let mut config: toml::Table = toml::from_str(small).unwrap();
+        let (table, key) = field.split_once('.').unwrap();
+        let Ok(value_of) = toml::from_str::<toml::Table>(&format!("x = {value}")) else {
+            // TOML has no such number: the message of its parser names the line.
+            std::fs::write(folder.path().join("s.toml"), format!("{small}\n[solver]\nx = {value}")).unwrap();
+            let (status, _, stderr) = limited(folder.path(), &["kappa-sweep", "--config", "s.toml"].map(str::to_owned));
+            assert!(status == Some(2) && stderr.contains("s.toml, line"), "{field} = {value}: {stderr}");
+            continue;
+        };
+        let entry = config.entry(table).or_insert_with(|| toml::Table::new().into());
+        entry.as_table_mut().unwrap().insert(key.into(), value_of["x"].clone());
+        std::fs::write(folder.path().join("s.toml"), toml::to_string(&config).unwrap()).unwrap();
+        let (status, _, stderr) = limited(folder.path(), &["kappa-sweep", "--config", "s.toml"].map(str::to_owned));
+        let named = stderr.contains(field) || stderr.contains(table) || stderr.contains("p* =");
+        assert!(
+            status == Some(2) && stderr.trim_end().lines().count() == 1 && named,
+            "{field} = {value}: {status:?} {stderr}"
+        );
+        assert!(stderr.len() < 500, "{field} = {value}: {stderr}");
+    }
+}

@@ -20,6 +20,10 @@ pub(crate) enum Gradients {
     Preconditioned,
 }
 
+/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. On cells a thousand times
+/// longer than wide the method without it may not converge at all.
+const LONGER_PATIENCE: u64 = 5000;
+
 struct Dual<'a> {
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
@@ -105,16 +109,28 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => {
-            let max_iterations = target.budget.max_iterations.min(PATIENCE);
-            let patience = Target { budget: Budget { max_iterations, ..target.budget }, ..target };
-            let minimum = PreconditionedCg.minimise(&mut dual, x, &patience, attempt.watch)?;
-            if let Ending::GaveUp(_) = minimum.ending {
-                attempt.effort.iterations = minimum.reached.iteration;
-                let rest = Target { budget: attempt.budget_left(), ..target };
-                ProjectedCg.minimise(&mut dual, x, &rest, &mut attempt.onlooker())?
-            } else {
-                minimum
+            let at_most = |limit: u64, budget: Budget| {
+                let max_iterations = budget.max_iterations.min(limit);
+                Target { budget: Budget { max_iterations, ..budget }, ..target }
+            };
+            let patience = at_most(PATIENCE, target.budget);
+            let mut minimum = PreconditionedCg.minimise(&mut dual, x, &patience, attempt.watch)?;
+            for (is_preconditioned, limit) in [(false, LONGER_PATIENCE), (true, u64::MAX)] {
+                let Ending::GaveUp(_) = minimum.ending else { break };
+                attempt.effort.iterations += minimum.reached.iteration;
+                let rest = at_most(limit, attempt.budget_left());
+                if rest.budget.max_iterations == 0 {
+                    minimum.reached.iteration = 0;
+                    break;
+                }
+                let onlooker = &mut attempt.onlooker();
+                minimum = if is_preconditioned {
+                    PreconditionedCg.minimise(&mut dual, x, &rest, onlooker)?
+                } else {
+                    ProjectedCg.minimise(&mut dual, x, &rest, onlooker)?
+                };
             }
+            minimum
         }
     };
     attempt.effort.iterations += minimum.reached.iteration;

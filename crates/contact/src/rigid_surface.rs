@@ -1,10 +1,10 @@
 use std::sync::OnceLock;
 
 use gfmd_field::Grid;
+use gfmd_response::unit_of;
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayRef2};
 
-use crate::units::size;
 use crate::{Load, Refusal, Units};
 
 /// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect.
@@ -48,7 +48,7 @@ impl RigidSurface {
         let mean_clearance = gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().sum()) / n;
         let highest = clearance.iter().copied().fold(0.0, f64::max);
         // The squares of very large or small heights are no numbers. A power of two changes no digit.
-        let unit = size(highest);
+        let unit = unit_of(highest);
         let squares = gfmd_vector::sum(clearance.len(), &|range| {
             clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum()
         });

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_response::unit_of;
 
 use crate::{Drive, Load, Refusal, RigidSurface};
 
@@ -16,9 +17,6 @@ pub struct Units {
     lateral: f64,
     normal: f64,
 }
-
-/// Sizes from the inverse of this number to this number are ordinary; 2¹⁰⁰ is about 10³⁰.
-const ORDINARY: f64 = (1_u128 << 100) as f64;
 
 /// The least magnitude of a mean pressure. Pressures of a billionth of it still have all digits.
 const LEAST: f64 = 1e-290;
@@ -39,7 +37,7 @@ impl Units {
     /// A unit of stress, E* h_rms over the cell length, that is no normal number.
     pub fn of(body: &Body, surface: &RigidSurface) -> Result<Self, Refusal> {
         let modulus = body.material().contact_modulus();
-        let units = Self { modulus: size(modulus), ..Self::of_surface(surface) };
+        let units = Self { modulus: unit_of(modulus), ..Self::of_surface(surface) };
         let stress = modulus * (surface.rms_height() / longest(surface.grid()));
         if units != Self::ONE && stress != 0.0 && !(LEAST..=1.0 / LEAST).contains(&stress) {
             return Err(Refusal::Unit { found: stress });
@@ -49,7 +47,7 @@ impl Units {
 
     /// The units of lengths of a surface alone.
     pub(crate) fn of_surface(surface: &RigidSurface) -> Self {
-        Self { modulus: 1.0, lateral: size(longest(surface.grid())), normal: size(surface.rms_height()) }
+        Self { modulus: 1.0, lateral: unit_of(longest(surface.grid())), normal: unit_of(surface.rms_height()) }
     }
 
     /// The unit of gradients.
@@ -127,13 +125,4 @@ impl Units {
 fn longest(grid: &Grid) -> f64 {
     let sides = if grid.is_line() { 1 } else { 2 };
     grid.lengths()[..sides].iter().copied().fold(0.0, f64::max)
-}
-
-/// The unit for numbers of the size of `number`: the power of two below it, or 1 for an ordinary number and for zero.
-pub(crate) fn size(number: f64) -> f64 {
-    if !number.is_finite() || number == 0.0 || (1.0 / ORDINARY..=ORDINARY).contains(&number) {
-        return 1.0;
-    }
-    // The exponent bits alone; a subnormal number has none.
-    f64::from_bits(number.to_bits() & (0x7ff << 52)).max(f64::MIN_POSITIVE)
 }

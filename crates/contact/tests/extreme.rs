@@ -161,3 +161,22 @@ fn large_loads_end() {
         }
     }
 }
+
+/// A slab a hundred thousand times longer than wide: without the preconditioner conjugate gradients do not converge.
+#[test]
+fn the_default_method_converges_on_very_long_cells() {
+    for aspect in [1e-4, 1.78e-4, 1e-2, 1e2, 1e4] {
+        let grid = Grid::new([2, 32], [1.0, aspect]).unwrap();
+        let body = Body::slab(Material::from_contact_modulus(1.0, -0.34).unwrap(), 1342.0).unwrap();
+        let heights = Array2::from_shape_fn((2, 32), |(i, j)| {
+            let y = j as f64 * std::f64::consts::TAU / 32.0;
+            1e-3 * if i == 0 { (1.7 * y).sin() } else { -(1.7 * y).sin() }
+        });
+        let contact = Contact::new(&body, &grid, &heights).unwrap();
+        let unit = contact.response().stiffness_range()[0] * contact.surface().rms_height();
+        for load in [1e-3, 0.1, 1.0, 10.0, 600.0] {
+            let pressed = contact.press(Load::MeanPressure(load * unit)).tolerance(1e-7).solve();
+            assert!(pressed.is_ok(), "{aspect} {load}: {}", pressed.unwrap_err());
+        }
+    }
+}
