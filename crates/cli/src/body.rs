@@ -1,5 +1,6 @@
 //! `body`: displacement, strain and stress below a surface, plane by plane from the displacement of the surface.
 
+mod check;
 mod input;
 mod pictures;
 mod quantity;
@@ -21,7 +22,9 @@ use crate::figures::parse_prefix;
 use crate::memory::{self, Held};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
+use crate::source::origin;
 
+pub(crate) use check::again;
 pub use quantity::Quantity;
 pub use rows::Slice;
 
@@ -164,7 +167,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         height: height(&body),
         unit: &surface.unit,
     };
-    let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance));
+    let origin = origin(&args.surface)?;
+    let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, &origin));
     let mut volume = volume.transpose()?;
     let drawn = if rows.axes.len() == 1 { rows.clone() } else { Rows::middle(&surface.grid) };
     if args.plots.is_some() {

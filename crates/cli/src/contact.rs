@@ -1,5 +1,6 @@
 //! `contact`: one contact problem, one or more loads.
 
+mod check;
 mod figures;
 mod file;
 
@@ -10,14 +11,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, Equilibrium, Fields, Load, Refusal, RigidSurface};
-use gfmd_files::Output;
+use gfmd_contact::{Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
+use gfmd_files::{Output, contiguous};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use serde::Serialize;
 
+use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
@@ -25,10 +27,12 @@ use crate::law::LawArgs;
 use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
+use crate::resume::{Kept, Part, ResumeArgs};
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 
+pub(crate) use check::{again, check};
 pub use file::ContactFile;
 
 /// Flags of `contact`.
@@ -37,6 +41,7 @@ pub use file::ContactFile;
   gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
   gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
+  gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -54,6 +59,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    resume: ResumeArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -106,6 +114,8 @@ pub struct Report {
     pub rms_height: f64,
     pub e_star: f64,
     pub loads: Vec<LoadRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<NotConverged>,
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
@@ -117,7 +127,7 @@ pub struct Report {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Prepared::new(args)?.run(args, session)
+    Prepared::new(args, session)?.run(args, session)
 }
 
 /// The input of the command, checked before the first solve.
@@ -130,7 +140,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(args: &Args) -> Result<Self, Failure> {
+    fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
         let law = args.law.build()?.into_shared();
@@ -147,7 +157,7 @@ impl Prepared {
                 return Err(Failure::value(flag, bad, allowed));
             }
         }
-        let surface = args.source.surface()?;
+        let surface = args.source.surface(session)?;
         let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
@@ -171,26 +181,26 @@ impl Prepared {
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
-            tracing::warn!("{trapping}");
+            session.warn("lattice-trapping", trapping);
         }
         self.press(&interface, interface.surface(), args, session)
     }
 
     /// Solves the loads in turn, each from the state of the load before, until one fails.
-    fn press<E: Equilibrium<State: Recorded>>(
+    fn press<E: Resumable<State: Recorded>>(
         &self,
         contact: &E,
         rigid: &RigidSurface,
         args: &Args,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
-        let (solver, budget) = (args.solver.solver, args.solver.budget());
+        let solver = args.solver.solver;
         if !contact.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
         }
         for (index, load) in self.controls.iter().enumerate() {
             let drive = (*load).into();
-            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, budget.tolerance));
+            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, args.solver.tol));
             checked.map_err(|refusal| Failure::input(&format!("{}, load {index}", args.control.flag()), refusal))?;
         }
         let mut report = Report {
@@ -202,55 +212,180 @@ impl Prepared {
             rms_height: rigid.rms_height(),
             e_star: self.body.material().contact_modulus(),
             loads: Vec::new(),
+            not_converged: None,
             peak_bytes: 0,
             out: None,
             plots: Vec::new(),
         };
-        let file = self.output.as_ref().map(|output| {
-            let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-            let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-            let (loads, with_law) = (self.controls.len(), args.law.law != Kind::HardWall);
-            ContactFile::create(output, &session.provenance(config), &self.surface, loads, with_law)
-        });
-        let mut file = file.transpose()?;
-        let progress = Progress::new(&session.common, "loads", self.controls.len() as f64);
-        let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
-        let mut last: Option<E::State> = None;
-        let mut failure = None;
-        for (index, load) in self.controls.iter().enumerate() {
-            let started = Instant::now();
-            let mut watch = |now: &gfmd_contact::Progress| {
-                let gfmd_contact::Progress { iteration, residual } = now;
-                progress.advance(0.0, &format!("load {index}, iteration {iteration}, residual {residual:.1e}"));
-                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
-            let press = contact.press(*load).solver(solver).budget(budget).starting_from(last.as_ref());
-            let (state, stopped) = reached(press.watch(&mut watch).solve())?;
-            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
-            if let Some(file) = &mut file {
-                file.write(index, &state)?;
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let mut kept = match &self.output {
+            Some(output) => {
+                let head = session.identity(&config, &self.surface);
+                Some(Kept::open(output, head, self.controls.len(), args.resume)?)
             }
+            None => None,
+        };
+        let series = Series { prepared: self, contact, args, session };
+        let outcome = series.solve(&mut report, kept.as_mut(), config);
+        if let (Err(_), Some(kept)) = (&outcome, &mut kept) {
+            // The failure is the news; a disk that is full keeps what it has.
+            let _ = kept.flush();
+        }
+        let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
+        let mut failure = outcome.map_err(|failure| failure.with(&remark))?;
+        let interrupted = matches!(failure, Some(Failure::Interrupted(_)));
+        match (interrupted, kept) {
+            (true, Some(_)) => failure = failure.map(|failure| failure.with(&remark)),
+            (false, Some(kept)) => kept.remove(),
+            _ => {}
+        }
+        report.peak_bytes = peak_bytes();
+        let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
+        let failure = failure.map(|failure| failure.with(&written));
+        Ok(Outcome { report, failure })
+    }
+}
+
+/// The loads of one contact.
+struct Series<'a, E: Resumable> {
+    prepared: &'a Prepared,
+    contact: &'a E,
+    args: &'a Args,
+    session: &'a Session,
+}
+
+impl<E: Resumable<State: Recorded>> Series<'_, E> {
+    /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
+    /// whose state is kept has no file.
+    fn solve(
+        &self,
+        report: &mut Report,
+        mut kept: Option<&mut Kept>,
+        config: String,
+    ) -> Result<Option<Failure>, Failure> {
+        let Self { prepared: Prepared { surface, controls, output, .. }, contact, args, session } = *self;
+        let budget = args.solver.budget();
+        let with_law = args.law.law != Kind::HardWall;
+        let provenance = session.provenance(config);
+        let create = |output| ContactFile::create(output, &provenance, surface, controls.len(), with_law);
+        let mut file = output.as_ref().map(create).transpose()?;
+        let progress = Progress::new(&session.common, "loads", controls.len() as f64);
+        let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let mut last = match (&mut kept, &mut file) {
+            (Some(kept), Some(file)) => self.recall(report, kept, file, &progress)?,
+            _ => None,
+        };
+        let mut failure = None;
+        for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
+            let started = Instant::now();
+            let mut watch = Watching {
+                index,
+                progress: &progress,
+                session,
+                history: History::default(),
+                kept: kept.as_deref_mut(),
+                closing: false,
+                failed: None,
+            };
+            let press = contact.press(*load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
+            let solved = press.watch(&mut watch).solve();
+            let Watching { history, failed, .. } = watch;
+            failed.map_or(Ok(()), Err)?;
+            let why = if let Err(SolveError::NotConverged { why, .. }) = &solved { Some(*why) } else { None };
+            let (mut state, stopped) = reached(solved)?;
+            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             record.check(index)?;
             report.loads.push(record);
-            last = Some(state);
+            if let Some(why) = why {
+                let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
+                unmet.tell("load");
+                report.not_converged = Some(unmet);
+            }
+            if let Some(file) = &mut file {
+                file.write(index, &state)?;
+            }
             if let Some(stopped) = stopped {
                 failure = Some(stopped.at(&format!("load {index}")));
+                last = Some(state);
                 break;
             }
+            if let Some(kept) = &mut kept {
+                let fields = ContactFile::fields(&state);
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
+            }
+            last = Some(state);
         }
         progress.finish();
-        if let Some(file) = file {
-            report.out = Some(file.finish(&report.loads, self.controls.len())?);
+        if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
+            return Ok(failure);
         }
-        report.peak_bytes = peak_bytes();
+        if let Some(file) = file {
+            report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
+        }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
-            report.plots = figures::draw(prefix, &report, &self.surface.grid, &pressure)?;
+            report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
         }
-        let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
-        let failure = failure.map(|failure| failure.with(&kept));
-        Ok(Outcome { report, failure })
+        Ok(failure)
+    }
+
+    /// Takes over the loads that are kept; returns the state of the last one.
+    fn recall(
+        &self,
+        report: &mut Report,
+        kept: &mut Kept,
+        file: &mut ContactFile,
+        progress: &Progress,
+    ) -> Result<Option<E::State>, Failure> {
+        for index in 0..kept.finished() {
+            let Part { text, fields } = kept.part(index)?;
+            report.loads.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?);
+            file.write_values(index, &fields)?;
+            progress.advance(1.0, "kept");
+        }
+        let Some(index) = kept.finished().checked_sub(1) else { return Ok(None) };
+        let load = self.prepared.controls[index];
+        kept.state().map(|mut stored| stored.restore(|visitor| self.contact.restore(load.into(), visitor))).transpose()
+    }
+}
+
+/// The watcher of one load: progress, history, interruption, and copies of the solve.
+struct Watching<'a, 'k> {
+    index: usize,
+    progress: &'a Progress,
+    session: &'a Session,
+    history: History,
+    kept: Option<&'a mut Kept<'k>>,
+    /// True after an interruption, which waits for the next copy.
+    closing: bool,
+    failed: Option<Failure>,
+}
+
+impl Watch for Watching<'_, '_> {
+    fn see(&mut self, now: &gfmd_contact::Progress) -> ControlFlow<()> {
+        let gfmd_contact::Progress { iteration, residual } = *now;
+        let note = format!("load {}, iteration {iteration}, residual {residual:.1e}", self.index);
+        self.progress.advance(0.0, &note);
+        self.history.see(iteration, residual);
+        if self.failed.is_some() || self.closing || (self.session.is_interrupted() && self.kept.is_none()) {
+            return ControlFlow::Break(());
+        }
+        self.closing = self.session.is_interrupted();
+        ControlFlow::Continue(())
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let Some(kept) = self.kept.as_deref_mut().filter(|kept| self.closing || kept.is_due()) else { return };
+        self.failed = kept.checkpoint(variables).err();
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        let running = self.kept.as_deref_mut()?.running()?;
+        Some(running)
     }
 }
 

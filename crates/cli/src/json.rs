@@ -23,65 +23,71 @@ pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
     String::from_utf8(text).map_err(serde::ser::Error::custom)
 }
 
-/// The keys that may be `null`, because the number has no meaning for some input (docs/interface.md). `[][]` are the
-/// entries of matrices, which are infinite for the uniform mode of some bodies.
-const NULLABLE: [&str; 35] = [
-    "asked",
-    "ci95",
-    "coefficient_ci95",
-    "compliance",
-    "dissipated",
-    "dissipated_error",
-    "displacement_transfer",
-    "energy",
-    "exponent_ci95",
-    "friction_coefficient",
-    "hurst",
-    "hurst_error",
-    "interface_energy",
-    "kappa_sem",
-    "kappa_tfc_standard_error",
-    "longest_wavelength",
-    "lowest_curvature",
-    "lowest_mean_pressure",
-    "max_displacement",
-    "max_von_mises",
-    "mean_energy_density",
-    "mixed_mode",
-    "nayak",
-    "normal_compliance",
-    "normal_stiffness",
-    "order",
-    "out",
-    "parted_at",
-    "seam",
-    "shortest_wavelength",
-    "steps_to_1e8",
-    "stick_fraction",
-    "stiffness",
-    "stress_transfer",
-    "uncertainty",
+/// The keys of numbers that have a value whatever the input: they are `null` only if they are NaN or infinite.
+const ALWAYS: [&str; 37] = [
+    "approach",
+    "area_fraction",
+    "area_fraction_corrected",
+    "complementarity",
+    "critical_eta",
+    "displacement",
+    "dt",
+    "e_star",
+    "effective_width",
+    "elastic_energy",
+    "eta",
+    "height",
+    "highest",
+    "length",
+    "load",
+    "lowest",
+    "m0",
+    "m2",
+    "m4",
+    "max_pressure",
+    "mean",
+    "mean_gap",
+    "mean_pressure",
+    "mean_pressure_in_contact",
+    "mean_shear",
+    "mean_traction",
+    "p_star",
+    "peak_to_valley",
+    "penetration",
+    "predicted_rate",
+    "pressure_deviation_in_contact",
+    "pressure_moment_2",
+    "rms_curvature",
+    "rms_gradient",
+    "rms_height",
+    "rms_laplacian",
+    "traction",
 ];
 
-/// The first key whose value is `null` although its number always has a meaning: the number is NaN or infinite.
+/// The first key of a number that is `null` although it always has a value: the number is NaN or infinite.
 pub fn undefined(report: &serde_json::Value) -> Option<&str> {
     fn find<'a>(key: &'a str, value: &'a serde_json::Value) -> Option<&'a str> {
         match value {
-            serde_json::Value::Null => Some(key),
+            serde_json::Value::Null => ALWAYS.contains(&key).then_some(key),
             serde_json::Value::Array(values) => values.iter().find_map(|value| find(key, value)),
             serde_json::Value::Object(entries) => {
-                // With a law, the ratio of area to load is undefined if attraction carries the load.
-                let with_law = entries.contains_key("interface_energy");
-                let nullable = |key: &str| {
-                    NULLABLE.contains(&key) || key == "unit" || with_law && ["kappa", "kappa_corrected"].contains(&key)
+                // What was asked of a surface, and how a search went, may lack any of them.
+                let parts =
+                    entries.iter().filter(|(key, _)| !["asked", "not_converged", "input"].contains(&key.as_str()));
+                let missing = |key: &str| {
+                    // Without a law the ratio of area to load is defined.
+                    let ratio = key == "kappa" && entries.contains_key("contact_nodes");
+                    ratio && !entries.contains_key("interface_energy")
                 };
-                let mut entries = entries.iter().filter(|(key, _)| !nullable(key));
-                entries.find_map(|(key, value)| find(key, value))
+                parts.into_iter().find_map(|(key, value)| match value {
+                    serde_json::Value::Null if missing(key) => Some(key.as_str()),
+                    value => find(key, value),
+                })
             }
             _ => None,
         }
     }
-    find("the result", report)
+    find("", report)
 }
 
 #[cfg(test)]
@@ -102,7 +108,9 @@ mod tests {
         let undefined = |text: &str| super::undefined(&serde_json::from_str(text).unwrap()).map(str::to_owned);
         assert_eq!(undefined(r#"{"loads":[{"kappa":1.0,"max_pressure":null}]}"#), Some("max_pressure".into()));
         assert_eq!(undefined(r#"{"length":[1.0,null],"unit":null}"#), Some("length".into()));
-        assert_eq!(undefined(r#"{"loads":[{"kappa":null}]}"#), Some("kappa".into()));
-        assert_eq!(undefined(r#"{"loads":[{"kappa":null,"interface_energy":1.0}],"nayak":null}"#), None);
+        assert_eq!(undefined(r#"{"loads":[{"kappa":null,"contact_nodes":1}]}"#), Some("kappa".into()));
+        let with_law = r#"{"loads":[{"kappa":null,"contact_nodes":1,"interface_energy":1.0}],"nayak":null}"#;
+        assert_eq!(undefined(with_law), None);
+        assert_eq!(undefined(r#"{"asked":{"rms_height":null},"new_key":null}"#), None);
     }
 }

@@ -1,6 +1,7 @@
 //! `kappa-sweep`: kappa in the thermodynamic, fractal and continuum limit, from many contacts.
 
 mod calibration;
+mod check;
 mod config;
 mod figures;
 mod file;
@@ -16,8 +17,9 @@ use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
 use gfmd_files::Output;
-use gfmd_sweep::{Keep, Plan, Preset, Pressed, Study, SweepError};
+use gfmd_sweep::{Extrapolation, Keep, Plan, Preset, Pressed, Study, SweepError};
 
+pub(crate) use check::check;
 pub use report::{PlanReport, Report};
 
 use crate::failure::Failure;
@@ -105,9 +107,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
         Failure::from(error).with(&kept)
     })?;
     let seconds = started.elapsed().as_secs_f64();
-    let path = file::write(&output, &study, &session.provenance(text), seconds)?;
-    let plots = figures::draw(&args.out, &study)?;
+    for Extrapolation { hurst, p_star, area, fit, .. } in &study.analysis.extrapolations {
+        let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
+        fit.warnings.iter().for_each(|warning| session.note(warning.code(), format!("{place}: {warning}")));
+    }
+    let kept = format!("; all runs are in {}, --resume continues", keeper.journal.path().display());
+    let path = file::write(&output, &study, &session.provenance(text), seconds).map_err(|error| error.with(&kept))?;
     keeper.journal.remove();
+    let plots = figures::draw(&args.out, &study)?;
     Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
 }
 

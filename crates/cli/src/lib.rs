@@ -18,8 +18,10 @@
 //! ```
 
 pub mod body;
+pub mod check;
 pub mod choice;
 pub mod contact;
+pub mod convergence;
 pub mod damping;
 pub mod elastic;
 pub mod failure;
@@ -35,6 +37,7 @@ pub mod path;
 pub mod program;
 pub mod progress;
 pub mod punch;
+pub mod resume;
 pub mod session;
 pub mod solver;
 pub mod source;

@@ -98,6 +98,15 @@ impl Recorded for State {
 }
 
 impl LoadRecord {
+    /// The record as TOML, which holds every number to the last bit, and NaN.
+    ///
+    /// # Errors
+    /// None for numbers.
+    pub fn to_toml(&self) -> Result<String, Failure> {
+        let table = toml::Table::try_from(self);
+        table.map(|table| table.to_string()).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
     /// Measures a state in units of `scales`.
     pub fn measure<S: Recorded>(state: &S, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
         let summary = state.summary_in(scales);

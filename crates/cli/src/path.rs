@@ -1,18 +1,20 @@
 //! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
+mod check;
 mod figures;
 mod file;
 mod record;
 mod report;
 mod waypoints;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Budget, Drive, Fields, Refusal, SolveError};
+use gfmd_contact::{Budget, Drive, Fields, Refusal, Resumable, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Reading, Refinement, Step};
@@ -23,15 +25,18 @@ use serde::Serialize;
 use self::file::PathFile;
 use self::record::Recorded;
 use self::waypoints::WaypointArgs;
+use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::memory::Held;
 use crate::progress::Progress;
+use crate::resume::{Kept, Part, ResumeArgs};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
+pub(crate) use self::check::{again, check};
 pub use self::record::{ResidualRecord, StepRecord};
 pub use self::report::{Head, Report, Sliding};
 
@@ -79,6 +84,9 @@ pub struct Args {
     /// Largest number of further solves per step, on average, to find the dissipated energy; 0 for none
     #[arg(long, default_value_t = Refinement::default().solves_per_step, value_name = "N")]
     energy_solves: u64,
+    #[command(flatten)]
+    #[serde(skip)]
+    resume: ResumeArgs,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -93,6 +101,12 @@ impl Args {
     fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
+
+    /// The resolved configuration as TOML.
+    fn config(&self) -> Result<String, Failure> {
+        let resolved = Self { source: self.source.resolved()?, ..self.clone() };
+        toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+    }
 }
 
 /// Runs the command.
@@ -100,7 +114,7 @@ impl Args {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Prepared::new(args)?.run(args, session)
+    Prepared::new(args, session)?.run(args, session)
 }
 
 /// The interaction between the surfaces.
@@ -119,7 +133,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(args: &Args) -> Result<Self, Failure> {
+    fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(1e-9..=0.1).contains(&args.energy_tol) {
@@ -133,7 +147,7 @@ impl Prepared {
             }
             None => Action::Law(args.law.build()?.into_shared()),
         };
-        let surface = args.source.surface()?;
+        let surface = args.source.surface(session)?;
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
         let fields = if all { Held::ALL_COMPONENTS } else { Held::PATH };
         fields.check("the grid", surface.grid.points())?;
@@ -163,7 +177,7 @@ impl Prepared {
         };
         let interface = interface.map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
-            tracing::warn!("{trapping}");
+            session.warn("lattice-trapping", trapping);
         }
         self.follow(&interface, args, session)
     }
@@ -173,33 +187,83 @@ impl Prepared {
     }
 
     /// Solves the problem along all drives, until a step fails.
-    fn follow<P: Quasistatic>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
+    fn follow<P>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
     where
-        P::State: Recorded,
+        P: Quasistatic + Resumable<State: Recorded>,
     {
         for (index, drive) in self.drives.iter().enumerate() {
             let checked = problem.check(*drive).and_then(|()| problem.check_resolution(*drive, args.tol));
             checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
         }
+        let mut kept = match &self.output {
+            Some(output) => {
+                let identity = session.identity(&args.config()?, &self.surface);
+                Some(Kept::open(output, identity, self.drives.len(), args.resume)?)
+            }
+            None => None,
+        };
+        let outcome = self.steps(problem, args, session, kept.as_mut());
+        if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept)
+        {
+            // The failure is the news; a disk that is full keeps what it has.
+            let _ = kept.flush();
+        }
+        let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
+        let Outcome { report, failure } = outcome.map_err(|failure| failure.with(&remark))?;
+        let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
+        let failure = match (failure, kept) {
+            (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(&remark)),
+            (failure, kept) => {
+                kept.into_iter().for_each(Kept::remove);
+                failure.map(|failure| failure.with(&written))
+            }
+        };
+        Ok(Outcome { report, failure })
+    }
+
+    /// Makes the steps that are not kept, and writes the file. An interrupted run whose state is kept has no file.
+    fn steps<P>(
+        &self,
+        problem: &P,
+        args: &Args,
+        session: &Session,
+        mut kept: Option<&mut Kept>,
+    ) -> Result<Outcome<Report>, Failure>
+    where
+        P: Quasistatic + Resumable<State: Recorded>,
+    {
         let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves };
         let mut path = Path::new(problem, args.budget(), refinement);
         let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
         let mut log = Log::new(self, args, session)?;
-        let (mut parted_at, mut failure) = (None, None);
-        for (index, drive) in self.drives.iter().enumerate() {
+        if let Some(kept) = &mut kept {
+            log.recall(kept, &mut path, &self.drives)?;
+            progress.advance(log.steps.len() as f64, "kept");
+        }
+        let (mut parted_at, mut failure, mut not_converged) = (None, None, None);
+        for (index, drive) in self.drives.iter().enumerate().skip(log.steps.len()) {
             let started = Instant::now();
+            let mut history = History::default();
             let mut watch = |now: &gfmd_contact::Progress| {
                 let note = format!("step {index}, iteration {}, residual {:.1e}", now.iteration, now.residual);
                 progress.advance(0.0, &note);
+                history.see(now.iteration, now.residual);
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let reached = path.step(*drive, &mut watch);
             let seconds = started.elapsed().as_secs_f64();
             let error = match (reached, path.state()) {
                 (Ok(step), Some(state)) => {
-                    log.write(state, &problem.reading(state), &step, seconds)?;
-                    let area = log.steps[index].area_fraction;
-                    progress.advance(1.0, &format!("p {:.3e}, area {area:.4}", log.steps[index].mean_pressure));
+                    let fields = log.write(state, &problem.reading(state), &step, seconds)?;
+                    let record = &log.steps[index];
+                    progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
+                    if let Some(kept) = &mut kept {
+                        kept.add(&Part { text: record.to_toml()?, fields });
+                        kept.keep_state(|visitor| {
+                            path.keep(visitor);
+                            log.visit_widest(visitor);
+                        })?;
+                    }
                     continue;
                 }
                 (Err(error), _) => error,
@@ -213,7 +277,12 @@ impl Prepared {
                     break;
                 }
                 SolveError::Interrupted { state } => (state, Failure::Interrupted("interrupted".into())),
-                SolveError::NotConverged { state, .. } => (state, Failure::Computation(text)),
+                SolveError::NotConverged { state, why, .. } => {
+                    let unmet = NotConverged::new(index, &*state, args.tol, &why, history);
+                    unmet.tell("step");
+                    not_converged = Some(unmet);
+                    (state, Failure::Computation(text))
+                }
             };
             failure = Some(stopped.at(&format!("step {index}")));
             let reading = problem.reading(&state);
@@ -221,13 +290,15 @@ impl Prepared {
             break;
         }
         progress.finish();
-        let out = log.file.map(|file| file.finish(&log.steps, self.drives.len())).transpose()?;
-        let mut report = Report { parted_at, out, ..Report::new(self.head(args), log.steps, args.steps as usize) };
+        let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
+        let file = log.file.filter(|_| !is_kept);
+        let out = file.map(|file| file.finish(&log.steps, self.drives.len(), not_converged.as_ref())).transpose()?;
+        let report = Report::new(self.head(args), log.steps, args.steps as usize);
+        let mut report = Report { parted_at, not_converged, out, ..report };
         if let (None, Some(prefix), Some((_, pressure))) = (&failure, &args.plots, &log.widest) {
             report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, pressure)?;
         }
-        let kept = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
-        Ok(Outcome { failure: failure.map(|failure| failure.with(&kept)), report })
+        Ok(Outcome { report, failure })
     }
 
     fn head(&self, args: &Args) -> Head {
@@ -256,6 +327,7 @@ struct Log<'a> {
     file: Option<PathFile<'a>>,
     /// The largest contact area, and its field of compressive pressure.
     widest: Option<(f64, Array2<f64>)>,
+    points: [usize; 2],
     unit_pressure: f64,
     tolerance: f64,
 }
@@ -268,22 +340,63 @@ impl<'a> Log<'a> {
             steps_of_leg: args.steps as usize,
             file: prepared.output.as_ref().map(create).transpose()?,
             widest: None,
+            points: prepared.surface.grid.points(),
             unit_pressure: prepared.body.material().contact_modulus() * prepared.surface.rms_gradient(),
             tolerance: args.tol,
         })
     }
 
-    fn write(&mut self, state: &impl Recorded, reading: &Reading, step: &Step, seconds: f64) -> Result<(), Failure> {
+    /// Takes over the steps that are kept, and continues the path from the last one.
+    fn recall<P>(&mut self, kept: &mut Kept, path: &mut Path<P>, drives: &[Drive]) -> Result<(), Failure>
+    where
+        P: Quasistatic + Resumable,
+    {
+        for index in 0..kept.finished() {
+            let Part { text, fields } = kept.part(index)?;
+            self.steps.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?);
+            if let (Some(file), false) = (&mut self.file, fields.is_empty()) {
+                file.write(index / self.steps_of_leg, &fields)?;
+            }
+        }
+        let (Some(mut stored), Some(index)) = (kept.state(), kept.finished().checked_sub(1)) else { return Ok(()) };
+        stored.restore(|visitor| {
+            path.resume(drives[index], visitor)?;
+            let points = self.points;
+            self.widest = Some((f64::NAN, Array2::zeros(points)));
+            self.visit_widest(visitor);
+            Ok::<_, Refusal>(())
+        })
+    }
+
+    /// Visits the largest contact area and its pressure; there are none before the first step.
+    fn visit_widest(&mut self, visitor: &mut dyn Visit) {
+        if let Some((area, pressure)) = &mut self.widest {
+            visitor.number(area);
+            pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        }
+    }
+
+    /// Records a step. Returns the fields that the file has of it, which are none between waypoints.
+    fn write(
+        &mut self,
+        state: &impl Recorded,
+        reading: &Reading,
+        step: &Step,
+        seconds: f64,
+    ) -> Result<Vec<Cow<'static, [f64]>>, Failure> {
         let index = self.steps.len();
+        let mut fields = Vec::new();
         if let (Some(file), true) = (&mut self.file, index.is_multiple_of(self.steps_of_leg)) {
-            file.write(index / self.steps_of_leg, state)?;
+            fields = file.fields(state);
+            file.write(index / self.steps_of_leg, &fields)?;
         }
         let p_star = reading.mean_pressure / self.unit_pressure;
         let record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
         if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
-            self.widest = Some((record.area_fraction, state.pressure().mapv(|p| p.max(0.0))));
+            let pressure = state.pressure().mapv(|p| p.max(0.0));
+            self.widest = Some((record.area_fraction, pressure.as_standard_layout().into_owned()));
         }
         self.steps.push(record);
-        Ok(())
+        Ok(fields)
     }
 }

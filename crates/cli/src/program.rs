@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
-use crate::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, surface};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -44,6 +44,8 @@ pub enum Command {
     Path(Box<path::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
+    /// Recompute the numbers of a result file from its inputs, and compare
+    Check(Box<check::Args>),
 }
 
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
@@ -123,6 +125,7 @@ impl Command {
             Self::Green(args) => print(&green::run(args)?, session),
             Self::Path(args) => conclude(path::run(args, session)?, session),
             Self::Law(args) => print(&law::run(args)?, session),
+            Self::Check(args) => conclude(check::run(args, session)?, session),
         }
     }
 }
@@ -132,8 +135,8 @@ impl Command {
 /// # Errors
 /// The reason; a standard output that cannot be written.
 pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -> Result<(), Failure> {
-    print(&outcome.report, session)?;
-    outcome.failure.map_or(Ok(()), Err)
+    let printed = print(&outcome.report, session);
+    outcome.failure.map_or(printed, Err)
 }
 
 /// Prints a report as a table, or as JSON with `--json`.
@@ -141,11 +144,11 @@ pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -
 /// # Errors
 /// A standard output that cannot be written.
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
-    let text = json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?;
+    let text = session.json(report)?;
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
     write(&if session.common.json { text + "\n" } else { report.to_string() })?;
-    match json::undefined(&numbers) {
+    match crate::json::undefined(&numbers) {
         Some(key) => Err(Failure::Computation(format!(
             "{key} is not finite; it must be, and other units of stress or length may make it so"
         ))),

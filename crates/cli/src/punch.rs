@@ -14,6 +14,7 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::Serialize;
 
+use crate::convergence::{History, NotConverged};
 use crate::elastic::{BodyArgs, HEIGHTS, parse_height, serialize_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
@@ -21,6 +22,7 @@ use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 
+mod check;
 mod comparison;
 mod figures;
 mod refinement;
@@ -29,6 +31,7 @@ mod report;
 use comparison::Reference;
 use report::scalars;
 
+pub(crate) use check::{again, check};
 pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;
@@ -234,7 +237,7 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        self.warn_of_large_strain(args);
+        self.warn_of_large_strain(args, session);
         let progress = Progress::new(&session.common, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
         let reference = self.reference.as_ref();
@@ -246,6 +249,7 @@ impl Prepared {
             if failure.is_none() {
                 let (finer, _, stopped) = self.press(args, grid, session, &progress)?;
                 pressures.push(finer.mean_pressure);
+                report.not_converged = finer.not_converged;
                 failure = stopped;
             }
         }
@@ -266,12 +270,14 @@ impl Prepared {
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })
     }
 
-    fn warn_of_large_strain(&self, args: &Args) {
+    fn warn_of_large_strain(&self, args: &Args, session: &Session) {
         let width = args.punch_fraction * args.length;
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
         for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
             let part = args.depth / length;
-            tracing::warn!("--depth: {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
+            let text =
+                format!("--depth: {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
+            session.warn("large-strain", text);
         }
     }
 
@@ -290,19 +296,15 @@ impl Prepared {
         progress: &Progress,
     ) -> Result<(Report, MixedSolution, Option<Failure>), Failure> {
         let started = Instant::now();
-        let points = self.punch.points(grid);
-        let refuse = |error: MixedError| Failure::Computation(error.to_string());
-        let prescribed = match args.contact {
-            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
-            ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
-        };
-        let problem =
-            prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed)).map_err(refuse)?;
+        let problem = self.problem(args, grid)?;
         let n = grid.points()[0];
+        let mut history = History::default();
         let mut watch = |now: &gfmd_relax::Progress| {
+            history.see(now.iteration, now.residual);
             progress.advance(0.0, &format!("n = {n}, iteration {}, residual {:.1e}", now.iteration, now.residual));
             if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
+        let mut not_converged = None;
         let (solution, failure) = match problem.solve(args.solver.into(), &args.budget(), &mut watch) {
             Ok(solution) => (solution, None),
             Err(MixedError::NotConverged { solution, asked, why }) => {
@@ -310,17 +312,32 @@ impl Prepared {
                     "n = {n} did not converge to {asked:e} in {} iterations ({why}): residual {:.1e}",
                     solution.iterations, solution.residual
                 );
+                let level = self.grids.iter().position(|other| other == grid).unwrap_or(0);
+                let unmet = NotConverged::of(level, vec![("residual", solution.residual)], asked, &why, history);
+                unmet.tell("grid");
+                not_converged = Some(unmet);
                 (*solution, Some(Failure::Computation(text)))
             }
             Err(MixedError::Interrupted { solution }) => {
                 (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
             }
-            Err(error) => return Err(refuse(error)),
+            Err(error) => return Err(Failure::Computation(error.to_string())),
         };
         progress.advance(1.0, &format!("n = {n}, residual {:.1e}", solution.residual));
         let seconds = started.elapsed().as_secs_f64();
-        let report = self.measure(args, grid, &points, &solution, seconds);
+        let report = Report { not_converged, ..self.measure(args, grid, &self.punch.points(grid), &solution, seconds) };
         Ok((report, solution, failure))
+    }
+
+    /// The boundary conditions on a grid.
+    fn problem(&self, args: &Args, grid: &Grid) -> Result<MixedProblem, Failure> {
+        let points = self.punch.points(grid);
+        let prescribed = match args.contact {
+            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
+            ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
+        };
+        let problem = prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed));
+        problem.map_err(|error| Failure::Computation(error.to_string()))
     }
 
     fn measure(
@@ -359,6 +376,7 @@ impl Prepared {
             seconds,
             comparison: None,
             refinement: None,
+            not_converged: None,
             peak_bytes: 0,
             out: None,
             plots: Vec::new(),
@@ -393,6 +411,7 @@ impl Prepared {
             let variable = Variable { dimensions: &[], units, long_name };
             archive.write(&format!("/punch/{name}"), &variable, &[value])?;
         }
+        report.not_converged.as_ref().map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         Ok(archive.finish()?)
     }
 }

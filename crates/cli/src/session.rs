@@ -6,9 +6,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use gfmd_files::Provenance;
+use gfmd_files::{Provenance, Warning, Warnings};
+use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::source::Surface;
 
 /// The commit that the program was built from, `unknown` if it is not known.
 pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
@@ -39,6 +41,7 @@ pub struct Session {
     /// The flags of every command.
     pub common: Common,
     interrupted: Arc<AtomicBool>,
+    warnings: Warnings,
 }
 
 impl Session {
@@ -82,7 +85,7 @@ impl Session {
 
     /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
-        Self { common, interrupted: Arc::new(AtomicBool::new(false)) }
+        Self { common, interrupted: Arc::new(AtomicBool::new(false)), warnings: Warnings::default() }
     }
 
     /// Asks the run to stop, as Ctrl-C does.
@@ -93,6 +96,45 @@ impl Session {
     /// Returns true if the user asked to stop.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that does
+    /// not change (docs/interface.md).
+    pub fn warn(&self, code: &'static str, text: impl fmt::Display) {
+        tracing::warn!("{text}");
+        self.note(code, text.to_string());
+    }
+
+    /// As [`warn`](Self::warn), for a remark that the printed report itself contains.
+    pub fn note(&self, code: &'static str, text: String) {
+        self.warnings.add(Warning { code, text });
+    }
+
+    /// The report of a command as one JSON object, with the warnings of the run.
+    ///
+    /// # Errors
+    /// An error of the serialisation of the report.
+    pub fn json(&self, report: &impl Serialize) -> Result<String, Failure> {
+        #[derive(Serialize)]
+        struct Remark {
+            code: &'static str,
+            text: String,
+        }
+        #[derive(Serialize)]
+        struct Whole<'a, R> {
+            #[serde(flatten)]
+            report: &'a R,
+            warnings: Vec<Remark>,
+        }
+        let remark = |Warning { code, text }| Remark { code, text };
+        let whole = Whole { report, warnings: self.warnings.list().into_iter().map(remark).collect() };
+        crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
+    /// The text that identifies a run by its version, configuration and surface: another run cannot continue it.
+    pub fn identity(&self, config: &str, surface: &Surface) -> String {
+        let version = env!("CARGO_PKG_VERSION");
+        format!("gfmd {version}, heights {}\n{config}", surface.checksum())
     }
 
     /// The provenance of a file written now; `config` is the resolved configuration.
@@ -106,6 +148,7 @@ impl Session {
             config,
             machine: machine(),
             threads: rayon::current_num_threads(),
+            warnings: self.warnings.clone(),
         }
     }
 }

@@ -1,8 +1,11 @@
 //! The rigid surface of a contact: read from a file and prepared for a periodic cell, or generated.
 
+use std::path::Path;
+use std::sync::OnceLock;
+
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Topography, Variable, contiguous};
+use gfmd_files::{Archive, Checksum, Dimension, Topography, Variable, contiguous, split_dataset};
 use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
 use ndarray::Array2;
 use serde::Serialize;
@@ -11,6 +14,7 @@ use crate::choice::{by_name, parse_choice};
 use crate::elastic::sides;
 use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
+use crate::session::Session;
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -67,6 +71,8 @@ pub struct Surface {
     pub statistics: Statistics,
     /// The origin of the heights and the operations on them.
     pub description: String,
+    /// The file that the heights were read from, and its SHA-256.
+    pub origin: Option<(String, String)>,
 }
 
 impl Surface {
@@ -80,6 +86,11 @@ impl Surface {
         self.unit.as_deref().unwrap_or("length")
     }
 
+    /// The SHA-256 of the heights, row by row.
+    pub fn checksum(&self) -> String {
+        Checksum::of_numbers(self.heights.iter().copied())
+    }
+
     /// Writes the group `/surface` of a file.
     ///
     /// # Errors
@@ -90,6 +101,14 @@ impl Surface {
         archive.write("/surface/height", &height, &contiguous(&self.heights))?;
         archive.attribute("/surface", "description", self.description.as_str())?;
         archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
+        archive.attribute("/surface", "height_sha256", self.checksum())?;
+        let [length_x, length_y] = self.grid.lengths();
+        archive.attribute("/surface", "length_x", length_x)?;
+        archive.attribute("/surface", "length_y", length_y)?;
+        if let Some((file, checksum)) = &self.origin {
+            archive.attribute("/surface", "file", file.as_str())?;
+            archive.attribute("/surface", "file_sha256", checksum.as_str())?;
+        }
         Ok(())
     }
 }
@@ -98,6 +117,17 @@ impl Surface {
 const ROUGH_SEAM: f64 = 2.0;
 
 impl SourceArgs {
+    /// The keys of these flags in a configuration.
+    pub(crate) fn names() -> Vec<&'static str> {
+        // The names live as long as the program; there are a few, and they are made once.
+        static NAMES: OnceLock<Vec<String>> = OnceLock::new();
+        let names = NAMES.get_or_init(|| {
+            let command = Self::augment_args(clap::Command::new("surface"));
+            command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+        });
+        names.iter().map(String::as_str).collect()
+    }
+
     /// The name of the surface in messages: its file, or `the generated surface`.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())
@@ -112,11 +142,11 @@ impl SourceArgs {
         Ok(Self { generator, ..self.clone() })
     }
 
-    /// Reads or generates the surface.
+    /// Reads or generates the surface; a doubtful one is warned of.
     ///
     /// # Errors
     /// A file that cannot be read or has points without a height; flags that do not fit.
-    pub fn surface(&self) -> Result<Surface, Failure> {
+    pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
         let (heights, grid, unit, mut description) = match &self.surface {
             Some(file) => self.read(file)?,
             None => {
@@ -131,15 +161,17 @@ impl SourceArgs {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
             if ratio > ROUGH_SEAM {
-                tracing::warn!(
+                let text = format!(
                     "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
                      roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
                     statistics.moments.rms_gradient(),
                     statistics.rms_gradient_inside
                 );
+                session.warn("rough-seam", text);
             }
         }
-        Ok(Surface { heights, grid, unit, statistics, description })
+        let origin = self.surface.as_deref().map(origin).transpose()?;
+        Ok(Surface { heights, grid, unit, statistics, description, origin })
     }
 
     /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
@@ -198,4 +230,11 @@ impl SourceArgs {
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
         Ok((heights, grid, topography.unit, description))
     }
+}
+
+/// The file of a surface, without the name of a dataset in it, and its checksum.
+pub(crate) fn origin(surface: &str) -> Result<(String, String), Failure> {
+    let file = split_dataset(surface).map_or(surface, |(file, _)| file);
+    let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok((file.into(), checksum))
 }

@@ -94,7 +94,7 @@ pub struct Asked {
 /// Flags or a file that cannot be used; an output that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
-    let surface = args.source.surface()?;
+    let surface = args.source.surface(session)?;
     let name = args.source.name();
     let (grid, statistics) = (surface.grid, &surface.statistics);
     let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::input(&name, error))?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use common::{gfmd, json};
-use gfmd_files::Reader;
+use gfmd_files::{Journal, Reader};
 
 const SMALL: &str = "
 [points]
@@ -81,10 +81,11 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
     json(folder.path(), &arguments("whole.h5"));
 
     let journal = folder.path().join("cut.h5.journal");
-    let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
+    // A record is two lines, and the first record is the head.
+    let records = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count() / 2);
     let mut resumed = arguments("cut.h5").to_vec();
     resumed.push("--resume");
-    // The first line is the head. The process is killed before the first run is finished, then each time after a few more.
+    // The process is killed before the first run is finished, then each time after a few more.
     for enough in [1, 2, 5, 9] {
         let before = std::fs::read_to_string(&journal).unwrap_or_default();
         let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
@@ -93,17 +94,18 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
             .stdout(Stdio::null())
             .spawn()
             .unwrap();
-        while lines() < enough && child.try_wait().unwrap().is_none() {
+        while records() < enough && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         child.kill().unwrap();
         child.wait().unwrap();
         assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
         let mut text = std::fs::read_to_string(&journal).unwrap();
-        let whole = before.rfind('\n').map_or(0, |last| last + 1);
+        let breaks: Vec<usize> = before.match_indices('\n').map(|(place, _)| place + 1).collect();
+        let whole = breaks.get((breaks.len() / 2 * 2).wrapping_sub(1)).copied().unwrap_or(0);
         assert!(text.starts_with(&before[..whole]), "finished runs were lost");
-        // Simulates a kill in the middle of a line.
-        text.push_str("{\"run\":3,\"loads\":[{\"mean_pre");
+        // Simulates a kill in the middle of a record.
+        text.push_str("00000000000001b5 5f3759df");
         std::fs::write(&journal, text).unwrap();
     }
     let refused = gfmd(folder.path(), &arguments("cut.h5"));
@@ -116,38 +118,35 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
 }
 
 #[test]
-fn a_bad_line_of_a_journal_is_named_and_the_journal_left_as_it_is() {
+fn a_damaged_record_of_a_journal_is_named_and_the_journal_left_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     write_config(folder.path());
-    let text = first_line(folder.path());
     let journal = folder.path().join("s.h5.journal");
-    for bad in ["{\"run\":1,\"loads\":[{\"kappa\":nu", "{\"run\":1,\"loads\":[null,null]}", "{\"run\":0,\"loads\":[]}"]
-    {
-        let text = format!("{text}{bad}\n{{\"run\":2,");
-        std::fs::write(&journal, &text).unwrap();
-        let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume", "-q"]);
-        let message = String::from_utf8_lossy(&output.stderr);
+    let config = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--show-config"]).stdout;
+    let config = serde_json::to_string(&String::from_utf8(config).unwrap()).unwrap();
+    let head = format!("{{\"version\":\"{}\",\"config\":{config}}}", env!("CARGO_PKG_VERSION"));
+    let resume = ["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume", "-q"];
+    let refuse = |words: &str| {
+        let before = std::fs::read(&journal).unwrap();
+        let output = gfmd(folder.path(), &resume);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{message}");
-        assert!(message.contains("s.h5.journal, line 2: "), "{message}");
-        assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
-    }
-}
-
-/// The first line of the journal of the sweep in `folder`.
-fn first_line(folder: &Path) -> String {
-    let config = gfmd(folder, &["kappa-sweep", "--config", "sweep.toml", "--show-config"]).stdout;
-    let config = String::from_utf8(config).unwrap();
-    serde_json::json!({ "version": env!("CARGO_PKG_VERSION"), "config": config }).to_string() + "\n"
-}
-
-#[test]
-fn a_journal_of_another_sweep_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    write_config(folder.path());
-    std::fs::write(folder.path().join("s.h5.journal"), "{\"version\":\"0\",\"config\":\"\"}\n").unwrap();
-    let output = gfmd(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--resume"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("another configuration"));
+        assert!(message.contains("s.h5.journal") && message.contains(words), "{message}");
+        assert_eq!(std::fs::read(&journal).unwrap(), before);
+    };
+    let records = Journal::open(&journal, head.as_bytes()).unwrap();
+    records.append(&["{\"run\":0,\"loads\":[]}", "{\"run\":1,\"loads\":[null,null]}"]).unwrap();
+    refuse("record 2: the run has 0 loads");
+    let mut bytes = std::fs::read(&journal).unwrap();
+    let middle = bytes.windows(7).position(|bytes| bytes == b"\"run\":0").unwrap();
+    bytes[middle] ^= 1;
+    std::fs::write(&journal, &bytes).unwrap();
+    refuse("record 2: the record is damaged");
+    std::fs::remove_file(&journal).unwrap();
+    Journal::open(&journal, b"{\"version\":\"0\",\"config\":\"\"}").unwrap();
+    refuse("another configuration");
+    std::fs::write(&journal, "a letter\n").unwrap();
+    refuse("not a journal");
 }
 
 #[test]

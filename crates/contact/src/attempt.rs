@@ -1,6 +1,4 @@
-use std::ops::ControlFlow;
-
-use gfmd_relax::{Budget, Ending, Progress, Watch};
+use gfmd_relax::{Budget, Ending, Onlooker, Variables as _, Visit, Watch};
 
 use crate::{Contact, Effort, Load};
 
@@ -34,9 +32,21 @@ impl Attempt<'_> {
         Budget { max_iterations, ..self.budget }
     }
 
-    /// The watcher of a part of the solve, which counts its iterations from zero.
-    pub(crate) fn onlooker(&mut self) -> impl FnMut(&Progress) -> ControlFlow<()> {
-        let before = self.effort.iterations;
-        move |now| self.watch.see(&Progress { iteration: before + now.iteration, ..*now })
+    /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the solve
+    /// outside of that part.
+    pub(crate) fn onlooker<F: FnMut(&mut dyn Visit)>(
+        &mut self,
+        mut outer: F,
+    ) -> Onlooker<'_, impl FnMut(&mut dyn Visit)> {
+        let Self { watch, effort, .. } = self;
+        let before = effort.iterations;
+        Onlooker {
+            watch: &mut **watch,
+            before,
+            outer: move |visitor: &mut dyn Visit| {
+                effort.visit(visitor);
+                outer(visitor);
+            },
+        }
     }
 }

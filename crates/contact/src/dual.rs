@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, RelaxError, Target};
+use gfmd_relax::{Variables, Visit};
 use gfmd_response::NormalTransforms;
 
 use crate::attempt::{Attempt, Ended};
@@ -91,6 +92,10 @@ impl Quadratic for Dual<'_> {
         transforms.convolve_rows(stiffness, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
     }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+    }
 }
 
 pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
@@ -109,28 +114,33 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => {
-            let at_most = |limit: u64, budget: Budget| {
-                let max_iterations = budget.max_iterations.min(limit);
-                Target { budget: Budget { max_iterations, ..budget }, ..target }
-            };
-            let patience = at_most(PATIENCE, target.budget);
-            let mut minimum = PreconditionedCg.minimise(&mut dual, x, &patience, attempt.watch)?;
-            for (is_preconditioned, limit) in [(false, LONGER_PATIENCE), (true, u64::MAX)] {
-                let Ending::GaveUp(_) = minimum.ending else { break };
-                attempt.effort.iterations += minimum.reached.iteration;
-                let rest = at_most(limit, attempt.budget_left());
-                if rest.budget.max_iterations == 0 {
-                    minimum.reached.iteration = 0;
-                    break;
-                }
-                let onlooker = &mut attempt.onlooker();
-                minimum = if is_preconditioned {
-                    PreconditionedCg.minimise(&mut dual, x, &rest, onlooker)?
-                } else {
-                    ProjectedCg.minimise(&mut dual, x, &rest, onlooker)?
-                };
+            // The parts of the search: preconditioned, without the preconditioner, and preconditioned again.
+            let mut part = 0;
+            if let Some(kept) = attempt.watch.recall() {
+                attempt.effort.visit(kept);
+                kept.small(&mut part);
             }
-            minimum
+            loop {
+                let Budget { tolerance, max_iterations } = attempt.budget_left();
+                let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
+                let budget = Budget { tolerance, max_iterations: max_iterations.min(limit) };
+                let target = Target { budget, ..target };
+                let plain = part == 1;
+                let minimum = {
+                    let mut onlooker = attempt.onlooker(|visitor| visitor.small(&mut part));
+                    if plain {
+                        ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    } else {
+                        PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    }
+                };
+                let is_over = part == 2 || minimum.reached.iteration >= max_iterations;
+                if is_over || !matches!(minimum.ending, Ending::GaveUp(_)) {
+                    break minimum;
+                }
+                attempt.effort.iterations += minimum.reached.iteration;
+                part += 1;
+            }
         }
     };
     attempt.effort.iterations += minimum.reached.iteration;

@@ -9,7 +9,9 @@
 //! With the augmented Lagrangian the wall acts by a force instead of clipping, so that the inertia may be close to the
 //! stiffness (theory.md, section 6.3).
 
-use gfmd_relax::{AugmentedLagrangian, Ending, Fire, Method, Nesterov, RelaxError, Verlet, Why, relax_until};
+use gfmd_relax::{
+    AugmentedLagrangian, Ending, Fire, Method, Nesterov, RelaxError, Variables, Verlet, Why, relax_until,
+};
 
 use crate::Load;
 use crate::attempt::{Attempt, Ended};
@@ -38,7 +40,7 @@ pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<Ended, Relax
         Load::Approach(approach) if attempt.contact.response.uniform_compliance() == 0.0 => {
             search_load(&mut attempt, motion, approach, start)?
         }
-        load => equilibrate(&mut attempt, motion, load, start)?,
+        load => equilibrate(&mut attempt, motion, load, start, None)?,
     };
     Ok(Ended { pressure, effort: attempt.effort, ending })
 }
@@ -48,21 +50,25 @@ fn equilibrate(
     motion: Motion,
     load: Load,
     start: Option<Vec<f64>>,
+    search: Option<&mut LoadSearch>,
 ) -> Result<(Vec<f64>, Ending), RelaxError> {
+    if let (None, Some(kept)) = (&search, attempt.watch.recall()) {
+        attempt.effort.visit(kept);
+    }
     let layer = Layer::new(attempt.contact, load, attempt.length_scale());
     let [softest, stiffest] = layer.band();
     match motion {
-        Motion::Fire => run(attempt, load, layer, &Fire::bitzek(Fire::largest_dt(stiffest)), start),
-        Motion::Fire2 => run(attempt, load, layer, &Fire::v2(Fire::largest_dt(stiffest)), start),
+        Motion::Fire => run(attempt, load, layer, &Fire::bitzek(Fire::largest_dt(stiffest)), start, search),
+        Motion::Fire2 => run(attempt, load, layer, &Fire::v2(Fire::largest_dt(stiffest)), start, search),
         Motion::AugmentedLagrangian => {
             let problem = AugmentedLagrangian::new(Sprung::new(layer));
-            run(attempt, load, problem, &Nesterov { tau: RELAXATION }, start)
+            run(attempt, load, problem, &Nesterov { tau: RELAXATION }, start, search)
         }
         Motion::VerletCritical => {
             let dt = SOURCE_TIME_STEP * 2.0 / stiffest.sqrt();
-            run(attempt, load, layer, &Verlet::critical(softest, stiffest, dt)?, start)
+            run(attempt, load, layer, &Verlet::critical(softest, stiffest, dt)?, start, search)
         }
-        Motion::Verlet => run(attempt, load, layer, &Verlet::optimal(softest, stiffest)?, start),
+        Motion::Verlet => run(attempt, load, layer, &Verlet::optimal(softest, stiffest)?, start, search),
     }
 }
 
@@ -73,6 +79,7 @@ fn run<'a, M: Method>(
     mut surface: impl Pressed<'a>,
     method: &M,
     start: Option<Vec<f64>>,
+    mut search: Option<&mut LoadSearch>,
 ) -> Result<(Vec<f64>, Ending), RelaxError> {
     let u = match &start {
         Some(pressure) => surface.layer().displacement(pressure),
@@ -81,7 +88,6 @@ fn run<'a, M: Method>(
     let u = surface.begin(u, start.as_deref());
     let mut state = method.start(&mut surface, u)?;
     let (contact, budget) = (attempt.contact, attempt.budget_left());
-    let mut pairs = 0.0;
     let ending = relax_until(
         &mut surface,
         method,
@@ -89,13 +95,17 @@ fn run<'a, M: Method>(
         &budget,
         &mut |surface, state| {
             let solution = contact.certified(surface.pressure(&state.u, &state.force), load);
-            pairs += solution.effort.transform_pairs;
+            surface.layer().count_certificate(solution.effort.transform_pairs);
             solution.residual.worst()
         },
-        &mut attempt.onlooker(),
+        &mut attempt.onlooker(|visitor| {
+            if let Some(search) = &mut search {
+                search.visit(visitor);
+            }
+        }),
     )?;
     attempt.effort.iterations += state.step;
-    attempt.effort.transform_pairs += pairs + surface.layer().pairs();
+    attempt.effort.transform_pairs += surface.layer().pairs();
     Ok((surface.pressure(&state.u, &state.force), ending))
 }
 
@@ -112,10 +122,14 @@ fn search_load(
         Some(pressure) => pressure.iter().sum::<f64>() / pressure.len() as f64,
         None => 0.1 * softest * approach,
     });
+    if let Some(kept) = attempt.watch.recall() {
+        attempt.effort.visit(kept);
+        search.visit(kept);
+    }
     let mut pressure = start;
     loop {
         let load = Load::MeanPressure(search.load());
-        let (found, ending) = equilibrate(attempt, motion, load, pressure.take())?;
+        let (found, ending) = equilibrate(attempt, motion, load, pressure.take(), Some(&mut search))?;
         if ending != Ending::Converged {
             return Ok((found, ending));
         }

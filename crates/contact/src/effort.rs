@@ -1,5 +1,7 @@
 use std::fmt;
 
+use gfmd_relax::{Variables, Visit};
+
 /// The effort of a solve, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
@@ -8,6 +10,13 @@ pub struct Effort {
     /// Number of pairs of a forward and an inverse real transform of one component on the full grid, including those of
     /// the certificate. A single transform is half a pair.
     pub transform_pairs: f64,
+}
+
+impl Variables for Effort {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(&mut self.iterations);
+        visitor.number(&mut self.transform_pairs);
+    }
 }
 
 impl fmt::Display for Effort {

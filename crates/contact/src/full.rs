@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Bounds, Budget, Landscape, Method, State, Verlet, Watch, relax_until, worst};
+use gfmd_relax::{Bounds, Budget, Landscape, Method, State, Verlet, Visit, Watch, relax_until, worst};
 use gfmd_response::{FullResponse, FullTransforms};
 use gfmd_vector::{pass, sum};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
@@ -138,15 +138,14 @@ impl Equilibrium for FullContact {
         let rigid = mean_pressure / (STIFFNESS_LENGTH * self.surface.rms_height());
         let verlet = Verlet::optimal(softest.min(rigid), stiffest)?;
         let mut state = verlet.start(&mut layer, self.starting_position(start)?)?;
-        let mut pairs = 0.0;
         let mut certify = |layer: &mut Layer, state: &State<_>| {
             let solution = self.certified(layer, state);
-            pairs += solution.effort().transform_pairs;
+            layer.certified += solution.effort().transform_pairs;
             solution.worst()
         };
         let ending = relax_until(&mut layer, &verlet, &mut state, budget, &mut certify, watch)?;
         let mut solution = self.certified(&layer, &state);
-        solution.normal.effort.transform_pairs += pairs + layer.transforms.pairs();
+        solution.normal.effort.transform_pairs += layer.certified + layer.transforms.pairs();
         judge(solution, ending, budget.tolerance)
     }
 }
@@ -200,6 +199,8 @@ struct Layer<'a> {
     /// K_zz(0), which is taken out of the elastic force: the push acts on the base of the body, too.
     uniform: f64,
     transforms: FullTransforms,
+    /// Number of pairs of transforms that certified states.
+    certified: f64,
 }
 
 impl<'a> Layer<'a> {
@@ -209,7 +210,7 @@ impl<'a> Layer<'a> {
         wall.extend(surface.clearance());
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let uniform = response.stiffness().matrices()[0].zz;
-        Self { contact, wall, push, uniform, transforms: FullTransforms::of(response) }
+        Self { contact, wall, push, uniform, transforms: FullTransforms::of(response), certified: 0.0 }
     }
 }
 
@@ -246,5 +247,10 @@ impl Landscape for Layer<'_> {
 
     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
         self.bounds().natural_residual(u, force, self.push, self.contact.surface.rms_height())
+    }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+        visitor.number(&mut self.certified);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Proximal};
+use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Proximal, Visit};
 use gfmd_response::NormalTransforms;
 use gfmd_vector::{add, for_each, pass};
 
@@ -24,6 +24,8 @@ pub(crate) struct Layer<'a> {
     /// The scale of lengths in the residual.
     length_scale: f64,
     transforms: NormalTransforms,
+    /// Number of pairs of transforms that certified states.
+    certified: f64,
 }
 
 impl Landscape for Layer<'_> {
@@ -54,6 +56,11 @@ impl Landscape for Layer<'_> {
     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
         self.bounds().natural_residual(u, force, self.force_scale, self.length_scale)
     }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+        visitor.number(&mut self.certified);
+    }
 }
 
 impl<'a> Layer<'a> {
@@ -69,7 +76,8 @@ impl<'a> Layer<'a> {
                 (Cow::from(stiffness), Cow::from(wall), 0.0, softest * length_scale)
             }
         };
-        Self { contact, stiffness, wall, push, force_scale, length_scale, transforms: NormalTransforms::of(response) }
+        let transforms = NormalTransforms::of(response);
+        Self { contact, stiffness, wall, push, force_scale, length_scale, transforms, certified: 0.0 }
     }
 
     /// The stiffnesses of the softest and of the stiffest mode.
@@ -85,7 +93,12 @@ impl<'a> Layer<'a> {
 
     /// Number of pairs of transforms so far.
     pub(crate) fn pairs(&self) -> f64 {
-        self.transforms.pairs()
+        self.certified + self.transforms.pairs()
+    }
+
+    /// Counts the pairs of transforms that certified a state.
+    pub(crate) fn count_certificate(&mut self, pairs: f64) {
+        self.certified += pairs;
     }
 
     /// The displacement of the surface under `pressure`.
@@ -194,6 +207,10 @@ impl Proximal for Sprung<'_> {
         let largest = |range: std::ops::Range<usize>| mismatch[range].iter().fold(0, |m, x| x.abs().to_bits().max(m));
         // Bit patterns of positive numbers have the order of the numbers, with NaN last.
         f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale
+    }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        self.layer.visit(visitor);
     }
 }
 

@@ -32,7 +32,7 @@
 //!
 //! Start at [`Contact`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
+//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod effort;
@@ -55,6 +55,7 @@ mod full;
 mod layer;
 mod load_search;
 mod pull_push;
+mod resumable;
 mod solve;
 
 pub use contact::Contact;
@@ -62,9 +63,10 @@ pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::Fields;
 pub use full::{FullContact, FullSolution};
-pub use gfmd_relax::{Budget, Progress, Watch, Why};
+pub use gfmd_relax::{Budget, Progress, Tape, Variables, Visit, Watch, Why};
 pub use load::{Drive, Load};
 pub use refusal::Refusal;
+pub use resumable::Resumable;
 pub use rigid_surface::RigidSurface;
 pub use solution::{Residual, Solution};
 pub use solve_error::{SolveError, judge};

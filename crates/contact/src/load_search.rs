@@ -1,3 +1,5 @@
+use gfmd_relax::{Variables, Visit};
+
 /// Search for the load at which a monotonic excess vanishes, by false position: every load is either too small or too
 /// large, and as soon as both are known the next one lies between them. If two tries in a row are on one side, the excess
 /// of the other side is halved (Illinois variant), so that no side is kept indefinitely.
@@ -8,6 +10,24 @@ pub(crate) struct LoadSearch {
     bracket: [Option<(f64, f64)>; 2],
     /// Index in `bracket` of the last load tried.
     last: Option<usize>,
+}
+
+impl Variables for LoadSearch {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.number(&mut self.load);
+        for side in &mut self.bracket {
+            let mut known = side.is_some();
+            visitor.flag(&mut known);
+            let (mut load, mut excess) = side.unwrap_or_default();
+            visitor.number(&mut load);
+            visitor.number(&mut excess);
+            *side = known.then_some((load, excess));
+        }
+        // 0 for none, else the side from 1.
+        let mut last = self.last.map_or(0, |side| side as u64 + 1);
+        visitor.count(&mut last);
+        self.last = (last.min(2) as usize).checked_sub(1);
+    }
 }
 
 impl LoadSearch {

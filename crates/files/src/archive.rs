@@ -8,8 +8,10 @@
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
+//! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input.
 
+mod content;
 mod reader;
 mod record;
 mod scale;
@@ -25,7 +27,7 @@ use std::path::PathBuf;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
-use crate::{FileError, Output};
+use crate::{FileError, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
@@ -53,6 +55,7 @@ pub struct Archive<'a> {
     file: Option<File>,
     /// Dimension scales by group and name.
     scales: BTreeMap<(String, String), Scale>,
+    warnings: Warnings,
 }
 
 impl<'a> Archive<'a> {
@@ -60,7 +63,8 @@ impl<'a> Archive<'a> {
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let part = output.part();
         let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
-        let mut archive = Self { output, file: Some(file), scales: BTreeMap::new() };
+        let mut archive =
+            Self { output, file: Some(file), scales: BTreeMap::new(), warnings: provenance.warnings.clone() };
         let texts = [
             ("program", &provenance.program),
             ("version", &provenance.version),
@@ -144,9 +148,12 @@ impl<'a> Archive<'a> {
     /// Completes the file, syncs it to the disk, and renames it to the target.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
         let part = self.output.part();
+        self.attribute("/", "warnings", self.warnings.lines())?;
         for scale in self.scales.values() {
             scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }
+        let sum = self.file()?.flush().and_then(|()| content::checksum(self.file.as_ref().ok_or("closed")?));
+        self.attribute("/", content::NAME, sum.map_err(|error| self.failed("(checksum)", &error))?)?;
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());
             if let Err(error) = closed {

@@ -3,6 +3,7 @@
 //! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
 //!   that name is valid until the new one is complete.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
+//! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
 //! - [`vti::Image`] writes fields for ParaView; [`npy`] reads and writes arrays of NumPy.
 //! - [`Topography`] reads height maps of instruments and programs.
 //!
@@ -23,16 +24,22 @@
 //! ```
 
 mod archive;
+mod checksum;
 mod error;
 mod fields;
+mod journal;
 pub mod npy;
 mod output;
 mod topography;
 pub mod vti;
+mod warning;
 
 pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
+pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::{axes, contiguous};
+pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{ListedChannel, Listing, Topography, TopographyError};
+pub use warning::{Warning, Warnings};

@@ -178,14 +178,14 @@ pub fn folder(path: &Path) -> &Path {
 }
 
 #[cfg(unix)]
-fn is_same_file(open: &File, path: &Path) -> bool {
+pub(crate) fn is_same_file(open: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
     matches!((open.metadata().map(identity), fs::metadata(path).map(identity)), (Ok(a), Ok(b)) if a == b)
 }
 
 #[cfg(not(unix))]
-fn is_same_file(_: &File, path: &Path) -> bool {
+pub(crate) fn is_same_file(_: &File, path: &Path) -> bool {
     path.exists() // An open file cannot be unlinked on this system.
 }
 

@@ -18,10 +18,13 @@ mod ibw;
 mod matlab;
 mod matrix;
 mod metropro;
+mod mi;
 mod nanoscope;
+mod nanosurf;
 mod netcdf;
 mod opd;
 mod opdx;
+mod plu;
 mod plux;
 mod sdf;
 mod sur;
@@ -39,7 +42,7 @@ use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
 
 /// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
-const FORMATS: [Format; 20] = [
+const FORMATS: [Format; 23] = [
     array::FORMAT,
     array::ARCHIVE,
     x3p::FORMAT,
@@ -57,6 +60,9 @@ const FORMATS: [Format; 20] = [
     opdx::FORMAT,
     al3d::FORMAT,
     metropro::FORMAT,
+    nanosurf::FORMAT,
+    mi::FORMAT,
+    plu::FORMAT,
     ibw::FORMAT,
     sdf::FORMAT,
     matrix::FORMAT,
@@ -165,16 +171,7 @@ impl Topography {
     pub fn list(name: &str) -> Result<Listing, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let (path, _) = archived::split(name).unwrap_or((name, ""));
-        let file = File::open(path).map_err(fail)?;
-        let (format, contents) = open(&file).map_err(fail)?;
-        let names = names(&contents.channels);
-        let listed = |(channel, name): (&Channel, String)| ListedChannel {
-            name,
-            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
-            points: channel.points,
-        };
-        let channels = contents.channels.iter().zip(names).map(listed).collect();
-        Ok(Listing { format: format.name, channels, default: contents.default })
+        File::open(path).and_then(|file| Listing::of(&file)).map_err(fail)
     }
 
     /// Returns an error with the number of undefined points and the first of them, if there are any.
@@ -230,6 +227,28 @@ impl Topography {
             notes: map.notes,
             source,
         })
+    }
+}
+
+impl Listing {
+    /// Lists the height maps of a file whose bytes are in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// An unknown format.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, TopographyError> {
+        Self::of(&File::from_bytes(bytes)).map_err(|reason| TopographyError { file: name.into(), reason })
+    }
+
+    fn of(file: &File) -> Result<Self, String> {
+        let (format, contents) = open(file)?;
+        let names = names(&contents.channels);
+        let listed = |(channel, name): (&Channel, String)| ListedChannel {
+            name,
+            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
+            points: channel.points,
+        };
+        let channels = contents.channels.iter().zip(names).map(listed).collect();
+        Ok(Self { format: format.name, channels, default: contents.default })
     }
 }
 

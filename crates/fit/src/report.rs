@@ -269,6 +269,25 @@ pub enum Warning {
     },
 }
 
+impl Warning {
+    /// The short name of the warning, for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::SingleLevel { .. } => "single-level",
+            Self::TermLeftOut { .. } => "term-left-out",
+            Self::ExponentHeld { .. } => "exponent-held",
+            Self::ExponentAtBound { .. } => "exponent-at-bound",
+            Self::RefitsAtBound { .. } => "refits-at-bound",
+            Self::NotSignificant { .. } => "not-significant",
+            Self::Interpolation => "interpolation",
+            Self::Misfit { .. } => "misfit",
+            Self::SingleRealisation { .. } => "single-realisation",
+            Self::FewRealisations { .. } => "few-realisations",
+            Self::FailedRefits { .. } => "failed-refits",
+        }
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {

@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Effort, Load};
+use gfmd_contact::{Drive, Effort, Load, Refusal};
 use gfmd_vector::{add, for_each, pass, reduce, sum};
-use ndarray::{Array2, Array3};
+use ndarray::{Array2, Array3, ArrayRef2};
 
 use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, lower, mean};
@@ -66,6 +66,23 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         lowest_curvature: f64::NAN,
         surface: Arc::clone(&interface.given),
         contact_modulus: interface.contact_modulus,
+    }
+}
+
+impl Interface {
+    /// The state that follows from a gap under `drive`, with its residuals, from new transforms. It applies to an interface
+    /// in u_z alone, whose displacement the gap determines.
+    ///
+    /// # Errors
+    /// An invalid drive; a gap of another shape than the grid, or an interface in all components.
+    pub fn certify(&self, gap: &ArrayRef2<f64>, drive: Drive) -> Result<State, Refusal> {
+        let frame = self.frame(drive)?;
+        let expected = frame.components() * frame.points();
+        if gap.len() != expected {
+            return Err(Refusal::Start { found: gap.len(), expected });
+        }
+        let position: Vec<f64> = frame.wall().zip(gap).map(|(wall, gap)| wall - gap).collect();
+        Ok(certify(self, &frame, &position))
     }
 }
 

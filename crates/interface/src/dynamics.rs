@@ -1,7 +1,9 @@
 //! Damped dynamics: slow, but it needs no energy, only the force. The time step follows from the stiffest mode of the body
 //! and the stiffness of the law (theory.md, section 8).
 
-use gfmd_relax::{Bounds, Budget, Ending, Fire, Landscape, Method as _, Progress, RelaxError, Watch, Why, relax_until};
+use gfmd_relax::{
+    Bounds, Budget, Ending, Fire, Landscape, Method as _, Onlooker, RelaxError, Visit, Watch, Why, relax_until,
+};
 use gfmd_response::Transforms;
 use gfmd_vector::{for_each, sum};
 
@@ -12,7 +14,7 @@ use crate::numbers::mean;
 use crate::{Interface, State};
 
 /// The largest number of runs. A run that diverged, or went uphill for too long, is repeated with half its time step.
-const ATTEMPTS: u32 = 8;
+const ATTEMPTS: u64 = 8;
 
 /// Relaxes by `engine`, a version of FIRE made from its largest time step.
 pub(crate) fn relax_to_rest(
@@ -35,7 +37,13 @@ pub(crate) fn relax_to_rest(
     motion.hold_means(&mut position);
     let mut stiffness = stiffest + interface.law.stiffness_bound(lowest);
     let (mut iterations, mut ending) = (0, Ending::GaveUp(Why::Unsettled));
-    for _ in 0..ATTEMPTS {
+    let mut attempt = 0;
+    if let Some(kept) = watch.recall() {
+        kept.count(&mut attempt);
+        kept.count(&mut iterations);
+        kept.number(&mut stiffness);
+    }
+    while attempt < ATTEMPTS {
         let method = engine(Fire::largest_dt(stiffness));
         let mut state = method.start(&mut motion, position.clone())?;
         let left = Budget { max_iterations: budget.max_iterations.saturating_sub(iterations), ..*budget };
@@ -45,7 +53,15 @@ pub(crate) fn relax_to_rest(
             &mut state,
             &left,
             &mut |_, state| certify(interface, frame, &state.u).residual.worst(),
-            &mut |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now }),
+            &mut Onlooker {
+                before: iterations,
+                outer: |visitor: &mut dyn Visit| {
+                    visitor.count(&mut attempt);
+                    visitor.count(&mut iterations);
+                    visitor.number(&mut stiffness);
+                },
+                watch: &mut *watch,
+            },
         )?;
         iterations += state.step;
         if let Ending::Converged | Ending::Interrupted | Ending::GaveUp(Why::Iterations | Why::Rounding) = run {
@@ -53,6 +69,7 @@ pub(crate) fn relax_to_rest(
             break;
         }
         stiffness *= 4.0;
+        attempt += 1;
     }
     Ok(Ended {
         position,
@@ -116,5 +133,9 @@ impl Landscape for Motion<'_> {
 
     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
         self.bounds().natural_residual(u, force, self.scale, self.interface.length_scale())
+    }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
     }
 }

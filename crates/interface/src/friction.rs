@@ -104,6 +104,11 @@ impl FrictionalContact {
         &self.given
     }
 
+    /// The state of `drive` before its solution, with all tractions as they are guessed.
+    pub(crate) fn at_start(&self, drive: Drive) -> FrictionState {
+        certify(&mut Increment::new(self, self.units.drive(drive), None))
+    }
+
     /// The number of lateral components.
     fn lateral_components(&self) -> usize {
         self.response.components().len() - 1
@@ -162,11 +167,7 @@ impl Equilibrium for FrictionalContact {
         }
         let (length, stress) = (self.units.length(), self.units.stress());
         let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
-        let given = |state: FrictionState| FrictionState {
-            surface: Arc::clone(&self.given),
-            contact_modulus: self.contact_modulus,
-            ..state.times(length, stress)
-        };
+        let given = |state: FrictionState| state.times(length, stress);
         let state =
             self.slip(self.units.drive(drive), budget, start.as_ref(), watch).map_err(|error| error.map(given))?;
         Units::check_pressure(state.mean_pressure * stress)?;

@@ -42,6 +42,7 @@ mod newton;
 mod numbers;
 mod path;
 mod problem;
+mod resumable;
 mod solve;
 mod state;
 

@@ -12,7 +12,7 @@ mod stability;
 mod trust_region;
 mod wall;
 
-use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
+use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why};
 
 use crate::ended::{End, Ended};
 use crate::frame::Frame;
@@ -31,7 +31,22 @@ pub(crate) fn descend(
 ) -> Ended {
     let mut descent = Descent::new(interface, frame, start);
     let mut iterations = 0;
+    // True if a jump on the way from the start to the state is an instability.
+    let mut has_start = start.is_some();
+    macro_rules! visit_all {
+        ($visitor:expr) => {{
+            let visitor: &mut dyn Visit = $visitor;
+            visitor.count(&mut iterations);
+            visitor.flag(&mut has_start);
+            descent.visit(visitor);
+        }};
+    }
+    if let Some(kept) = watch.recall() {
+        visit_all!(kept);
+        descent.balance();
+    }
     let end = loop {
+        watch.checkpoint(&mut |visitor| visit_all!(visitor));
         let residual = descent.release();
         if watch.see(&Progress { iteration: iterations, residual }).is_break() {
             break End::Ended(Ending::Interrupted);
@@ -59,7 +74,7 @@ pub(crate) fn descend(
             };
         }
     };
-    let (passed_instability, lowest_curvature) = (descent.met_negative && start.is_some(), descent.lowest);
+    let (passed_instability, lowest_curvature) = (descent.met_negative && has_start, descent.lowest);
     let (position, transform_pairs) = descent.into_position_and_pairs();
     Ended { position, iterations, transform_pairs, passed_instability, lowest_curvature, end }
 }

@@ -1,6 +1,6 @@
 //! Contacts along a path of drives, with the energy that each step loses (theory.md, section 8).
 
-use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, SolveError, Solver};
+use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Visit};
 use gfmd_relax::{Budget, Watch};
 
 use crate::{FrictionState, FrictionalContact, Interface, State};
@@ -131,6 +131,36 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     /// The last state.
     pub fn state(&self) -> Option<&P::State> {
         self.last.as_ref().map(|(state, _)| state)
+    }
+
+    /// Visits everything from which [`resume`](Self::resume) continues the path bit for bit; nothing before the first step.
+    pub fn keep(&mut self, visitor: &mut dyn Visit)
+    where
+        P: Resumable,
+    {
+        if let Some((state, _)) = &mut self.last {
+            self.problem.keep(state, visitor);
+            visitor.number(&mut self.exchanged);
+            visitor.count(&mut self.steps);
+            visitor.count(&mut self.allowance);
+        }
+    }
+
+    /// Continues a path after its step to `drive`, from what [`keep`](Self::keep) visited then.
+    ///
+    /// # Errors
+    /// An invalid drive.
+    pub fn resume(&mut self, drive: Drive, visitor: &mut dyn Visit) -> Result<(), Refusal>
+    where
+        P: Resumable,
+    {
+        let state = self.problem.restore(drive, visitor)?;
+        let reading = self.problem.reading(&state);
+        self.last = Some((state, reading));
+        visitor.number(&mut self.exchanged);
+        visitor.count(&mut self.steps);
+        visitor.count(&mut self.allowance);
+        Ok(())
     }
 
     /// Continues to `drive`. The first step loses no energy.

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver, Units, judge};
 use gfmd_law::HardWall;
-use gfmd_relax::{Budget, Fire, Watch};
+use gfmd_relax::{Budget, Fire, Progress, Watch};
 
 use crate::certify::certify;
 use crate::ended::{End, Ended};
@@ -23,7 +23,13 @@ impl Equilibrium for Interface {
         if let Load::MeanPressure(mean) = drive.load {
             Units::check_pressure(mean)?;
         }
-        self.frame(drive).map(drop)
+        drive.check()?;
+        self.frame(self.units.drive(drive)).map(drop).map_err(|refusal| match (refusal, drive.load) {
+            (Refusal::Approach { limit, .. }, Load::Approach(found)) => {
+                Refusal::Approach { found, limit: limit.map(|limit| limit * self.units.length()) }
+            }
+            (refusal, _) => refusal,
+        })
     }
 
     /// Attraction needs no least load: residuals are absolute. A wall alone needs a load that they resolve.
@@ -62,7 +68,7 @@ impl Equilibrium for Interface {
         }
         let (length, stress) = (self.units.length(), self.units.stress());
         let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
-        let given = |state: State| State { surface: Arc::clone(&self.given), ..state.times(length, stress) };
+        let given = |state: State| state.times(length, stress);
         match self.rest(self.units.drive(drive), solver, budget, start.as_ref(), watch) {
             Ok(state) => {
                 Units::check_pressure(state.mean_pressure * stress)?;
@@ -99,7 +105,11 @@ impl Interface {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            None if is_pressed && !self.is_wall_alone() => self.without_attraction(drive, budget, watch)?,
+            // A search that continues has its own position.
+            None if is_pressed && !self.is_wall_alone() && watch.recall().is_none() => {
+                // The search on the wall is short and writes no checkpoint.
+                self.without_attraction(drive, budget, &mut |now: &Progress| watch.see(now))?
+            }
             _ => None,
         };
         let start = start.or(on_wall.as_ref());

@@ -5,6 +5,35 @@ use crate::surface::Surface;
 use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
 impl MixedProblem {
+    /// The state of a traction, with its residual, from new transforms. The effort counts those alone.
+    ///
+    /// # Errors
+    /// A traction of another shape than the prescribed values.
+    pub fn certify(&self, traction: &Array3<f64>) -> Result<MixedSolution, MixedError> {
+        let shape = self.prescribed.shape();
+        let found = traction.dim().into();
+        if found != shape {
+            return Err(MixedError::Shape { what: "traction", found, expected: shape });
+        }
+        let mut surface = Surface::new(self);
+        surface.traction = traction.iter().copied().collect();
+        surface.certify();
+        Ok(self.solution(surface, 0))
+    }
+
+    fn solution(&self, surface: Surface, iterations: u64) -> MixedSolution {
+        let field = |values| {
+            Array3::from_shape_vec(self.prescribed.shape(), values).expect("one value for each entry of the shape")
+        };
+        MixedSolution {
+            residual: surface.residual(),
+            iterations,
+            transform_pairs: surface.transforms.pairs(),
+            displacement: field(surface.displacement),
+            traction: field(surface.traction),
+        }
+    }
+
     /// Finds displacement and traction of the whole surface.
     ///
     /// # Errors
@@ -19,15 +48,7 @@ impl MixedProblem {
             Method::VerletCritical => dynamics::verlet_critical(&mut surface, budget, watch)?,
             Method::Fire => dynamics::fire(&mut surface, budget, watch)?,
         };
-        let shape = self.prescribed.shape();
-        let field = |values| Array3::from_shape_vec(shape, values).expect("one value for each entry of the shape");
-        let solution = MixedSolution {
-            residual: surface.residual(),
-            displacement: field(surface.displacement),
-            traction: field(surface.traction),
-            iterations,
-            transform_pairs: surface.transforms.pairs(),
-        };
+        let solution = self.solution(surface, iterations);
         match ending {
             Ending::Converged => Ok(solution),
             Ending::Interrupted => Err(MixedError::Interrupted { solution: Box::new(solution) }),

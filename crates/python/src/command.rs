@@ -7,7 +7,7 @@ use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, status};
 use gfmd_cli::session::{Common, Session};
-use gfmd_cli::{body, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -66,32 +66,35 @@ type Report = Result<(String, Option<(&'static str, String)>), Failure>;
 
 fn report(command: &Command, session: &Session) -> Report {
     match command {
-        Command::Contact(args) => ended(contact::run(args, session)?),
-        Command::Punch(args) => ended(punch::run(args, session)?),
-        Command::Path(args) => ended(path::run(args, session)?),
-        Command::Body(args) => whole(&body::run(args, session)?),
-        Command::Surface(args) => whole(&surface::run(args, session)?),
-        Command::Damping(args) => whole(&damping::run(args, session)?),
-        Command::Green(args) => whole(&green::run(args)?),
-        Command::Law(args) => whole(&law::run(args)?),
+        Command::Check(args) => ended(check::run(args, session)?, session),
+        Command::Contact(args) => ended(contact::run(args, session)?, session),
+        Command::Punch(args) => ended(punch::run(args, session)?, session),
+        Command::Path(args) => ended(path::run(args, session)?, session),
+        Command::Body(args) => whole(&body::run(args, session)?, session),
+        Command::Surface(args) => whole(&surface::run(args, session)?, session),
+        Command::Damping(args) => whole(&damping::run(args, session)?, session),
+        Command::Green(args) => whole(&green::run(args)?, session),
+        Command::Law(args) => whole(&law::run(args)?, session),
         Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
-            kappa_sweep::Outcome::Done(report) => whole(&*report),
-            kappa_sweep::Outcome::Planned(plan) => whole(&plan),
-            kappa_sweep::Outcome::Config(text) => whole(&text),
+            kappa_sweep::Outcome::Done(report) => whole(&*report, session),
+            kappa_sweep::Outcome::Planned(plan) => whole(&plan, session),
+            kappa_sweep::Outcome::Config(text) => {
+                Ok((json::to_string(&text).map_err(|error| Failure::Computation(error.to_string()))?, None))
+            }
         },
     }
 }
 
-fn whole(report: &impl Serialize) -> Report {
-    Ok((json::to_string(report).map_err(|error| Failure::Computation(error.to_string()))?, None))
+fn whole(report: &impl Serialize, session: &Session) -> Report {
+    Ok((session.json(report)?, None))
 }
 
-fn ended(Outcome { report, failure }: Outcome<impl Serialize>) -> Report {
+fn ended(Outcome { report, failure }: Outcome<impl Serialize>, session: &Session) -> Report {
     let failure = failure.map(|failure| match failure {
         Failure::Interrupted(text) => ("interrupted", text),
         Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
     });
-    Ok((whole(&report)?.0, failure))
+    Ok((session.json(&report)?, failure))
 }
 
 /// The exit status of the program `gfmd` with these words, of which the first is its name.

@@ -3,7 +3,7 @@
 use gfmd_vector::{for_each, pass};
 
 use crate::{
-    Bounds, Landscape,
+    Bounds, Landscape, Visit,
     bounds::{Wall, within},
 };
 
@@ -30,6 +30,11 @@ pub trait Proximal {
     /// Dimensionless distance from the solution, computed from the difference of the two positions w and u of
     /// [`AugmentedLagrangian`].
     fn residual(&self, mismatch: &[f64]) -> f64;
+
+    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let _ = visitor;
+    }
 }
 
 /// A [`Proximal`] problem as a [`Landscape`] without bounds, with inertia K + ϱ and a force in place of the bounds: the
@@ -110,5 +115,9 @@ impl<P: Proximal> Landscape for AugmentedLagrangian<P> {
 
     fn residual(&self, _: &[f64], force: &[f64]) -> f64 {
         self.problem.residual(force)
+    }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        self.problem.visit(visitor);
     }
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use gfmd_vector::{add, pass, reduce};
 
 use crate::{
-    Landscape, Method, RelaxError, State,
+    Landscape, Method, RelaxError, State, Variables, Visit,
     bounds::{Wall, within},
 };
 
@@ -71,6 +71,17 @@ pub struct Flight {
     pub downhill: u32,
     /// Number of steps uphill since the last step downhill.
     pub uphill: u32,
+}
+
+impl Variables for Flight {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { velocity, dt, alpha, downhill, uphill } = self;
+        visitor.field(velocity);
+        visitor.number(dt);
+        visitor.number(alpha);
+        visitor.small(downhill);
+        visitor.small(uphill);
+    }
 }
 
 impl Fire {

@@ -1,6 +1,6 @@
 //! The interface between relaxation methods and problems.
 
-use crate::Bounds;
+use crate::{Bounds, Visit};
 
 /// An energy U(u) to be minimised over the u within [`Landscape::bounds`].
 ///
@@ -71,4 +71,9 @@ pub trait Landscape {
     /// defined by the problem, because methods do not know the scales of forces and lengths;
     /// [`Bounds::natural_residual`] with the scales of the problem is a good choice (theory.md, section 6.6).
     fn residual(&self, u: &[f64], force: &[f64]) -> f64;
+
+    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let _ = visitor;
+    }
 }

@@ -3,7 +3,7 @@
 use gfmd_vector::{pass, reduce};
 
 use crate::{
-    Landscape, Method, RelaxError, State,
+    Landscape, Method, RelaxError, State, Variables, Visit,
     bounds::{Wall, within},
 };
 
@@ -28,6 +28,14 @@ pub struct Momentum {
     pub age: f64,
     /// Length of the last step x₊ − y.
     pub length: f64,
+}
+
+impl Variables for Momentum {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.field(&mut self.previous);
+        visitor.number(&mut self.age);
+        visitor.number(&mut self.length);
+    }
 }
 
 impl Nesterov {

@@ -2,7 +2,7 @@
 
 use std::{io, ops::ControlFlow};
 
-use crate::Status;
+use crate::{Status, Visit};
 
 /// An observer, which reads the state without changing it and may stop the run. Logs, traces, checkpoint files and the
 /// handling of Ctrl-C are observers outside of this crate.
@@ -28,6 +28,11 @@ use crate::Status;
 pub trait Observer<S> {
     /// Sees the state of one step. `Break` ends the run with [`Outcome::Interrupted`](crate::Outcome::Interrupted).
     fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>>;
+
+    /// Is called before [`observe`](Self::observe) with a function that visits all variables of the run.
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let _ = variables;
+    }
 }
 
 impl<S> Observer<S> for () {

@@ -3,7 +3,7 @@ use gfmd_vector::pass;
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, total, turn,
 };
-use crate::{Ending, RelaxError, Watch, Why};
+use crate::{Ending, RelaxError, Visit, Watch, Why};
 
 /// The constrained conjugate gradients of Polonsky and Keer (1999), theory.md, section 7: conjugate directions on the
 /// variables that are positive, restarted whenever a variable at zero has to leave it.
@@ -39,7 +39,22 @@ impl PolonskyKeer {
         let mut residual_before = 1.0;
         let mut conjugate = false;
         let mut iteration = 0;
+        macro_rules! visit_all {
+            ($visitor:expr) => {{
+                let visitor: &mut dyn Visit = $visitor;
+                visitor.field(x);
+                visitor.field(&mut direction);
+                visitor.number(&mut residual_before);
+                visitor.flag(&mut conjugate);
+                visitor.count(&mut iteration);
+                problem.visit(visitor);
+            }};
+        }
+        if let Some(kept) = watch.recall() {
+            visit_all!(kept);
+        }
         loop {
+            watch.checkpoint(&mut |visitor| visit_all!(visitor));
             problem.apply(x, &mut gradient);
             let (sum, positive) = add_linear(problem.linear(), x, &mut gradient);
             let multiplier = if target.mean.is_some() { sum / positive as f64 } else { 0.0 };

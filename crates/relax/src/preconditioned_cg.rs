@@ -1,7 +1,7 @@
 use gfmd_vector::{add, for_each, pass, reduce};
 
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Optimality, Quadratic, Target, rescale, total};
-use crate::{Ending, RelaxError, Watch, Why};
+use crate::{Ending, RelaxError, Visit, Watch, Why};
 
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
 /// ([`Quadratic::precondition`]). An iteration takes one image and one preconditioning.
@@ -60,7 +60,25 @@ impl PreconditionedCg {
         let mut iteration = 0;
         problem.apply(x, &mut gradient);
         let mut sums = measure(problem.linear(), &mut gradient, x, &step, multiplier);
+        macro_rules! visit_all {
+            ($visitor:expr) => {{
+                let visitor: &mut dyn Visit = $visitor;
+                for field in [&mut *x, &mut gradient, &mut other_gradient, &mut last_step] {
+                    visitor.field(field);
+                }
+                visitor.number(&mut multiplier);
+                visitor.number(&mut length);
+                visitor.flag(&mut settled);
+                visitor.count(&mut iteration);
+                sums.visit(visitor);
+                problem.visit(visitor);
+            }};
+        }
+        if let Some(kept) = watch.recall() {
+            visit_all!(kept);
+        }
         loop {
+            watch.checkpoint(&mut |visitor| visit_all!(visitor));
             let shift = if target.mean.is_some() { sums.positive_gradient / sums.positive as f64 } else { 0.0 };
             multiplier += shift;
             let optimality = sums.optimality(shift, target.gradient_scale);
@@ -138,6 +156,16 @@ impl Sums {
     fn optimality(&self, shift: f64, scale: f64) -> Optimality {
         let complementarity = if self.x > 0.0 { (self.x_gradient / self.x - shift) / scale } else { 0.0 };
         Optimality { complementarity, violation: (shift - self.lowest).max(0.0) / scale }
+    }
+
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { x, x_gradient, positive, positive_gradient, lowest, slope, clipped } = self;
+        visitor.numbers(&mut [x, x_gradient, positive_gradient, lowest, slope]);
+        for number in [positive, clipped] {
+            let mut count = *number as u64;
+            visitor.count(&mut count);
+            *number = count as usize;
+        }
     }
 
     fn see(&mut self, x: f64, gradient: f64, step: f64) {

@@ -3,7 +3,7 @@ use gfmd_vector::{add, for_each, pass};
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, total, turn,
 };
-use crate::{Ending, RelaxError, Watch, Why};
+use crate::{Ending, RelaxError, Visit, Watch, Why};
 
 /// Projected conjugate gradients that are never restarted when the set of positive variables changes (Vollebregt 2014,
 /// Bugnicourt et al. 2018).
@@ -37,7 +37,22 @@ impl ProjectedCg {
         let mut direction = vec![0.0; n];
         let mut product_before = 0.0;
         let mut iteration = 0;
+        macro_rules! visit_all {
+            ($visitor:expr) => {{
+                let visitor: &mut dyn Visit = $visitor;
+                visitor.field(x);
+                visitor.field(&mut residual);
+                visitor.field(&mut direction);
+                visitor.number(&mut product_before);
+                visitor.count(&mut iteration);
+                problem.visit(visitor);
+            }};
+        }
+        if let Some(kept) = watch.recall() {
+            visit_all!(kept);
+        }
         loop {
+            watch.checkpoint(&mut |visitor| visit_all!(visitor));
             std::mem::swap(&mut residual, &mut residual_before);
             problem.apply(x, &mut residual);
             let (sum, positive) = add_linear(problem.linear(), x, &mut residual);

@@ -1,6 +1,6 @@
 use gfmd_vector::{for_each, pass, reduce};
 
-use crate::{Budget, Divergence, Ending, Progress, RelaxError, Watch, Why, worst};
+use crate::{Budget, Divergence, Ending, Progress, RelaxError, Visit, Watch, Why, worst};
 
 /// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
 /// conjugate-gradient methods. A is symmetric and positive (semi-)definite, and only its action is needed.
@@ -16,6 +16,10 @@ pub trait Quadratic {
     /// zero with a gradient below the multiplier. M depends on the free set; it is symmetric positive definite and
     /// approximates A⁻¹ on this set. Overestimating A⁻¹ is safer than underestimating it.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]);
+    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let _ = visitor;
+    }
 }
 
 /// The constraint and the accuracy of a minimisation.

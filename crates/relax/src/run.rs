@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::{Bounds, Divergence, Landscape, Observer, RelaxError};
+use crate::{Bounds, Divergence, Landscape, Observer, RelaxError, Variables, Visit};
 
 /// A run counts as diverged if its energy exceeds [`State::energy_scale`] by this factor. A stable scheme started from
 /// rest stays far below: the strongest transient, that of the stiffest mode under optimal damping, has a factor of
@@ -12,7 +12,7 @@ const GROWTH: f64 = 1e8;
 /// A relaxation method; it contains parameters only, no memory.
 pub trait Method {
     /// Variables of the method in addition to those of every [`State`].
-    type Memory;
+    type Memory: Variables;
 
     /// Starts at the allowed point nearest to `u`, at rest. Costs one evaluation of the force.
     fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<State<Self::Memory>, RelaxError>;
@@ -43,6 +43,20 @@ pub struct State<Memory> {
     pub energy_scale: f64,
     /// Variables of the method.
     pub memory: Memory,
+}
+
+impl<Memory: Variables> Variables for State<Memory> {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { u, force, energy, step, settled, evaluations, energy_scale, memory } = self;
+        visitor.field(u);
+        visitor.field(force);
+        visitor.number(energy);
+        visitor.count(step);
+        visitor.count(settled);
+        visitor.count(evaluations);
+        visitor.number(energy_scale);
+        memory.visit(visitor);
+    }
 }
 
 impl<Memory> State<Memory> {
@@ -148,6 +162,10 @@ pub fn relax<M: Method>(
     state.check(problem)?;
     problem.bounds().check(state.u.len())?;
     loop {
+        watch.checkpoint(&mut |visitor| {
+            state.visit(visitor);
+            problem.visit(visitor);
+        });
         let now = state.status(problem);
         let divergence = state.divergence().or((!now.residual.is_finite()).then_some(Divergence::NotFinite));
         if let Some(reason) = divergence {

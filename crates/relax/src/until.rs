@@ -1,7 +1,9 @@
 use std::ops::ControlFlow;
 
-use crate::{Budget, Divergence, Ending, Landscape, Method, Outcome, Progress, RelaxError, State, Status, Stop, Watch};
-use crate::{Why, relax};
+use crate::{
+    Budget, Divergence, Ending, Landscape, Method, Observer, Outcome, Progress, RelaxError, State, Status, Stop,
+};
+use crate::{Variables as _, Visit, Watch, Why, relax};
 
 /// Number of steps for which the set of entries at their bounds must not have changed (theory.md, section 6.6).
 const SETTLED: u64 = 20;
@@ -21,12 +23,15 @@ pub fn relax_until<L: Landscape, M: Method>(
     certify: &mut dyn FnMut(&mut L, &State<M::Memory>) -> f64,
     watch: &mut dyn Watch,
 ) -> Result<Ending, RelaxError> {
-    let mut observe = |now: &Status, _: &State<M::Memory>| -> std::io::Result<ControlFlow<()>> {
-        Ok(watch.see(&Progress { iteration: now.step, residual: now.residual }))
-    };
     let mut stop = Stop { residual: budget.tolerance, settled: SETTLED, max_steps: budget.max_iterations };
+    if let Some(kept) = watch.recall() {
+        kept.number(&mut stop.residual);
+        state.visit(kept);
+        landscape.visit(kept);
+    }
     loop {
-        let now = match relax(landscape, method, state, &stop, &mut observe) {
+        let mut observer = Watched { watch: &mut *watch, target: stop.residual };
+        let now = match relax(landscape, method, state, &stop, &mut observer) {
             Ok(Outcome::Converged(now)) => now,
             Ok(Outcome::Interrupted(_)) => return Ok(Ending::Interrupted),
             Err(RelaxError::NotConverged { .. }) => return Ok(Ending::GaveUp(Why::Iterations)),
@@ -49,5 +54,26 @@ pub fn relax_until<L: Landscape, M: Method>(
         if stop.residual < f64::EPSILON {
             return Ok(Ending::GaveUp(Why::Rounding));
         }
+    }
+}
+
+/// The watcher of a whole search as the observer of one run.
+struct Watched<'a> {
+    watch: &'a mut dyn Watch,
+    /// The residual at which the run ends.
+    target: f64,
+}
+
+impl<S> Observer<S> for Watched<'_> {
+    fn observe(&mut self, now: &Status, _: &S) -> std::io::Result<ControlFlow<()>> {
+        Ok(self.watch.see(&Progress { iteration: now.step, residual: now.residual }))
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let Self { watch, target } = self;
+        watch.checkpoint(&mut |visitor| {
+            visitor.number(target);
+            variables(visitor);
+        });
     }
 }

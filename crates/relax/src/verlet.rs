@@ -3,7 +3,7 @@
 use gfmd_vector::pass;
 
 use crate::{
-    Damping, Landscape, Method, RelaxError, State,
+    Damping, Landscape, Method, RelaxError, State, Variables, Visit,
     bounds::{Wall, within},
 };
 
@@ -52,6 +52,13 @@ pub struct Trail {
     pub previous: Vec<f64>,
     /// True at rest, u₋ = u.
     pub at_rest: bool,
+}
+
+impl Variables for Trail {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.field(&mut self.previous);
+        visitor.flag(&mut self.at_rest);
+    }
 }
 
 impl Verlet {

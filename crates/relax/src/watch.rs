@@ -1,5 +1,7 @@
 use std::ops::ControlFlow;
 
+use crate::Visit;
+
 /// Progress of a running search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
@@ -27,6 +29,47 @@ pub struct Progress {
 pub trait Watch {
     /// Is called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
     fn see(&mut self, now: &Progress) -> ControlFlow<()>;
+
+    /// Is called between two iterations with a function that visits all variables of the search. A watcher that keeps
+    /// checkpoints passes it a visitor that writes; by default nothing happens.
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let _ = variables;
+    }
+
+    /// Returns the checkpoint from which the search continues, as a visitor that reads. Each part of a search that writes
+    /// variables takes its own from it at its start, in the order in which [`checkpoint`](Self::checkpoint) visits them.
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        None
+    }
+}
+
+/// A watcher of a part of a search: it counts the iterations before that part, and writes the variables of the whole before
+/// those of the part.
+pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
+    /// The watcher of the whole search.
+    pub watch: &'a mut dyn Watch,
+    /// Number of iterations before this part.
+    pub before: u64,
+    /// Visits the variables of the whole.
+    pub outer: F,
+}
+
+impl<F: FnMut(&mut dyn Visit)> Watch for Onlooker<'_, F> {
+    fn see(&mut self, now: &Progress) -> ControlFlow<()> {
+        self.watch.see(&Progress { iteration: self.before + now.iteration, ..*now })
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let Self { watch, outer, .. } = self;
+        watch.checkpoint(&mut |visitor| {
+            outer(visitor);
+            variables(visitor);
+        });
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        self.watch.recall()
+    }
 }
 
 impl Watch for () {

@@ -143,6 +143,14 @@ impl Transforms {
             Self::Full(full) => full.pairs(),
         }
     }
+
+    /// The counter of transforms, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        match self {
+            Self::Normal(normal) => normal.counter(),
+            Self::Full(full) => full.counter(),
+        }
+    }
 }
 
 /// The transforms of a [`NormalResponse`], with their memory and a counter.
@@ -186,6 +194,11 @@ impl NormalTransforms {
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
+
+    /// The counter of single transforms, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        &mut self.singles
+    }
 }
 
 /// The transforms of a [`FullResponse`], with their memory and a counter.
@@ -221,6 +234,11 @@ impl FullTransforms {
     /// Forward and inverse transforms of one component so far, in pairs.
     pub fn pairs(&self) -> f64 {
         self.pairs as f64
+    }
+
+    /// The counter of pairs, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        &mut self.pairs
     }
 }
 

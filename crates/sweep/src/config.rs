@@ -480,7 +480,7 @@ impl Config {
 
 impl SolverConfig {
     /// Tolerance and iterations.
-    pub(crate) fn budget(&self) -> Budget {
+    pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 }

@@ -41,11 +41,12 @@ impl<'a> Volume<'a> {
         planes: &Planes,
         quantities: &[Quantity],
         provenance: &Provenance,
+        origin: &(String, String),
     ) -> Result<Self, Failure> {
         let extension = output.path().extension().map(|extension| extension.to_ascii_lowercase());
         let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("vti") => image(output, planes, quantities)?,
-            Some("h5" | "hdf5") => archive(output, planes, quantities, provenance)?,
+            Some("h5" | "hdf5") => archive(output, planes, quantities, provenance, origin)?,
             _ => return Err(Failure::value("--out", output.path().display(), "NAME.h5 or NAME.vti")),
         };
         let components = |quantity| match sink {
@@ -95,9 +96,12 @@ fn archive<'a>(
     planes: &Planes,
     quantities: &[Quantity],
     provenance: &Provenance,
+    (input, checksum): &(String, String),
 ) -> Result<Sink<'a>, Failure> {
     let (grid, unit) = (planes.grid, planes.unit);
     let mut archive = Archive::create(output, provenance)?;
+    archive.attribute("/input", "file", input.as_str())?;
+    archive.attribute("/input", "file_sha256", checksum.as_str())?;
     let depth = Dimension::values("depth", planes.depths.to_vec(), unit, "depth below the surface");
     if let Some(height) = planes.height {
         let z: Vec<f64> = planes.depths.iter().map(|depth| height - depth).collect();

@@ -1,5 +1,6 @@
 //! The HDF5 file of a contact.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_contact::Fields;
@@ -8,6 +9,7 @@ use gfmd_measure::Column;
 
 use ndarray::{CowArray, Ix2};
 
+use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, columns};
 use crate::source::Surface;
@@ -53,7 +55,23 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&mut self, index: usize, state: &impl Fields) -> Result<(), Failure> {
-        self.write_fields(index, [state.pressure(), state.displacement_z().into(), state.gap().into()])
+        self.write_fields(index, Self::fields(state))
+    }
+
+    /// The fields of a state, in the order of the file: pressure, displacement and gap.
+    pub fn fields(state: &impl Fields) -> [CowArray<'_, f64, Ix2>; 3] {
+        [state.pressure(), state.displacement_z().into(), state.gap().into()]
+    }
+
+    /// As [`write`](Self::write), from the values of the fields row by row.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        for ((path, ..), field) in FIELDS.iter().zip(fields) {
+            self.archive.write_slab(path, index, field)?;
+        }
+        Ok(())
     }
 
     /// Writes pressure, displacement and gap of one load.
@@ -71,7 +89,12 @@ impl<'a> ContactFile<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(mut self, loads: &[LoadRecord], count: usize) -> Result<PathBuf, Failure> {
+    pub fn finish(
+        mut self,
+        loads: &[LoadRecord],
+        count: usize,
+        not_converged: Option<&NotConverged>,
+    ) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
         for Column { name, units, long_name, value } in columns(self.with_law) {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
@@ -81,6 +104,7 @@ impl<'a> ContactFile<'a> {
                 &values,
             )?;
         }
+        not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
         Ok(self.archive.finish()?)
     }
 }

@@ -90,7 +90,7 @@ fn exact(seed: u64) -> i64 {
 }
 
 /// The record of a load, as in files of `contact`. A load that does not converge ends the sweep, so every load here has.
-fn record(load: &Pressed) -> LoadRecord {
+pub(super) fn record(load: &Pressed) -> LoadRecord {
     LoadRecord::of(&load.summary, load.approach, load.effort, load.residual.into(), true, f64::NAN)
 }
 

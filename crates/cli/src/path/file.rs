@@ -1,11 +1,13 @@
 //! The HDF5 file of a path.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 
 use super::record::{Recorded, SCALARS};
 use super::{Args, Prepared, StepRecord};
+use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -23,9 +25,7 @@ impl<'a> PathFile<'a> {
         all: bool,
         session: &Session,
     ) -> Result<Self, Failure> {
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        let mut archive = Archive::create(output, &session.provenance(config))?;
+        let mut archive = Archive::create(output, &session.provenance(args.config()?))?;
         let unit = prepared.surface.unit();
         let [x, y] = axes(&prepared.surface.grid, unit);
         prepared.surface.write(&mut archive, [&x, &y])?;
@@ -49,22 +49,33 @@ impl<'a> PathFile<'a> {
         Ok(Self { archive, shears })
     }
 
-    pub(super) fn write(&mut self, waypoint: usize, state: &impl Recorded) -> Result<(), Failure> {
-        self.archive.write_slab("/fields/pressure", waypoint, &contiguous(&state.pressure()))?;
-        self.archive.write_slab("/fields/gap", waypoint, &contiguous(&state.gap()))?;
-        for (name, shear) in self.shears.iter().zip(state.traction().outer_iter()) {
-            self.archive.write_slab(&format!("/fields/{name}"), waypoint, &contiguous(&shear))?;
+    /// The fields of a state that the file has at a waypoint, in its order.
+    pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
+        let shears = state.traction().outer_iter().take(self.shears.len());
+        let normal = [contiguous(&state.pressure()).into_owned(), contiguous(&state.gap()).into_owned()];
+        normal.into_iter().chain(shears.map(|shear| contiguous(&shear).into_owned())).map(Into::into).collect()
+    }
+
+    pub(super) fn write(&mut self, waypoint: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        for (name, field) in ["pressure", "gap"].iter().chain(self.shears).zip(fields) {
+            self.archive.write_slab(&format!("/fields/{name}"), waypoint, field)?;
         }
         Ok(())
     }
 
-    pub(super) fn finish(mut self, steps: &[StepRecord], count: usize) -> Result<PathBuf, Failure> {
+    pub(super) fn finish(
+        mut self,
+        steps: &[StepRecord],
+        count: usize,
+        not_converged: Option<&NotConverged>,
+    ) -> Result<PathBuf, Failure> {
         let step = Dimension::index("step", count, "step of the path");
         for scalar in SCALARS {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
             self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;
         }
+        not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
         Ok(self.archive.finish()?)
     }
 }

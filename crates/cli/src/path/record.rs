@@ -3,10 +3,12 @@
 use gfmd_contact::Fields;
 use gfmd_interface::{FrictionState, Reading, State, Step};
 use ndarray::Array3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
 
 /// One step of a path.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct StepRecord {
     pub mean_pressure: f64,
@@ -32,6 +34,12 @@ pub struct StepRecord {
 }
 
 impl StepRecord {
+    /// The record as TOML, which holds every number to the last bit, and NaN.
+    pub(super) fn to_toml(&self) -> Result<String, Failure> {
+        let table = toml::Table::try_from(self);
+        table.map(|table| table.to_string()).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
     /// Makes a record with the numbers that all states have; all other numbers are NaN or `None`.
     fn new(reading: &Reading, step: &Step, residual: ResidualRecord, tolerance: f64) -> Self {
         Self {
@@ -60,7 +68,7 @@ impl StepRecord {
 }
 
 /// The residuals of a step, recomputed from its final fields.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub enum ResidualRecord {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::StepRecord;
+use crate::convergence::NotConverged;
 use crate::memory::peak_bytes;
 use crate::session::list_files;
 
@@ -43,6 +44,8 @@ pub struct Report {
     pub lowest_mean_pressure: f64,
     /// The step at which the surfaces parted under their load, the last one.
     pub parted_at: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<NotConverged>,
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
@@ -73,6 +76,7 @@ impl Report {
             extra_solves: steps.iter().map(|step| step.extra_solves).sum(),
             lowest_mean_pressure: steps.iter().map(|step| step.mean_pressure).fold(f64::INFINITY, f64::min),
             parted_at: None,
+            not_converged: None,
             peak_bytes: peak_bytes(),
             out: None,
             plots: Vec::new(),

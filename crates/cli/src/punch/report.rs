@@ -7,6 +7,7 @@ use gfmd_green::Height;
 use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
+use crate::convergence::NotConverged;
 use crate::elastic::serialize_height;
 use crate::session::list_files;
 
@@ -41,6 +42,8 @@ pub struct Report {
     pub comparison: Option<Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<Refinement>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<NotConverged>,
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,

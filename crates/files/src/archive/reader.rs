@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, Dataset, File, H5Type};
 
-use super::FileError;
 use super::record::{self, Field};
+use super::{FileError, content};
 use crate::error::reason;
 
 /// An HDF5 file of any program, opened for reading.
@@ -27,6 +27,21 @@ impl Reader {
             Ok(file) => Ok(Self { path, file }),
             Err(error) => Err(FileError::Open { reason: reason(&error), path }),
         }
+    }
+
+    /// True if the content of the file is that which was written; `None` if the file has no checksum.
+    ///
+    /// # Errors
+    /// A file that cannot be read to its end.
+    pub fn is_intact(&self) -> Result<Option<bool>, FileError> {
+        let Ok(stated) = self.text("/", content::NAME) else { return Ok(None) };
+        let found = content::checksum(&self.file).map_err(|error| FileError::read(&self.path, "(all)", &error))?;
+        Ok(Some(found == stated))
+    }
+
+    /// The path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The names in a group, sorted; empty if there is no such group.
@@ -154,7 +169,7 @@ fn search(group: &hdf5::Group, path: &str, depth: usize, found: &mut Vec<(String
 }
 
 /// Reads strings of fixed or variable length.
-fn texts(container: &Container) -> Result<Vec<String>, hdf5::Error> {
+pub(super) fn texts(container: &Container) -> Result<Vec<String>, hdf5::Error> {
     fn all<T: H5Type + ToString>(container: &Container) -> Result<Vec<String>, hdf5::Error> {
         Ok(container.read_raw::<T>()?.iter().map(ToString::to_string).collect())
     }

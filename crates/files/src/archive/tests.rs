@@ -12,6 +12,7 @@ fn provenance() -> Provenance {
         config: "n = 8\n[body]\nyoung = 1.0\n".into(),
         machine: "two cores".into(),
         threads: 2,
+        warnings: crate::Warnings::default(),
     }
 }
 
@@ -79,6 +80,53 @@ fn what_is_written_is_read_back() {
     assert_eq!(seed.read_scalar::<u64>().unwrap(), u64::MAX, "to the last digit");
     assert_eq!(file.number("/fit", "p_star").unwrap(), 0.02);
     assert!(file.contains("/fields/pressure") && !file.contains("/fields/gap") && !file.contains("/fields"));
+}
+
+#[test]
+fn warnings_stand_in_the_root_even_those_made_while_the_file_was_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let output = Output::claim(&path).unwrap();
+    let provenance = provenance();
+    let archive = Archive::create(&output, &provenance).unwrap();
+    provenance.warnings.add(crate::Warning { code: "rough-seam", text: "steps across the seam".into() });
+    archive.finish().unwrap();
+    assert_eq!(Reader::open(&path).unwrap().text("/", "warnings").unwrap(), "rough-seam: steps across the seam\n");
+    write_all(&folder.path().join("b.h5"));
+    assert_eq!(Reader::open(folder.path().join("b.h5")).unwrap().text("/", "warnings").unwrap(), "");
+}
+
+#[test]
+fn a_changed_value_shape_or_attribute_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let changes: [fn(&File) -> hdf5::Result<()>; 6] = [
+        |file| file.dataset("/loads/area_fraction")?.write_raw(&[0.25, 0.500_000_000_000_000_1]),
+        |file| file.dataset("/loads/iterations")?.write_raw(&[17_u64, u64::MAX - 1]),
+        |file| file.dataset("/fields/pressure")?.write_slice(ndarray::arr3(&[[[1.0]]]).view(), (0..1, 3..4, 3..4)),
+        |file| file.attr("config")?.write_scalar(&"n = 9".parse::<VarLenUnicode>().unwrap()),
+        |file| file.group("/fit")?.attr("seed")?.write_scalar(&3_u64),
+        |file| file.unlink("/fit/kappa_tfc"),
+    ];
+    write_all(&path);
+    assert_eq!(Reader::open(&path).unwrap().is_intact().unwrap(), Some(true));
+    // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
+    let copy = |from: &std::path::Path, name: &str| {
+        let to = folder.path().join(name);
+        fs::copy(from, &to).unwrap();
+        to
+    };
+    for (number, change) in changes.into_iter().enumerate() {
+        let written = copy(&path, &format!("{number}.h5"));
+        let file = File::open_rw(&written).unwrap();
+        change(&file).unwrap();
+        file.close().unwrap();
+        let found = Reader::open(copy(&written, &format!("{number}-read.h5"))).unwrap().is_intact().unwrap();
+        assert_eq!(found, Some(false), "change {number}");
+    }
+    let empty = folder.path().join("empty.h5");
+    File::create(&empty).unwrap().close().unwrap();
+    assert_eq!(Reader::open(copy(&empty, "empty-read.h5")).unwrap().is_intact().unwrap(), None);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Descriptions of the contents of a file: variables, dimensions, attributes, provenance.
 
+use crate::Warnings;
+
 /// A named dimension with its coordinates, written once per group as an HDF5 dimension scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
@@ -94,6 +96,8 @@ pub struct Provenance {
     pub machine: String,
     /// Number of threads.
     pub threads: usize,
+    /// Remarks on the result. Those made until the file is finished are written.
+    pub warnings: Warnings,
 }
 
 /// The value of an attribute of a group or variable.

@@ -17,7 +17,7 @@ pub(super) const FORMAT: Format = Format { name: "Zygo Mx", sniff, open };
 const UNITS: [(&str, &str); 4] = [("NanoMeters", "nm"), ("MicroMeters", "µm"), ("MilliMeters", "mm"), ("Meters", "m")];
 
 fn sniff(file: &File) -> bool {
-    file.is_hdf5() && file.hdf5().is_ok_and(|reader| reader.records("/MetaData", None).is_ok())
+    file.is_hdf5() && file.hdf5().is_ok_and(|reader| reader.contains("/MetaData"))
 }
 
 fn open(file: &File) -> Result<Contents<'_>, String> {

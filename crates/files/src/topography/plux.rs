@@ -5,12 +5,12 @@
 
 use std::rc::Rc;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::bytes::{Grid, Layout, MOST_CHANNELS, Order, Sample, clip, count};
 use super::file::File;
 use super::format::{Channel, Contents, Format, Map};
-use super::zipped::Zip;
+use super::zipped::{Zip, xml};
 
 pub(super) const FORMAT: Format = Format { name: "Sensofar PLUX", sniff, open };
 
@@ -25,7 +25,7 @@ fn sniff(file: &File) -> bool {
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let mut zip = Zip::open(file)?;
     let index = zip.text("index.xml")?;
-    let index = Document::parse(&index).map_err(|error| format!("the entry index.xml: {error}"))?;
+    let index = xml("index.xml", &index)?;
     let root = index.root_element();
     let general = child(root, "GENERAL").ok_or("the entry index.xml has no element GENERAL; it must have one")?;
     let points = [

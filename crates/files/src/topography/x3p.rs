@@ -7,12 +7,12 @@
 
 use std::io::Read;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::bytes::{Grid, Layout, Order, Sample, clip, count, positive};
 use super::file::File;
 use super::format::{Channel, Contents, Format, Map};
-use super::zipped::Zip;
+use super::zipped::{Zip, xml};
 
 pub(super) const FORMAT: Format = Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open };
 
@@ -31,7 +31,7 @@ const DETAILS: [&str; 9] = [
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let text = Zip::open(file)?.text("main.xml")?;
-    let document = Document::parse(&text).map_err(|error| format!("main.xml is damaged: {error}"))?;
+    let document = xml("main.xml", &text)?;
     let header = Header::parse(document.root_element())?;
     let points = header.grid.points;
     let read = Box::new(move || header.read(file));

@@ -2,6 +2,7 @@
 
 use std::io::{Cursor, Read};
 
+use roxmltree::Document;
 use zip::ZipArchive;
 
 use super::file::File;
@@ -11,6 +12,17 @@ pub(super) const MOST_TEXT: u64 = 1 << 20;
 
 /// The largest ratio of compression of a data file.
 const MOST_RATIO: u64 = 64;
+
+/// The largest number of tags and attributes of XML. Each takes more memory than its text.
+const MOST_NODES: usize = 20_000;
+
+/// Parses the XML of an entry.
+pub(super) fn xml<'a>(name: &str, text: &'a str) -> Result<Document<'a>, String> {
+    if text.bytes().filter(|byte| matches!(byte, b'<' | b'=')).count() > MOST_NODES {
+        return Err(format!("the entry {name} has more than {MOST_NODES} tags and attributes; it must have fewer"));
+    }
+    Document::parse(text).map_err(|error| format!("the entry {name}: {error}"))
+}
 
 /// A zip archive in memory.
 pub(super) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>);

@@ -85,7 +85,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         dissipated: dissipated / n as f64,
         residual,
         effort: Effort { iterations: 0, transform_pairs: increment.pairs() },
-        surface: Arc::clone(&contact.surface),
-        contact_modulus: contact.response.contact_modulus(),
+        surface: Arc::clone(&contact.given),
+        contact_modulus: contact.contact_modulus,
     }
 }

@@ -1,3 +1,4 @@
+use gfmd_relax::{Variables, Visit};
 use gfmd_response::Transforms;
 use gfmd_vector::{add, dot, for_each, reduce};
 
@@ -91,6 +92,11 @@ impl<'a> Descent<'a> {
     /// Moves to the trial.
     pub(super) fn accept(&mut self) {
         std::mem::swap(&mut self.here, &mut self.trial);
+        self.balance();
+    }
+
+    /// Computes the tractions of the law and the forces at the present position.
+    pub(super) fn balance(&mut self) {
         let Self { interface, frame, here, curvature, force, .. } = self;
         let reaction = &mut curvature.reaction;
         reaction.update(interface.law.as_ref(), frame, &here.w);
@@ -233,6 +239,20 @@ impl<'a> Descent<'a> {
     /// The slope of the energy along the direction, negative downhill.
     pub(super) fn slope(&self) -> f64 {
         -dot(&self.region.direction, &self.force)
+    }
+}
+
+/// All else follows from these, or is overwritten in an iteration.
+impl Variables for Descent<'_> {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { here, region, lowest, met_negative, curvature, .. } = self;
+        visitor.field(&mut here.w);
+        visitor.field(&mut here.elastic);
+        visitor.number(&mut region.radius);
+        visitor.number(&mut region.length);
+        visitor.number(lowest);
+        visitor.flag(met_negative);
+        visitor.count(curvature.transforms.counter());
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tests of the damped methods on small problems with known solutions.
 
+mod checkpoint;
 mod damping;
 mod driver;
 mod fire;

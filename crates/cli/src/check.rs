@@ -1,0 +1,237 @@
+//! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on request,
+//! and compares number for number.
+
+mod comparison;
+mod rerun;
+mod surface;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use clap::Args as ClapArgs;
+use gfmd_files::{Checksum, Reader};
+use serde::Serialize;
+
+use crate::failure::{Failure, Outcome};
+use crate::session::Session;
+use crate::{body, contact, kappa_sweep, path, punch};
+
+pub(crate) use comparison::Comparison;
+pub use comparison::Difference;
+use rerun::Rerun;
+pub(crate) use rerun::{all, parsed, words};
+pub(crate) use surface::{flags_again, stored_surface};
+
+/// Flags of `check`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd check contact.h5
+  gfmd check sweep.h5 --rerun --sample 20
+  gfmd check path.h5 --rerun --json")]
+pub struct Args {
+    /// Result of contact, path, punch, body or kappa-sweep
+    #[arg(value_name = "FILE.h5")]
+    file: PathBuf,
+    /// Run the stored configuration again, and compare every number
+    #[arg(long)]
+    rerun: bool,
+    /// With --rerun, number of the runs of a sweep that are computed again, spread evenly; default: all
+    #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    sample: Option<u64>,
+}
+
+/// The kinds of result files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the names of the commands")]
+pub enum Kind {
+    Contact,
+    Path,
+    Punch,
+    Body,
+    KappaSweep,
+}
+
+impl Kind {
+    fn of(reader: &Reader) -> Option<Self> {
+        let has = |group: &str| !reader.names(group).is_empty();
+        [("/loads", Self::Contact), ("/path", Self::Path), ("/punch", Self::Punch), ("/runs", Self::KappaSweep)]
+            .into_iter()
+            .find_map(|(group, kind)| has(group).then_some(kind))
+            .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::Path => "path",
+            Self::Punch => "punch",
+            Self::Body => "body",
+            Self::KappaSweep => "kappa-sweep",
+        }
+    }
+}
+
+/// The state of a file from which the surface of a run was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InputState {
+    /// Its checksum is that which the result has.
+    Unchanged,
+    /// Its checksum differs.
+    Changed,
+    /// It is not there.
+    Missing,
+}
+
+/// The input of a run.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Input {
+    pub file: String,
+    pub sha256: String,
+    pub state: InputState,
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub file: PathBuf,
+    pub kind: Kind,
+    /// True if the checksum of the content holds, `None` for a file without one.
+    pub intact: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<Input>,
+    pub rerun: bool,
+    /// Number of numbers that were compared.
+    pub compared: u64,
+    /// Those that are equal but for rounding on another processor.
+    pub rounded: u64,
+    /// Number of numbers that differ.
+    pub differing: u64,
+    /// The differing variables, with their largest difference.
+    pub differences: Vec<Difference>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A file that cannot be read, or is no result.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
+    let file = &args.file;
+    let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
+    let kinds = "a result of contact, path, punch, body or kappa-sweep";
+    let kind = Kind::of(&reader)
+        .ok_or_else(|| Failure::Input(format!("{} is no result file; it must be {kinds}", file.display())))?;
+    // A file that the library cannot read to its end is damaged.
+    let intact = reader.is_intact().unwrap_or(Some(false));
+    let mut comparison = Comparison::default();
+    let input = input(&reader, kind)?;
+    if let Some(Input { file, state: InputState::Changed, .. }) = &input {
+        comparison.differ("input", format!("{file} has another checksum than the input of the run"));
+    }
+    if intact == Some(false) {
+        comparison.differ("content_sha256", "the content is not that which was written".into());
+    }
+    let recomputed = recompute(args, kind, &reader, &mut comparison, session);
+    match recomputed {
+        Ok(()) => {}
+        // In a damaged file any input may be unusable; that it is damaged is the result.
+        Err(failure @ (Failure::Input(_) | Failure::Computation(_))) if intact == Some(false) => {
+            comparison.differ("content", failure.to_string());
+        }
+        Err(failure) => return Err(failure),
+    }
+    let (compared, rounded, differing) = comparison.counts();
+    let report = Report {
+        file: file.clone(),
+        kind,
+        intact,
+        input,
+        rerun: args.rerun,
+        compared,
+        rounded,
+        differing,
+        differences: comparison.into_differences(),
+    };
+    let failure = (!report.differences.is_empty()).then(|| {
+        let names: Vec<&str> = report.differences.iter().map(|difference| difference.name.as_str()).collect();
+        Failure::Computation(format!("{} differs in {}", file.display(), names.join(", ")))
+    });
+    Ok(Outcome { report, failure })
+}
+
+fn recompute(
+    args: &Args,
+    kind: Kind,
+    reader: &Reader,
+    comparison: &mut Comparison,
+    session: &Session,
+) -> Result<(), Failure> {
+    let config = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    match kind {
+        Kind::Contact => contact::check(reader, &config, comparison, session)?,
+        Kind::Path => path::check(reader, &config, comparison, session)?,
+        Kind::Punch => punch::check(reader, &config, comparison)?,
+        Kind::KappaSweep => kappa_sweep::check(reader, &config, args.rerun, args.sample, comparison, session)?,
+        Kind::Body => {}
+    }
+    let rerun = Rerun { reader, config: &config, session };
+    match kind {
+        // The fields below a surface have no certificate but that they can be computed again.
+        Kind::Body => rerun.compare(kind.name(), comparison, body::again),
+        Kind::Contact if args.rerun => rerun.compare(kind.name(), comparison, contact::again),
+        Kind::Path if args.rerun => rerun.compare(kind.name(), comparison, path::again),
+        Kind::Punch if args.rerun => rerun.compare(kind.name(), comparison, punch::again),
+        _ => Ok(()),
+    }
+}
+
+/// The input file that a result names, if any.
+fn input(reader: &Reader, kind: Kind) -> Result<Option<Input>, Failure> {
+    let group = if kind == Kind::Body { "/input" } else { "/surface" };
+    let (Ok(file), Ok(sha256)) = (reader.text(group, "file"), reader.text(group, "file_sha256")) else {
+        return Ok(None);
+    };
+    let path = Path::new(&file);
+    let state = match path.exists() {
+        false => InputState::Missing,
+        true if Checksum::of_file(path)? == sha256 => InputState::Unchanged,
+        true => InputState::Changed,
+    };
+    Ok(Some(Input { file, sha256, state }))
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, kind, intact, input, rerun, compared, rounded, differing, differences } = self;
+        writeln!(f, "{}, a result of {}", file.display(), kind.name())?;
+        let words = match intact {
+            Some(true) => "holds",
+            Some(false) => "DOES NOT HOLD: the file is damaged, or was changed",
+            None => "is absent: the file was written by an older version",
+        };
+        writeln!(f, "checksum of the content {words}")?;
+        if let Some(Input { file, state, .. }) = input {
+            let words = match state {
+                InputState::Unchanged => "is unchanged",
+                InputState::Changed => "HAS CHANGED since the run",
+                InputState::Missing => "is not there",
+            };
+            writeln!(f, "input {file} {words}")?;
+        }
+        let how = if *rerun { "recomputed and run again" } else { "recomputed from the stored inputs" };
+        writeln!(f, "{compared} numbers {how}: {differing} differ, {rounded} in their last digits only")?;
+        if !differences.is_empty() {
+            writeln!(f, "\n{:<34} {:>8} {:>24} {:>24}", "variable", "values", "stored", "recomputed")?;
+        }
+        for Difference { name, values, stored, recomputed, remark } in differences {
+            match remark {
+                Some(remark) => writeln!(f, "{name:<34} {remark}")?,
+                None => writeln!(f, "{name:<34} {values:>8} {stored:>24.16e} {recomputed:>24.16e}")?,
+            }
+        }
+        Ok(())
+    }
+}

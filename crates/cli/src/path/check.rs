@@ -1,0 +1,195 @@
+//! The check of the file of a path.
+
+use gfmd_contact::{Drive, Fields, Load};
+use gfmd_files::Reader;
+use gfmd_interface::{Interface, Quasistatic, Step};
+use gfmd_law::Limit;
+use gfmd_response::{FullResponse, FullTransforms};
+use ndarray::Array2;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::record::{Recorded, SCALARS};
+use super::{Action, Args, Prepared};
+use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::source::SourceArgs;
+
+/// The scalars that follow from the fields of one state alone.
+const OF_THE_STATE: [&str; 10] = [
+    "mean_pressure",
+    "p_star",
+    "displacement",
+    "lateral_x",
+    "lateral_y",
+    "area_fraction",
+    "mean_gap",
+    "elastic_energy",
+    "interface_energy",
+    "residual",
+];
+
+/// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
+pub(crate) fn check(
+    reader: &Reader,
+    config: &str,
+    comparison: &mut Comparison,
+    session: &Session,
+) -> Result<(), Failure> {
+    let mut flags = stored_surface(reader, comparison)?;
+    flags.extend(words(config, &SourceArgs::names())?);
+    let args: Args = parsed(&flags)?;
+    let prepared = Prepared::new(&args, session)?;
+    let columns = SCALARS.iter().map(|scalar| {
+        let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
+        Ok((scalar.name, values))
+    });
+    let columns: Vec<(&str, Vec<f64>)> = columns.collect::<Result<_, Failure>>()?;
+    let stored = |name: &str, step: usize| -> f64 {
+        let column = columns.iter().find(|(other, _)| *other == name);
+        column.and_then(|(_, values)| values.get(step).copied()).unwrap_or(f64::NAN)
+    };
+    let check = StateCheck { reader, args: &args, prepared: &prepared };
+    for (step, drive) in prepared.drives.iter().enumerate() {
+        if stored("converged", step) != 1.0 {
+            continue;
+        }
+        comparison.at_most(&format!("residual of step {step}"), stored("residual", step), args.tol);
+        match drive.load {
+            // The load is met to the tolerance.
+            Load::MeanPressure(asked) => comparison.at_most(
+                &format!("load of step {step}"),
+                (stored("mean_pressure", step) - asked).abs() / asked.abs().max(check.stress()),
+                10.0 * args.tol,
+            ),
+            Load::Approach(asked) => comparison.number("/path/displacement", stored("displacement", step), asked, 0.0),
+        }
+        comparison.number("/path/lateral_x", stored("lateral_x", step), drive.lateral[0], 0.0);
+        comparison.number("/path/lateral_y", stored("lateral_y", step), drive.lateral[1], 0.0);
+        if step.is_multiple_of(args.steps as usize) {
+            check.waypoint(step / args.steps as usize, *drive, comparison, &|name| stored(name, step))?;
+        }
+    }
+    Ok(())
+}
+
+struct StateCheck<'a> {
+    reader: &'a Reader,
+    args: &'a Args,
+    prepared: &'a Prepared,
+}
+
+impl StateCheck<'_> {
+    /// The unit of stress, E* times the rms gradient.
+    fn stress(&self) -> f64 {
+        self.prepared.body.material().contact_modulus() * self.prepared.surface.rms_gradient()
+    }
+
+    fn field(&self, name: &str, waypoint: usize) -> Result<Array2<f64>, Failure> {
+        let [nx, ny] = self.prepared.surface.grid.points();
+        let values = self.reader.slab(&format!("/fields/{name}"), waypoint)?;
+        Array2::from_shape_vec((nx, ny), values).map_err(|error| Failure::input("/fields", error))
+    }
+
+    fn waypoint(
+        &self,
+        waypoint: usize,
+        drive: Drive,
+        comparison: &mut Comparison,
+        stored: &dyn Fn(&str) -> f64,
+    ) -> Result<(), Failure> {
+        let Self { args, prepared: Prepared { surface, body, action, .. }, .. } = self;
+        let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
+        let gap = self.field("gap", waypoint)?;
+        match action {
+            Action::Law(law) if !self.prepared.moves_sideways(args) => {
+                let interface =
+                    Interface::new(body, &surface.grid, &surface.heights, Arc::clone(law)).map_err(refuse)?;
+                let state = interface.certify(&gap, drive).map_err(refuse)?;
+                let pressure: Vec<f64> = state.pressure().iter().copied().collect();
+                comparison.values("/fields/pressure", &flat(&self.field("pressure", waypoint)?), &pressure, 0.0);
+                let reading = interface.reading(&state);
+                let mut record = state.record(&reading, &Step::default(), args.tol);
+                record.p_star = reading.mean_pressure / self.stress();
+                for scalar in SCALARS.iter().filter(|scalar| OF_THE_STATE.contains(&scalar.name)) {
+                    let floor = if scalar.name == "residual" { 1e-3 } else { 0.0 };
+                    let path = format!("/path/{}", scalar.name);
+                    comparison.number(&path, stored(scalar.name), (scalar.value)(&record), floor);
+                }
+                Ok(())
+            }
+            action => self.tractions(waypoint, &gap, action, comparison, stored),
+        }
+    }
+
+    /// Recomputes the displacement from the tractions, and from it gap and energy.
+    fn tractions(
+        &self,
+        waypoint: usize,
+        gap: &Array2<f64>,
+        action: &Action,
+        comparison: &mut Comparison,
+        stored: &dyn Fn(&str) -> f64,
+    ) -> Result<(), Failure> {
+        let Self { args, prepared: Prepared { surface, body, .. }, .. } = self;
+        let points = surface.grid.len();
+        let pressure = self.field("pressure", waypoint)?;
+        let mut traction = Vec::new();
+        for name in if surface.grid.is_line() { &["shear_x"][..] } else { &["shear_x", "shear_y"] } {
+            let shear = flat(&self.field(name, waypoint)?);
+            let mean = shear.iter().sum::<f64>() / points as f64;
+            let column = format!("mean_{name}");
+            comparison.number(&format!("/path/{column}"), stored(&column), mean, self.stress() * 1e-3);
+            traction.extend(shear);
+        }
+        let lateral = traction.len();
+        traction.extend(pressure.iter().map(|p| -p));
+        let mut displacement = vec![0.0; traction.len()];
+        FullTransforms::of(&Arc::new(FullResponse::new(surface.grid, body))).compliance(&traction, &mut displacement);
+        // The mean displacement of a half-space is a matter of convention, so that the gap is compared up to its mean.
+        let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let found: Vec<f64> =
+            surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
+        let shift = (found.iter().sum::<f64>() - gap.sum()) / points as f64;
+        let worst = found.iter().zip(gap).map(|(found, gap)| (found - shift - gap).abs());
+        let height = surface.heights.std(0.0).max(f64::MIN_POSITIVE);
+        let worst = worst
+            .fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst });
+        comparison.at_most("/fields/gap", worst / height, 100.0 * args.tol);
+        comparison.at_most("/fields/gap (penetration)", -gap.iter().copied().fold(0.0, f64::min) / height, args.tol);
+        comparison.number("/path/mean_pressure", stored("mean_pressure"), pressure.mean().unwrap_or(f64::NAN), 0.0);
+        comparison.number("/path/mean_gap", stored("mean_gap"), gap.mean().unwrap_or(f64::NAN), height);
+        let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
+        if let Action::Friction(limit) = action {
+            comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
+            let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
+            comparison.number("/path/area_fraction", stored("area_fraction"), touching, 0.0);
+            self.limits(*limit, &pressure, &traction[..lateral], comparison);
+        }
+        Ok(())
+    }
+
+    /// The shear stays within its limit.
+    fn limits(&self, limit: Limit, pressure: &Array2<f64>, shear: &[f64], comparison: &mut Comparison) {
+        let points = pressure.len();
+        let limits: Vec<f64> = pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }).collect();
+        let strongest = limits.iter().copied().fold(0.0, f64::max);
+        let magnitude = |i: usize| shear.chunks_exact(points).map(|s| s[i] * s[i]).sum::<f64>().sqrt();
+        let excess = (0..points).map(|i| magnitude(i) - limits[i]).fold(0.0, f64::max);
+        if strongest > 0.0 {
+            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.tol);
+        }
+    }
+}
+
+fn flat(field: &Array2<f64>) -> Vec<f64> {
+    field.iter().copied().collect()
+}
+
+/// Runs the configuration of a file again, with the output `out`.
+pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let words = flags_again(reader, config, out)?;
+    super::run(&parsed::<Args>(&words)?, session)?;
+    Ok(true)
+}

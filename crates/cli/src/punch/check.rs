@@ -1,0 +1,56 @@
+//! The check of the file of a punch.
+
+use std::path::Path;
+
+use gfmd_files::Reader;
+use gfmd_mixed::MixedError;
+use ndarray::Array3;
+
+use super::report::scalars;
+use super::{Args, Prepared, by_point};
+use crate::check::{Comparison, parsed, words};
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// The scalars that the traction does not determine.
+const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];
+
+/// Recomputes displacement, residual and scalars from the stored traction.
+pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) -> Result<(), Failure> {
+    // The file holds the coarsest grid.
+    let args: Args = parsed(&words(config, &["compare", "refine"])?)?;
+    let prepared = Prepared::new(&args)?;
+    let grid = &prepared.grids[0];
+    let problem = prepared.problem(&args, grid)?;
+    let [nx, ny] = grid.points();
+    let values: Vec<f64> = reader.values("/fields/traction")?;
+    let components = values.len() / grid.len();
+    let traction = Array3::from_shape_vec((nx, ny, components), values);
+    let traction = traction.map_err(|error| Failure::input("/fields/traction", error))?.permuted_axes([2, 0, 1]);
+    let refuse = |error: MixedError| Failure::input("/fields/traction", error);
+    let solution = problem.certify(&traction.as_standard_layout().into_owned()).map_err(refuse)?;
+    let displacement: Vec<f64> = reader.values("/fields/displacement")?;
+    comparison.values("/fields/displacement", &displacement, &by_point(&solution.displacement), 0.0);
+    let points = prepared.punch.points(grid);
+    let under: Vec<f64> = points.iter().map(|under| f64::from(u8::from(*under))).collect();
+    comparison.values("/fields/under_punch", &reader.values::<f64>("/fields/under_punch")?, &under, 0.0);
+    let report = prepared.measure(&args, grid, &points, &solution, f64::NAN);
+    for (name, _, _, value) in scalars(&report).iter().filter(|(name, ..)| !OF_THE_SOLVE.contains(name)) {
+        let path = format!("/punch/{name}");
+        let stored = reader.values::<f64>(&path)?.first().copied().unwrap_or(f64::NAN);
+        let floor = if *name == "residual" { 1e-3 } else { 0.0 };
+        comparison.number(&path, stored, *value, floor);
+        if *name == "converged" && stored == 1.0 {
+            comparison.at_most("residual", report.residual, args.tol);
+        }
+    }
+    Ok(())
+}
+
+/// Runs the configuration of a file again, with the output `out`.
+pub(crate) fn again(_: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let mut words = words(config, &["compare"])?;
+    words.push(format!("--out={}", out.display()));
+    super::run(&parsed::<Args>(&words)?, session)?;
+    Ok(true)
+}

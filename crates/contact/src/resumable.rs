@@ -1,0 +1,34 @@
+use gfmd_relax::{Variables as _, Visit};
+
+use crate::{Contact, Drive, Equilibrium, Refusal, Solution};
+
+/// A contact whose states can be kept outside of the process and restored bit for bit, so that a series of loads continues
+/// where it ended.
+pub trait Resumable: Equilibrium {
+    /// Visits everything from which [`restore`](Self::restore) makes a state.
+    fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit);
+
+    /// Makes the state of `drive` from what `visitor` reads.
+    ///
+    /// # Errors
+    /// An invalid drive.
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal>;
+}
+
+/// The state of a hard wall follows from its pressure.
+impl Resumable for Contact {
+    fn keep(&self, state: &mut Solution, visitor: &mut dyn Visit) {
+        state.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        state.effort.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Solution, Refusal> {
+        self.check(drive)?;
+        let mut pressure = vec![0.0; self.surface.clearance().len()];
+        visitor.field(&mut pressure);
+        let pressure = pressure.into_iter().map(|p| p / self.units().stress()).collect();
+        let mut state = self.given_units(self.certified(pressure, self.units().drive(drive).load));
+        state.effort.visit(visitor);
+        Ok(state)
+    }
+}

@@ -1,0 +1,56 @@
+use crate::Visit;
+
+/// A visitor that keeps variables in memory: recorded once, they can be put back later, bit for bit.
+///
+/// ```
+/// use gfmd_relax::{Tape, Visit};
+///
+/// let mut tape = Tape::default();
+/// tape.field(&mut [0.1, f64::NAN]);
+/// tape.rewind();
+/// let mut back = [0.0; 2];
+/// tape.field(&mut back);
+/// assert!(back[0] == 0.1 && back[1].is_nan() && tape.is_at_end());
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tape {
+    bits: Vec<u64>,
+    /// The number of words read; `None` while the tape records.
+    read: Option<usize>,
+}
+
+impl Tape {
+    /// Reads from the beginning from now on.
+    pub fn rewind(&mut self) {
+        self.read = Some(0);
+    }
+
+    /// True if all that was recorded is read; never before [`rewind`](Self::rewind).
+    pub fn is_at_end(&self) -> bool {
+        self.read.is_some_and(|read| read >= self.bits.len())
+    }
+
+    /// Records or replaces one word. Beyond the end nothing is replaced.
+    fn word(&mut self, word: u64) -> u64 {
+        let Some(read) = &mut self.read else {
+            self.bits.push(word);
+            return word;
+        };
+        *read += 1;
+        self.bits.get(*read - 1).copied().unwrap_or(word)
+    }
+}
+
+impl Visit for Tape {
+    fn number(&mut self, x: &mut f64) {
+        *x = f64::from_bits(self.word(x.to_bits()));
+    }
+
+    fn count(&mut self, n: &mut u64) {
+        *n = self.word(*n);
+    }
+
+    fn field(&mut self, x: &mut [f64]) {
+        x.iter_mut().for_each(|x| self.number(x));
+    }
+}

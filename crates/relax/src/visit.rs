@@ -1,0 +1,55 @@
+/// A visitor of all variables of a search, in a fixed order, which copies them out or puts others in their place. One
+/// function of a search thus both writes its checkpoint and continues from it, bit for bit.
+///
+/// ```
+/// use gfmd_relax::Visit;
+///
+/// struct Copy { numbers: Vec<f64> }
+///
+/// impl Visit for Copy {
+///     fn number(&mut self, x: &mut f64) { self.numbers.push(*x); }
+///     fn count(&mut self, n: &mut u64) { self.numbers.push(*n as f64); }
+///     fn field(&mut self, x: &mut [f64]) { self.numbers.extend_from_slice(x); }
+/// }
+///
+/// let mut copy = Copy { numbers: Vec::new() };
+/// copy.number(&mut 0.5);
+/// copy.flag(&mut true);
+/// copy.field(&mut [1.5, 2.5]);
+/// assert_eq!(copy.numbers, [0.5, 1.0, 1.5, 2.5]);
+/// ```
+pub trait Visit {
+    /// Visits a real number.
+    fn number(&mut self, x: &mut f64);
+
+    /// Visits a natural number.
+    fn count(&mut self, n: &mut u64);
+
+    /// Visits an array, whose length stays as it is.
+    fn field(&mut self, x: &mut [f64]);
+
+    /// Visits several real numbers.
+    fn numbers(&mut self, numbers: &mut [&mut f64]) {
+        numbers.iter_mut().for_each(|x| self.number(x));
+    }
+
+    /// Visits a truth value, as 0 or 1.
+    fn flag(&mut self, yes: &mut bool) {
+        let mut number = u64::from(*yes);
+        self.count(&mut number);
+        *yes = number != 0;
+    }
+
+    /// Visits a natural number below 2³².
+    fn small(&mut self, n: &mut u32) {
+        let mut number = u64::from(*n);
+        self.count(&mut number);
+        *n = number as u32;
+    }
+}
+
+/// Variables of which a checkpoint consists.
+pub trait Variables {
+    /// Visits every variable.
+    fn visit(&mut self, visitor: &mut dyn Visit);
+}
