@@ -101,7 +101,8 @@ const BASES: &[Base] = &[
         lists: "--p-star --displacement",
     },
     Base {
-        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.005,0.005 --steps 1",
+        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.005,0.005 --steps 1 \
+               --max-iter 3000",
         numbers: "--length --young --height --tol --energy-tol --displacement --pressure --lateral --direction @gamma @range",
         counts: "--steps --max-iter --energy-solves --n",
         lists: "--displacement --lateral",
