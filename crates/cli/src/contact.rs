@@ -27,7 +27,7 @@ use crate::law::LawArgs;
 use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::resume::{Kept, Part, ResumeArgs};
+use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
@@ -62,6 +62,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    checkpoint: CheckpointArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -143,6 +146,7 @@ impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.checkpoint.every()?;
         let law = args.law.build()?.into_shared();
         let flags = [
             ("--pressure", &args.control.pressure),
@@ -222,13 +226,13 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let head = session.identity(&config, &self.surface);
-                Some(Kept::open(output, head, self.controls.len(), args.resume)?)
+                Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
-        if let (Err(_), Some(kept)) = (&outcome, &mut kept) {
+        if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
             let _ = kept.flush();
         }

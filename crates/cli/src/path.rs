@@ -196,11 +196,11 @@ impl Prepared {
             checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
         }
         let mut kept = match &self.output {
-            Some(output) => {
+            Some(output) if session.is_resumable() => {
                 let identity = session.identity(&args.config()?, &self.surface);
-                Some(Kept::open(output, identity, self.drives.len(), args.resume)?)
+                Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
-            None => None,
+            _ => None,
         };
         let outcome = self.steps(problem, args, session, kept.as_mut());
         if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept)

@@ -82,10 +82,10 @@ pub fn status<C: Subcommand>(
 
 /// Keeps freed memory in the process, on Linux with glibc. Each solve allocates and frees fields of equal size. Returning
 /// them to the system each time costs a tenth of the computing time on one thread, and more on two.
-fn keep_freed_memory() {
+pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
-    // SAFETY: no other thread exists yet, and both settings accept any value.
+    // SAFETY: the allocator takes its lock, and both settings accept any value.
     unsafe {
         use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
         mallopt(M_MMAP_MAX, 0);

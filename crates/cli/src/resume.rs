@@ -22,29 +22,38 @@ use gfmd_files::{Journal, JournalError, Output};
 use crate::failure::Failure;
 use snapshot::{Stored, Writer};
 
-/// Flags of a command that can be continued.
+/// The flag of a command that can be continued.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ResumeArgs {
     /// Continue a run that was interrupted or killed, from what is kept beside --out
     #[arg(long, requires = "out")]
-    resume: bool,
+    pub resume: bool,
+}
+
+/// The flag of a command that copies a running solve.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct CheckpointArgs {
     /// Time between two copies of the running solve beside --out; 0 for none
     #[arg(long, default_value_t = 60.0, value_name = "SECONDS", allow_negative_numbers = true)]
     checkpoint: f64,
 }
 
-impl ResumeArgs {
-    /// Checks the flags.
+impl CheckpointArgs {
+    /// The time between two copies, if any are made.
     ///
     /// # Errors
-    /// A time that is negative or not finite.
-    pub fn check(&self) -> Result<(), Failure> {
-        if self.checkpoint.is_finite() && self.checkpoint >= 0.0 {
-            return Ok(());
+    /// A time that is negative or longer than a century.
+    pub fn every(&self) -> Result<Option<Duration>, Failure> {
+        match self.checkpoint {
+            0.0 => Ok(None),
+            seconds if seconds > 0.0 && seconds <= CENTURY => Ok(Some(Duration::from_secs_f64(seconds))),
+            found => Err(Failure::value("--checkpoint", found, format!("between 0 and {CENTURY:.0e}"))),
         }
-        Err(Failure::value("--checkpoint", self.checkpoint, "at least 0 and finite"))
     }
 }
+
+/// A century in seconds.
+const CENTURY: f64 = 3e9;
 
 /// The time between two writes over the time that a write takes.
 const PATIENCE: u32 = 20;
@@ -88,9 +97,13 @@ impl<'a> Kept<'a> {
     ///
     /// # Errors
     /// An unfinished run without `--resume`; files of another run, or damaged ones.
-    pub(crate) fn open(output: &'a Output, head: String, parts: usize, args: ResumeArgs) -> Result<Self, Failure> {
-        args.check()?;
-        let every = (args.checkpoint > 0.0).then(|| Duration::from_secs_f64(args.checkpoint));
+    pub(crate) fn open(
+        output: &'a Output,
+        head: String,
+        parts: usize,
+        ResumeArgs { resume }: ResumeArgs,
+        every: Option<Duration>,
+    ) -> Result<Self, Failure> {
         let mut kept = Self {
             output,
             head: head.into_bytes(),
@@ -107,7 +120,7 @@ impl<'a> Kept<'a> {
             every,
         };
         let Some(found) = kept.paths().into_iter().find(|path| path.exists()) else { return Ok(kept) };
-        if !args.resume {
+        if !resume {
             let reason = "what an unfinished run has kept; continue it with --resume, or delete it";
             return Err(Failure::input(&found.display().to_string(), reason));
         }
@@ -256,13 +269,12 @@ impl<'a> Kept<'a> {
         }
     }
 
-    /// Removes the files: the run is complete and its output stored.
+    /// Removes the files: the run is complete and its output stored. A kill may have left an unfinished one.
     pub(crate) fn remove(self) {
-        if self.on_disk {
-            for path in self.paths().into_iter().filter(|path| path.exists()) {
-                if let Err(error) = std::fs::remove_file(&path) {
-                    tracing::info!("cannot remove {}: {error}", path.display());
-                }
+        let unfinished = [".state.part", ".checkpoint.part"].map(|suffix| self.output.beside(suffix));
+        for path in self.paths().into_iter().chain(unfinished).filter(|path| path.exists()) {
+            if let Err(error) = std::fs::remove_file(&path) {
+                tracing::info!("cannot remove {}: {error}", path.display());
             }
         }
     }
@@ -340,9 +352,9 @@ mod tests {
     fn a_run_is_continued_with_its_own_files_only() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
-        let args = |resume| ResumeArgs { resume, checkpoint: 60.0 };
+        let args = |resume| ResumeArgs { resume };
         let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
-        let mut kept = Kept::open(&output, "one".into(), 4, args(false)).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, args(false), None).unwrap();
         assert_eq!(kept.finished(), 0);
         kept.add(&part(0.0));
         kept.keep_state(|visitor| visitor.number(&mut 0.5)).unwrap();
@@ -352,12 +364,12 @@ mod tests {
         kept.checkpoint(&mut |visitor| visitor.field(&mut [2.5; 2])).unwrap();
         drop(kept);
 
-        let refused = Kept::open(&output, "one".into(), 4, args(false)).err().unwrap().to_string();
+        let refused = Kept::open(&output, "one".into(), 4, args(false), None).err().unwrap().to_string();
         assert!(refused.contains("a.h5.journal") && refused.contains("--resume"), "{refused}");
-        let other = Kept::open(&output, "two".into(), 4, args(true)).err().unwrap();
+        let other = Kept::open(&output, "two".into(), 4, args(true), None).err().unwrap();
         assert!(other.status() == 2 && other.to_string().contains("another configuration"), "{other}");
 
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 2);
         assert_eq!(kept.part(1).unwrap().fields, [vec![1.0; 3]]);
         let number = kept.state().unwrap().restore(|visitor| {
@@ -375,20 +387,31 @@ mod tests {
         kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();
         drop(kept);
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 3);
         assert!(kept.running().is_none());
+        std::fs::write(folder.path().join("a.h5.state.part"), "cut off by a kill").unwrap();
         kept.remove();
         drop(output);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
+    fn a_time_between_copies_is_checked() {
+        let every = |checkpoint| CheckpointArgs { checkpoint }.every();
+        assert_eq!(every(0.0).unwrap(), None);
+        assert_eq!(every(0.5).unwrap(), Some(Duration::from_millis(500)));
+        for bad in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+            assert!(every(bad).unwrap_err().to_string().starts_with("--checkpoint is"), "{bad}");
+        }
+    }
+
+    #[test]
     fn a_damaged_state_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
-        let args = ResumeArgs { resume: true, checkpoint: 60.0 };
-        let mut kept = Kept::open(&output, "one".into(), 4, args).unwrap();
+        let args = ResumeArgs { resume: true };
+        let mut kept = Kept::open(&output, "one".into(), 4, args, None).unwrap();
         kept.add(&Part { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
@@ -399,7 +422,7 @@ mod tests {
             let mut bad = good.clone();
             bad[position] ^= 1;
             std::fs::write(&path, &bad).unwrap();
-            let refused = Kept::open(&output, "one".into(), 4, args).err().expect("a flipped bit is noticed");
+            let refused = Kept::open(&output, "one".into(), 4, args, None).err().expect("a flipped bit is noticed");
             assert!(refused.status() == 2 && refused.to_string().contains("a.h5.state"), "{position}: {refused}");
         }
     }

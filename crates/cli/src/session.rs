@@ -42,6 +42,7 @@ pub struct Session {
     pub common: Common,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
+    resumable: bool,
 }
 
 impl Session {
@@ -85,7 +86,20 @@ impl Session {
 
     /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
-        Self { common, interrupted: Arc::new(AtomicBool::new(false)), warnings: Warnings::default() }
+        let interrupted = Arc::new(AtomicBool::new(false));
+        Self { common, interrupted, warnings: Warnings::default(), resumable: true }
+    }
+
+    /// The same session, of whose steps of a path nothing is kept beside the output: an interruption writes the output as far
+    /// as it came. For a caller that removes the output.
+    #[must_use]
+    pub fn without_resumption(self) -> Self {
+        Self { resumable: false, ..self }
+    }
+
+    /// Returns true if the steps of a path are kept beside the output.
+    pub fn is_resumable(&self) -> bool {
+        self.resumable
     }
 
     /// Asks the run to stop, as Ctrl-C does.

@@ -8,6 +8,8 @@
 //! ```text
 //! GFMD_CRASH=500 cargo test -p gfmd-cli --test crash -- --nocapture --test-threads 1
 //! ```
+//!
+//! `GFMD_CRASH_CASES=path,loop` chooses some of the commands.
 #![cfg(unix)]
 #![expect(clippy::print_stdout, reason = "the counts of the runs are the result")]
 
@@ -194,7 +196,9 @@ fn all_of(commands: [&'static str; 8], folder: &Path) -> Vec<Case> {
         std::fs::remove_file(folder.join("whole.h5")).unwrap();
         Case { name, words, expected, takes }
     };
-    commands.map(case).into()
+    let only = std::env::var("GFMD_CRASH_CASES").ok();
+    let chosen = |line: &&str| only.as_ref().is_none_or(|only| only.split(',').any(|name| line.starts_with(name)));
+    commands.into_iter().filter(chosen).map(case).collect()
 }
 
 /// How often each command is killed; `None` for the short version.

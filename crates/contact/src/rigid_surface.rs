@@ -39,8 +39,9 @@ impl RigidSurface {
         if found != expected {
             return Err(Refusal::Shape { found, expected });
         }
-        if let Some(((i, j), &value)) = heights.indexed_iter().find(|(_, h)| !h.is_finite()) {
-            return Err(Refusal::Height { index: [i, j], value });
+        if let Some(hole) = heights.iter().position(|h| !h.is_finite()) {
+            let index = [hole / expected[1], hole % expected[1]];
+            return Err(Refusal::Height { index, value: heights[index] });
         }
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();

@@ -119,6 +119,8 @@ fn area(plan: &Plan, analysis: &Analysis) -> Chart {
         let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
         series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
         let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
+        // The axes are logarithmic. Few data may extrapolate to a limit below zero.
+        let limits = limits.filter(|e| e.fit.kappa_tfc.value > 0.0);
         let mut points: Vec<Point> = limits
             .map(|e| {
                 let kappa = e.fit.kappa_tfc;

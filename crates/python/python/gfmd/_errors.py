@@ -18,7 +18,10 @@ class InputError(Error, ValueError):
 
 
 class NotConverged(Error):
-    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None."""
+    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None.
+
+    `state.not_converged` of a path or a punch tells the criteria that are not met, the residual against the iterations, and advice.
+    """
 
     def __init__(self, text: str, state: Any = None) -> None:
         super().__init__(text)
