@@ -91,6 +91,8 @@ struct PlaceArgs {
 struct Config<'a> {
     surface: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
+    scan: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<usize>,
     length: [f64; 2],
     #[serde(flatten)]
@@ -151,6 +153,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {
         surface: &args.surface,
+        scan: surface.scan.as_deref(),
         load: surface.load,
         length: surface.grid.lengths(),
         body: &elastic,

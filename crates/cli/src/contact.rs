@@ -28,6 +28,7 @@ use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
+use crate::scan::Scan;
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
@@ -113,6 +114,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
@@ -212,6 +215,7 @@ impl Prepared {
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
+            scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
             e_star: self.body.material().contact_modulus(),
@@ -398,6 +402,9 @@ impl fmt::Display for Report {
         let [nx, ny] = self.n;
         let unit = self.unit.as_deref().unwrap_or("length units");
         writeln!(f, "{}", self.surface)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
         writeln!(
             f,

@@ -307,6 +307,7 @@ impl Prepared {
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
+            scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.material().contact_modulus(),

@@ -14,7 +14,7 @@ use crate::names::named;
 pub enum Fill {
     /// The solution of Laplace's equation with the defined heights as boundary values: the sum over neighbours of
     /// (h − h′)/d² is zero at every undefined point, with no neighbours beyond the edges. It has no new maxima or minima
-    /// and the smallest rms gradient. Relative residual below 10⁻¹¹.
+    /// and the smallest rms gradient. The relative residual is below 10⁻⁹.
     Harmonic,
     /// The height of the nearest defined point; of several, that with the lowest x, then the lowest y.
     Nearest,
@@ -30,7 +30,7 @@ named! { Fill, "fill":
 /// number of threads.
 ///
 /// # Errors
-/// Heights that are infinite; no defined point; a spacing that is not positive.
+/// Heights that are infinite; no defined point; a spacing that is not positive; equations that were not solved.
 pub fn fill(heights: &Array2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array2<f64>, SurfaceError> {
     let mut infinite = heights.indexed_iter().filter(|(_, height)| height.is_infinite());
     if let Some(((i, j), &value)) = infinite.next() {
@@ -48,8 +48,8 @@ pub fn fill(heights: &Array2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array
         return Ok(heights.as_standard_layout().into_owned());
     }
     let heights = heights.as_standard_layout().into_owned();
-    Ok(match how {
+    match how {
         Fill::Harmonic => harmonic::fill(heights, spacing),
-        Fill::Nearest => nearest::fill(&heights, spacing),
-    })
+        Fill::Nearest => Ok(nearest::fill(&heights, spacing)),
+    }
 }
