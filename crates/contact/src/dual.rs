@@ -134,7 +134,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
                         PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
                     }
                 };
-                let is_over = part == 2 || minimum.reached.iteration >= max_iterations;
+                let is_over = part == 2 || plain && minimum.reached.iteration >= max_iterations;
                 if is_over || !matches!(minimum.ending, Ending::GaveUp(_)) {
                     break minimum;
                 }
