@@ -17,7 +17,6 @@ use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
 use serde::Serialize;
 
 use crate::convergence::{History, NotConverged};
@@ -95,6 +94,17 @@ struct ControlArgs {
     displacement: Vec<f64>,
 }
 
+impl ControlArgs {
+    /// The flag that is given.
+    fn flag(&self) -> &'static str {
+        match (self.pressure.is_empty(), self.p_star.is_empty()) {
+            (false, _) => "--pressure",
+            (_, false) => "--p-star",
+            _ => "--displacement",
+        }
+    }
+}
+
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
@@ -158,6 +168,7 @@ impl Prepared {
         let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        args.body.check_on(&surface.grid, unit_pressure)?;
         let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
             .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
@@ -169,14 +180,13 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |refusal: Refusal| Failure::input(&args.source.name(), refusal);
-        let response = NormalResponse::new(self.surface.grid, &self.body);
-        let heights = &self.surface.heights;
+        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::on(response, heights).map_err(refuse)?;
+            let contact = Contact::new(body, grid, heights).map_err(refuse)?;
             return self.press(&contact, contact.surface(), args, session);
         }
-        let interface = Interface::on(response, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
@@ -195,7 +205,11 @@ impl Prepared {
         if !contact.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
         }
-        self.controls.iter().try_for_each(|load| contact.check((*load).into()))?;
+        for (index, load) in self.controls.iter().enumerate() {
+            let drive = (*load).into();
+            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, args.solver.tol));
+            checked.map_err(|refusal| Failure::input(&format!("{}, load {index}", args.control.flag()), refusal))?;
+        }
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
@@ -290,6 +304,7 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
             let (mut state, stopped) = reached(solved)?;
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
+            record.check(index)?;
             report.loads.push(record);
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);

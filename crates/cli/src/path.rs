@@ -153,6 +153,7 @@ impl Prepared {
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        args.body.check_on(&surface.grid, unit_pressure)?;
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
@@ -190,8 +191,9 @@ impl Prepared {
     where
         P: Quasistatic + Resumable<State: Recorded>,
     {
-        for drive in &self.drives {
-            problem.check(*drive).map_err(|error| Failure::input("--displacement", error))?;
+        for (index, drive) in self.drives.iter().enumerate() {
+            let checked = problem.check(*drive).and_then(|()| problem.check_resolution(*drive, args.tol));
+            checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
         }
         let mut kept = match &self.output {
             Some(output) if session.is_resumable() => {

@@ -32,6 +32,9 @@ pub struct Common {
     pub verbose: u8,
 }
 
+/// The largest number of threads on a machine with fewer cores. Each has a stack and workspaces of its own.
+const MOST_THREADS: usize = 256;
+
 /// A run of the program.
 #[derive(Clone, Debug)]
 pub struct Session {
@@ -48,6 +51,10 @@ impl Session {
     /// # Errors
     /// More threads than the system can start.
     pub fn start(common: Common) -> Result<Self, Failure> {
+        let most = MOST_THREADS.max(2 * std::thread::available_parallelism().map_or(1, usize::from));
+        if common.threads > most {
+            return Err(Failure::value("--threads", common.threads, format!("at most {most}, or 0 for all cores")));
+        }
         rayon::ThreadPoolBuilder::new()
             .num_threads(common.threads)
             .build_global()

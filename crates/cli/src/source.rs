@@ -11,7 +11,8 @@ use ndarray::Array2;
 use serde::Serialize;
 
 use crate::choice::{by_name, by_name_if, parse_choice};
-use crate::failure::Failure;
+use crate::elastic::sides;
+use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
 use crate::scan::{Prepared, Scan};
 use crate::session::Session;
@@ -168,6 +169,7 @@ impl SourceArgs {
             }
         };
         let name = self.name();
+        self.check_sizes(&grid, &heights)?;
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
         if self.surface.is_some() {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
@@ -185,6 +187,26 @@ impl SourceArgs {
         let unit = scan.as_ref().and_then(|scan| scan.unit.clone());
         let origin = self.surface.as_deref().map(origin).transpose()?;
         Ok(Surface { heights, grid, unit, statistics, description, scan, origin })
+    }
+
+    /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
+    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+        sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
+        let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
+        let all_equal = heights.iter().all(|height| *height == heights[[0, 0]]);
+        if all_equal || !largest.is_finite() {
+            return Ok(()); // judged by what uses the heights
+        }
+        let flag = match (&self.surface, self.generator.rms_height) {
+            (Some(file), _) => file,
+            (None, Some(_)) => "--rms-height",
+            (None, None) => "--rms-gradient",
+        };
+        if SIZES.contains(&largest) {
+            return Ok(());
+        }
+        let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
+        Err(Failure::input(flag, reason + ", which another unit of length makes it"))
     }
 }
 

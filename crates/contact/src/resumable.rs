@@ -26,7 +26,8 @@ impl Resumable for Contact {
         self.check(drive)?;
         let mut pressure = vec![0.0; self.surface.clearance().len()];
         visitor.field(&mut pressure);
-        let mut state = self.certified(pressure, drive.load);
+        let pressure = pressure.into_iter().map(|p| p / self.units().stress()).collect();
+        let mut state = self.given_units(self.certified(pressure, self.units().drive(drive).load));
         state.effort.visit(visitor);
         Ok(state)
     }

@@ -1,6 +1,6 @@
 //! The commands of the program, in this process.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use clap::Parser;
@@ -42,18 +42,19 @@ pub(crate) fn run(
     })?;
     let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 }).without_resumption();
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
-        let finished = AtomicBool::new(false);
+        let (finished, wait) = channel::<()>();
         std::thread::scope(|scope| {
-            scope.spawn(|| {
-                while !finished.load(Ordering::Relaxed) {
+            let session = &session;
+            scope.spawn(move || {
+                // The sender is dropped when the command ends, also by a panic.
+                while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
                     if shared.see(0, f64::NAN).is_break() {
                         session.interrupt();
                     }
-                    std::thread::sleep(PAUSE);
                 }
             });
-            let result = report(&line.command, &session);
-            finished.store(true, Ordering::Relaxed);
+            let result = report(&line.command, session);
+            drop(finished);
             result
         })
     })?;

@@ -33,7 +33,7 @@ pub(crate) struct Rest {
 enum Reached {
     Wall(Solution),
     /// A state with a law, and the pressure that follows from its traction.
-    Law(State, Array2<f64>),
+    Law(Box<State>, Array2<f64>),
 }
 
 impl Rest {
@@ -58,7 +58,7 @@ impl Rest {
 
 fn with_pressure(state: State) -> Reached {
     let pressure = state.pressure().into_owned();
-    Reached::Law(state, pressure)
+    Reached::Law(Box::new(state), pressure)
 }
 
 impl Loads {
@@ -105,7 +105,7 @@ impl Loads {
                 Ok((Rest::of(state, Reached::Wall, scales, budget.tolerance, seconds), failure))
             }
             Kindred::Law(interface) => {
-                let start = if let Some(Reached::Law(start, _)) = last { Some(start) } else { None };
+                let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(interface, load, budget, start, watch)?;
                 let seconds = started.elapsed().as_secs_f64();
                 Ok((Rest::of(state, with_pressure, scales, budget.tolerance, seconds), failure))

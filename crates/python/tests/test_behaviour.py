@@ -231,8 +231,9 @@ def test_files_come_back(tmp_path):
 
 
 def test_warnings_of_the_libraries_are_warnings():
-    with pytest.warns(UserWarning, match="trap|grid|range"):
+    with pytest.warns(UserWarning, match="trap|grid|range") as told:
         gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4)
+    assert told[0].filename == __file__
 
 
 def test_what_comes_out_is_c_ordered_float64():

@@ -17,7 +17,7 @@ def test_example(example, tmp_path):
     figure = tmp_path / "figure.png"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([sys.executable, example, figure], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0 and not done.stderr, done.stderr
     assert figure.stat().st_size > 5000
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     # Time of the processor, which is that of a quiet machine with one core.

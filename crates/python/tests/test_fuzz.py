@@ -229,7 +229,7 @@ def test_entry(name):
                 result = function(*first, **rest)
         except gfmd.Error as error:
             text = str(error)
-            assert text and "\n" not in text and "defect" not in text and len(text) < 600, text
+            assert text and "\n" not in text and "defect" not in text and len(text) < 1000, text
             assert isinstance(error, (gfmd.InputError, gfmd.NotConverged)) or function in WRITERS, repr(error)
             tally[type(error).__name__] += 1
         else:

@@ -1,6 +1,7 @@
 //! The configuration of a sweep, and presets by name.
 
 use std::fmt::Debug;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use gfmd_contact::{Budget, Contact, Solver};
@@ -342,6 +343,15 @@ impl FromStr for Preset {
     }
 }
 
+/// The moduli whose squares are numbers.
+const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
+
+/// The heights of a slab, over the length of the cell, whose stiffnesses are computed without loss of digits.
+const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
+
+/// The gradients whose squares, times those of a modulus, are numbers.
+const GRADIENTS: RangeInclusive<f64> = 1e-100..=1e100;
+
 /// The error of a field whose value is `found`.
 pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
     SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
@@ -363,7 +373,6 @@ impl Config {
         let hurst = &surface.hurst;
         let good = !hurst.is_empty() && hurst.iter().all(|h| (0.0..=1.0).contains(h)) && all_differ(hurst);
         check(good, "surface.hurst", hurst, "a list of different numbers from 0 to 1")?;
-        check(positive(surface.rms_gradient), "surface.rms_gradient", &surface.rms_gradient, "positive and finite")?;
         let p_star = &loads.p_star;
         let ascending = p_star.windows(2).all(|pair| pair[0] < pair[1]);
         let good = !p_star.is_empty() && ascending && p_star.iter().all(|p| positive(*p));
@@ -384,21 +393,35 @@ impl Config {
             ("fit.alpha_c", fit.alpha_c, Some((Alpha::Edge, "edge"))),
         ] {
             let words = word.map_or_else(String::new, |(_, word)| format!("{word:?}, "));
-            let allowed = format!("above 0 and at most 16, {words}\"free\" or \"none\"");
+            let allowed = format!("from 0.01 to 16, {words}\"free\" or \"none\"");
             match alpha {
-                Alpha::Fixed(found) => check(found > 0.0 && found <= 16.0, field, &found, &allowed)?,
+                Alpha::Fixed(found) => check((0.01..=16.0).contains(&found), field, &found, &allowed)?,
                 Alpha::SelfAffine | Alpha::Edge => {
                     check(word.is_some_and(|(own, _)| own == alpha), field, &alpha.word(), &allowed)?;
                 }
                 Alpha::Free | Alpha::Without => {}
             }
         }
-        let allowed = "a number, \"free\" or \"none\" where surface.hurst has 1, whose 1 - H is no exponent";
-        check(fit.alpha_f != Alpha::SelfAffine || !hurst.contains(&1.0), "fit.alpha_f", &fit.alpha_f.word(), allowed)?;
+        let allowed = "a number, \"free\" or \"none\" where surface.hurst is above 0.99, whose 1 - H is no exponent";
+        let good = fit.alpha_f != Alpha::SelfAffine || hurst.iter().all(|h| 1.0 - h >= 0.01);
+        check(good, "fit.alpha_f", &fit.alpha_f.word(), allowed)?;
         let allowed = "a number, \"free\" or \"none\" where surface.dim is 2: line contacts have no perimeter";
         check(fit.alpha_c != Alpha::Edge || surface.dim == 3, "fit.alpha_c", &fit.alpha_c.word(), allowed)?;
         check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
-        self.body().map(drop)
+        let height = match self.body.height {
+            Height::Finite(height) => height,
+            Height::Infinite => 1.0,
+        };
+        self.body()?;
+        let (size, sizes) = (SIZES.contains(&self.body.young), "from 1e-140 to 1e140");
+        check(size, "body.young", &self.body.young, sizes)?;
+        check(HEIGHTS.contains(&height), "body.height", &height, "from 1e-12 to 1e12, or \"inf\"")?;
+        check(
+            GRADIENTS.contains(&surface.rms_gradient),
+            "surface.rms_gradient",
+            &surface.rms_gradient,
+            "from 1e-100 to 1e100",
+        )
     }
 
     /// Number of realisations at a point of n points along one axis, if the largest grid has `largest`.

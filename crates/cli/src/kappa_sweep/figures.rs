@@ -18,7 +18,11 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
     let stem = out.with_extension("");
     let mut files = Vec::new();
-    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation"))?);
+    // A sweep at one discretisation has nothing to extrapolate.
+    let chart = extrapolation(&plan.config, analysis);
+    if !chart.panels.is_empty() {
+        files.extend(chart.save(&named(&stem, "extrapolation"))?);
+    }
     files.extend(area(plan, analysis).save(&named(&stem, "area"))?);
     let modulus = plan.config.body()?.material().contact_modulus();
     let map = named(&stem, "map");

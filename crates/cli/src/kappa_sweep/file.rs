@@ -119,6 +119,9 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
 /// A part of `T`, with its word in the names of variables.
 type Named<T, V> = (&'static str, fn(&T) -> V);
 
+/// A number of an extrapolation with its interval, if it has one: its name, its meaning, its value.
+type Part<'a> = (&'a str, &'a str, &'a dyn Fn(&Extrapolation) -> Option<Estimate>);
+
 /// The ends of a 95 % interval, NaN if there is none.
 fn ends(estimate: &Estimate) -> [f64; 2] {
     estimate.ci95.unwrap_or([f64::NAN; 2])
@@ -157,7 +160,7 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
             }
         }
     }
-    let edges: [(&str, &str, &dyn Fn(&Extrapolation) -> Option<Estimate>); 2] = [
+    let edges: [Part; 2] = [
         ("edge_factor", "part of the measured edge that the raw area has too much", &|e| Some(e.fit.edge?.factor)),
         ("edge_slope", "change of edge_factor with eps_c", &|e| e.fit.edge?.slope),
     ];

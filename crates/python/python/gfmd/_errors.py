@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import warnings
 from typing import Any
 
@@ -73,5 +75,9 @@ def interrupted(text: str) -> Interrupted:
 
 
 def warned(lines: str) -> None:
+    """Warns at the line that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
+        level, frame = level + 1, frame.f_back
     for line in lines.splitlines():
-        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=3)
+        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=level)

@@ -59,7 +59,7 @@ class KappaSweep(Record):
         return _show.needed("xarray", "to_xarray").Dataset(columns)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws kappa of every point over its number of points along a side, and the limit, with matplotlib. Returns the axes.
+        """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib. Returns the axes.
 
         Args:
             ax: the axes to draw into; new ones by default.

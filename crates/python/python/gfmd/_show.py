@@ -67,8 +67,9 @@ def area(contacts: Sequence[Contact], ax: Any) -> Any:
 
 def kappa(points: Sequence[Any], fit: Any, ax: Any) -> Any:
     ax = axes(ax)
+    points = [point for point in points if point["p_star"] == fit["p_star"]]
     errors = [np.nan if point["kappa_sem"] is None else point["kappa_sem"] for point in points]
-    ax.errorbar([point["n"] for point in points], [point["kappa"] for point in points], errors, fmt="o", label="sweep")
+    ax.errorbar([point["n"] for point in points], [point["kappa"] for point in points], errors, fmt="o", label=f"$p^* = {fit['p_star']:g}$")
     ax.axhline(fit["kappa_tfc"], color="k", label=r"limit $\kappa_\mathrm{TFC}$")
     if fit["total_ci95"] is not None:
         ax.axhspan(*fit["total_ci95"], color="k", alpha=0.15, label="95 %, with the error of the form")
