@@ -57,7 +57,7 @@ def run(command: str, words: list[str], threads: Optional[int] = None) -> tuple[
     with Progress(command) as progress:
         text, failure = _gfmd.run([command, *words], count, progress.tick)
     values = parsed(text)
-    for name in ("out", "plots", "peak_bytes"):
+    for name in ("out", "plots", "peak_bytes", "scan"):  # of files that are removed with their folder, and of the process
         values.pop(name, None)
     return values, failure
 
