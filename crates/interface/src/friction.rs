@@ -100,6 +100,7 @@ impl FrictionalContact {
     }
 
     /// The rigid surface.
+    #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
         &self.given
     }

@@ -42,7 +42,7 @@ impl Interface {
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
-        Self::in_own_units(body, grid, heights, law, |grid, body| NormalResponse::new(grid, body))
+        Self::in_own_units(body, grid, heights, law, NormalResponse::new)
     }
 
     /// As [`new`](Self::new), in all components: with lateral displacement and shear.
@@ -55,7 +55,7 @@ impl Interface {
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::in_own_units(body, grid, heights, law, |grid, body| FullResponse::new(grid, body))
+        Self::in_own_units(body, grid, heights, law, FullResponse::new)
     }
 
     /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing response, such as one that
@@ -92,6 +92,7 @@ impl Interface {
     }
 
     /// The rigid surface.
+    #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
         &self.given
     }
