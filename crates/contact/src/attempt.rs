@@ -23,7 +23,7 @@ pub(crate) struct Ended {
 impl Attempt<'_> {
     /// The scale of lengths in the residuals, that of the certificate.
     pub(crate) fn length_scale(&self) -> f64 {
-        self.contact.surface.length_scale(self.load)
+        self.contact.scaled.length_scale(self.load)
     }
 
     /// The remaining budget.

@@ -14,9 +14,9 @@ pub struct Contact {
     /// The response of the body, in `units`.
     pub(crate) response: Arc<NormalResponse>,
     /// The rigid surface, in `units`.
-    pub(crate) surface: Arc<RigidSurface>,
-    /// The rigid surface as given.
-    given: Arc<RigidSurface>,
+    pub(crate) scaled: Arc<RigidSurface>,
+    /// The rigid surface.
+    surface: Arc<RigidSurface>,
     /// E* of the body as given.
     contact_modulus: f64,
     units: Units,
@@ -29,11 +29,11 @@ impl Contact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let given = Self::rough(grid, heights)?;
-        let units = Units::of(body, &given)?;
+        let surface = Self::rough(grid, heights)?;
+        let units = Units::of(body, &surface)?;
         let response = NormalResponse::new(units.grid(grid), &units.body(body)).into();
-        let surface = units.surface(&given);
-        Ok(Self { response, surface, given, contact_modulus: body.material().contact_modulus(), units })
+        let scaled = units.surface(&surface);
+        Ok(Self { response, scaled, surface, contact_modulus: body.material().contact_modulus(), units })
     }
 
     /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one
@@ -45,8 +45,8 @@ impl Contact {
     pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let surface = Self::rough(response.grid(), heights)?;
-        let (given, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
-        Ok(Self { response, surface, given, contact_modulus, units: Units::ONE })
+        let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
+        Ok(Self { response, scaled, surface, contact_modulus, units: Units::ONE })
     }
 
     fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
@@ -57,7 +57,7 @@ impl Contact {
     /// The rigid surface.
     #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
-        &self.given
+        &self.surface
     }
 
     /// The units in which the contact is solved.
@@ -73,7 +73,7 @@ impl Contact {
     /// E* times the spectral rms gradient of the surface, in stress: the unit of the reduced pressure p*
     /// (theory.md, section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
-        self.contact_modulus * self.given.rms_gradient()
+        self.contact_modulus * self.surface.rms_gradient()
     }
 
     /// The state of `pressure` under `load` with its residuals, from fresh transforms.
@@ -92,7 +92,7 @@ impl Contact {
         if self.units.are_one() {
             return solution;
         }
-        solution.out_of(&self.units, &self.given, self.contact_modulus)
+        solution.out_of(&self.units, &self.surface, self.contact_modulus)
     }
 
     /// As [`certify`](Self::certify), for a pressure with the size of the grid, all in [`units`](Self::units).
@@ -107,7 +107,7 @@ impl Contact {
         // u_z = −G p.
         for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
         let mut solution =
-            Solution::of(&self.surface, response.contact_modulus(), pressure, displacement, uniform, load);
+            Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, uniform, load);
         solution.effort.transform_pairs = transforms.pairs();
         solution
     }
@@ -117,7 +117,7 @@ impl Contact {
         match load {
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
-                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.given.mean_clearance());
+                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.surface.mean_clearance());
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
             }

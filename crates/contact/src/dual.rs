@@ -46,7 +46,7 @@ const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
     fn new(contact: &'a Contact, load: Load) -> Self {
-        let Contact { response, surface, .. } = contact;
+        let Contact { response, scaled: surface, .. } = contact;
         let (compliance, stiffness, linear) = match load {
             Load::MeanPressure(_) => {
                 (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(surface.clearance()))
@@ -105,7 +105,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Load::MeanPressure(mean) => Some(mean),
         Load::Approach(_) => None,
     };
-    let uniform = || vec![mean.unwrap_or(0.0); contact.surface.clearance().len()];
+    let uniform = || vec![mean.unwrap_or(0.0); contact.scaled.clearance().len()];
     let mut pressure = attempt.start.take().unwrap_or_else(uniform);
     let x = &mut pressure;
     let target = Target { mean, gradient_scale: attempt.length_scale(), budget: attempt.budget };

@@ -65,7 +65,7 @@ impl Landscape for Layer<'_> {
 
 impl<'a> Layer<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load, length_scale: f64) -> Self {
-        let Contact { response, surface, .. } = contact;
+        let Contact { response, scaled: surface, .. } = contact;
         let [softest, _] = response.stiffness_range();
         let (stiffness, wall, push, force_scale) = match load {
             Load::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(surface.clearance()), mean, mean),
@@ -84,7 +84,7 @@ impl<'a> Layer<'a> {
     pub(crate) fn band(&self) -> [f64; 2] {
         let [softest, stiffest] = self.contact.response.stiffness_range();
         let rigid = if self.push > 0.0 {
-            self.push / (STIFFNESS_LENGTH * self.contact.surface.rms_height())
+            self.push / (STIFFNESS_LENGTH * self.contact.scaled.rms_height())
         } else {
             self.stiffness[0]
         };
@@ -104,7 +104,7 @@ impl<'a> Layer<'a> {
     /// The displacement of the surface under `pressure`.
     pub(crate) fn displacement(&mut self, pressure: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; pressure.len()];
-        let Contact { response, surface, .. } = self.contact;
+        let Contact { response, scaled: surface, .. } = self.contact;
         self.transforms.convolve(response.compliance(), pressure, &mut u);
         let sums = gfmd_vector::reduce(
             u.len(),
