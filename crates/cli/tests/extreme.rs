@@ -4,6 +4,8 @@
 //! The default run takes every thirteenth case. `GFMD_EXTREME=all cargo test -p gfmd-cli --test extreme -- --nocapture` takes
 //! all, and prints their count.
 
+#![expect(clippy::print_stdout, reason = "the count of cases")]
+
 mod common;
 
 use std::collections::BTreeSet;

@@ -18,7 +18,7 @@ const METHODS: [Solver; 8] = [
 
 fn heights(grid: &Grid, size: f64) -> Array2<f64> {
     Array2::from_shape_fn(grid.points(), |(i, j)| {
-        let (x, y) = (i as f64 * 0.392_699, j as f64 * 0.392_699);
+        let (x, y) = (i as f64 * 0.39, j as f64 * 0.39);
         size * (x.cos() * y.cos()
             + 0.3 * (3.0 * x + 1.0).cos() * (2.0 * y).sin()
             + 0.001 * ((7 * i + 3 * j) % 5) as f64)
