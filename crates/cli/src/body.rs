@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::memory::Held;
+use crate::memory::{self, Held};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::origin;
@@ -91,6 +91,8 @@ struct PlaceArgs {
 struct Config<'a> {
     surface: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
+    scan: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<usize>,
     length: [f64; 2],
     #[serde(flatten)]
@@ -151,6 +153,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {
         surface: &args.surface,
+        scan: surface.scan.as_deref(),
         load: surface.load,
         length: surface.grid.lengths(),
         body: &elastic,
@@ -171,6 +174,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, &origin));
     let mut volume = volume.transpose()?;
     let drawn = if rows.axes.len() == 1 { rows.clone() } else { Rows::middle(&surface.grid) };
+    if args.plots.is_some() {
+        // Ten maps of one row each, and their copies while they are drawn.
+        let values = (depths.len() as u64).saturating_mul(drawn.points.len() as u64);
+        memory::check_count("--levels", "values of a figure", values, 8 * 10 * 2)?;
+    }
     let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&quantities, drawn, depths.len()));
 
     let progress = Progress::new(&session.common, "depths", depths.len() as f64);
@@ -189,6 +197,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             let fields = Fields::at(&interior, family, depth, &mut ws);
             let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
             level.note(&fields);
+            level.check(family, &args.surface)?;
             for (index, _) in wanted {
                 if let Some(volume) = &mut volume {
                     volume.write(index, number, &fields)?;
@@ -229,6 +238,7 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     if levels < 2 {
         return Err(Failure::value("--levels", levels, "at least 2"));
     }
+    memory::check_count("--levels", "levels", levels as u64, LEVEL_BYTES)?;
     let deepest = args.deepest.or_else(|| height(body));
     let missing = || Failure::Input("--deepest is missing; it is needed because a half-space has no base".into());
     let deepest = deepest.ok_or_else(missing)?;
@@ -238,6 +248,9 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     Ok(evenly_spaced(levels, deepest).collect())
 }
 
+/// The bytes of a level in the report, and in its text.
+const LEVEL_BYTES: u64 = 512;
+
 /// Returns depths from the surface to `deepest`, which is not rounded: a larger number could lie below the base.
 fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
     let last = levels - 1;
@@ -245,6 +258,19 @@ fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
 }
 
 impl Level {
+    /// Refuses units in which a number of the level is not finite.
+    fn check(&self, family: Family, surface: &str) -> Result<(), Failure> {
+        let numbers = match family {
+            Family::Displacement => [("largest displacement", self.max_displacement); 2],
+            Family::Deformation => {
+                [("largest von Mises stress", self.max_von_mises), ("mean energy density", self.mean_energy_density)]
+            }
+        };
+        let Some((what, found)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) else { return Ok(()) };
+        let reason = format!("the {what} at depth {:e} is {found}; it must be finite", self.depth);
+        Err(Failure::input(surface, reason + ", which other units of stress or length make it"))
+    }
+
     fn at(depth: f64) -> Self {
         Self { depth, max_displacement: f64::NAN, max_von_mises: f64::NAN, mean_energy_density: f64::NAN }
     }
@@ -253,11 +279,11 @@ impl Level {
         match fields {
             Fields::Displacement(u) => {
                 let square = |point: usize| u.at(point).iter().map(|u| u * u).sum::<f64>();
-                self.max_displacement = (0..u.points()).map(square).fold(0.0, f64::max).sqrt();
+                self.max_displacement = gfmd_relax::worst((0..u.points()).map(square)).sqrt();
             }
             Fields::Deformation(deformation) => {
                 let states = || (0..deformation.len()).map(|point| deformation.at(point));
-                self.max_von_mises = states().map(|state| state.von_mises()).fold(0.0, f64::max);
+                self.max_von_mises = gfmd_relax::worst(states().map(|state| state.von_mises()));
                 let energy: f64 = states().map(|state| state.energy_density()).sum();
                 self.mean_energy_density = energy / deformation.len() as f64;
             }

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::Solver;
-use gfmd_surface::{Amplitudes, Periodisation, RollOffShape};
+use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 use serde::Serializer;
 
 /// A list of values that a library defines, each with a name and a meaning.
@@ -37,6 +37,7 @@ macro_rules! choices {
 
 choices! {
     Amplitudes: Self::ALL;
+    Fill: Self::ALL;
     Periodisation: Self::ALL;
     RollOffShape: Self::ALL;
     Solver: &Self::ALL;
@@ -53,4 +54,12 @@ pub fn parse_choice<T: Choice>() -> impl TypedValueParser<Value = T> {
 /// Writes a choice by its name.
 pub fn by_name<T: Choice, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(choice.name())
+}
+
+/// Writes a choice that may be absent by its name.
+pub fn by_name_if<T: Choice, S: Serializer>(choice: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    match choice {
+        Some(choice) => by_name(choice, serializer),
+        None => serializer.serialize_none(),
+    }
 }

@@ -12,12 +12,11 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
-use gfmd_files::Output;
+use gfmd_files::{Output, contiguous};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
 use serde::Serialize;
 
 use crate::convergence::{History, NotConverged};
@@ -28,7 +27,8 @@ use crate::law::LawArgs;
 use crate::load::{LoadRecord, Recorded, ResidualRecord};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
-use crate::resume::{Kept, Part, ResumeArgs};
+use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
+use crate::scan::Scan;
 use crate::session::{Session, list_files};
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
@@ -63,6 +63,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    checkpoint: CheckpointArgs,
     /// Write fields and scalars to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
@@ -91,6 +94,17 @@ struct ControlArgs {
     displacement: Vec<f64>,
 }
 
+impl ControlArgs {
+    /// The flag that is given.
+    fn flag(&self) -> &'static str {
+        match (self.pressure.is_empty(), self.p_star.is_empty()) {
+            (false, _) => "--pressure",
+            (_, false) => "--p-star",
+            _ => "--displacement",
+        }
+    }
+}
+
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
@@ -100,6 +114,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
@@ -133,6 +149,7 @@ impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         let body = args.body.body()?;
         args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.checkpoint.every()?;
         let law = args.law.build()?.into_shared();
         let flags = [
             ("--pressure", &args.control.pressure),
@@ -151,6 +168,7 @@ impl Prepared {
         let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        args.body.check_on(&surface.grid, unit_pressure)?;
         let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
             .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
@@ -162,14 +180,13 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |refusal: Refusal| Failure::input(&args.source.name(), refusal);
-        let response = NormalResponse::new(self.surface.grid, &self.body);
-        let heights = &self.surface.heights;
+        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::on(response, heights).map_err(refuse)?;
+            let contact = Contact::new(body, grid, heights).map_err(refuse)?;
             return self.press(&contact, contact.surface(), args, session);
         }
-        let interface = Interface::on(response, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
@@ -188,12 +205,17 @@ impl Prepared {
         if !contact.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
         }
-        self.controls.iter().try_for_each(|load| contact.check((*load).into()))?;
+        for (index, load) in self.controls.iter().enumerate() {
+            let drive = (*load).into();
+            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, args.solver.tol));
+            checked.map_err(|refusal| Failure::input(&format!("{}, load {index}", args.control.flag()), refusal))?;
+        }
         let mut report = Report {
             n: self.surface.grid.points(),
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
+            scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
             e_star: self.body.material().contact_modulus(),
@@ -208,13 +230,13 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let head = session.identity(&config, &self.surface);
-                Some(Kept::open(output, head, self.controls.len(), args.resume)?)
+                Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
-        if let (Err(_), Some(kept)) = (&outcome, &mut kept) {
+        if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
             let _ = kept.flush();
         }
@@ -282,6 +304,7 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
             let (mut state, stopped) = reached(solved)?;
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
+            record.check(index)?;
             report.loads.push(record);
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
@@ -297,9 +320,10 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = ContactFile::fields(&state).map(|field| field.iter().copied().collect());
-                let part = Part { text: record.to_toml()?, fields: fields.into() };
-                kept.keep(&part, |visitor| contact.keep(&mut state, visitor))?;
+                let fields = ContactFile::fields(&state);
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
             }
             last = Some(state);
         }
@@ -378,6 +402,9 @@ impl fmt::Display for Report {
         let [nx, ny] = self.n;
         let unit = self.unit.as_deref().unwrap_or("length units");
         writeln!(f, "{}", self.surface)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
         writeln!(
             f,

@@ -13,9 +13,10 @@ use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::{Body, GreenError, Material};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::elastic::HEIGHTS;
+use crate::failure::{Failure, check_size};
 use crate::figures::parse_prefix;
-use crate::memory::Held;
+use crate::memory::{self, Held};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 
@@ -116,8 +117,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
+/// The bytes of a step with one factor: three numbers, in vectors that grow to twice their length, and in the file.
+const HISTORY_BYTES: u64 = 3 * 8 * 3;
+
 /// Prepares the experiment that the flags describe.
 fn experiment(args: &Args) -> Result<Experiment, Failure> {
+    if args.young.is_finite() && args.young > 0.0 {
+        check_size("--young", args.young)?;
+    }
+    if args.height.is_finite() && args.height > 0.0 && !HEIGHTS.contains(&args.height) {
+        return Err(Failure::value("--height", format!("{:e}", args.height), "between 1e-12 and 1e12"));
+    }
     let material = Material::from_young(args.young, args.poisson);
     let body = material.and_then(|material| Body::slab(material, args.height)).map_err(|error| {
         let flag = match &error {
@@ -129,6 +139,10 @@ fn experiment(args: &Args) -> Result<Experiment, Failure> {
     })?;
     let points = if args.dim == 2 { [args.n, 1] } else { [args.n; 2] };
     Held::DAMPING.check("--n", points)?;
+    if let Some(steps) = args.steps {
+        let histories = (args.factors.len() as u64).saturating_mul(u64::from(steps));
+        memory::check_count("--steps", "steps of all factors", histories, HISTORY_BYTES)?;
+    }
     let grid = Grid::new(points, [1.0; 2]).map_err(|error| Failure::input("--n", error))?;
     if args.n < 2 {
         return Err(unusable(args, Unusable::Points));
@@ -139,9 +153,9 @@ fn experiment(args: &Args) -> Result<Experiment, Failure> {
 fn unusable(args: &Args, error: Unusable) -> Failure {
     match error {
         Unusable::Points => Failure::value("--n", args.n, "at least 2"),
-        Unusable::TimeStep(found) => Failure::value("--dt", found, "above 0 and below 1"),
-        Unusable::Factor { found, largest } => {
-            Failure::value("--factors", found, format!("above 0 and below {largest} at this time step"))
+        Unusable::TimeStep(found) => Failure::value("--dt", found, "at least 1e-9 and below 1"),
+        Unusable::Factor { found, least, largest } => {
+            Failure::value("--factors", found, format!("at least {least:.1e} and below {largest} at this time step"))
         }
         Unusable::Steps(enough) => Failure::Input(format!(
             "--steps is missing; it is needed because the rates take {enough:.0} steps, more than {MOST_STEPS:.0}"
@@ -314,10 +328,10 @@ mod tests {
     #[test]
     fn unusable_flags_are_named_with_what_was_found_and_what_is_allowed() {
         for (flags, message) in [
-            ("--factors 1,-1", "--factors is -1; it must be above 0 and below "),
-            ("--factors 100", "--factors is 100; it must be above 0 and below "),
+            ("--factors 1,-1", "--factors is -1; it must be at least "),
+            ("--factors 100", "--factors is 100; it must be at least "),
             ("--factors 1e-6", "--steps is missing; it is needed because the rates take 2321332963 steps"),
-            ("--dt 1", "--dt is 1; it must be above 0 and below 1"),
+            ("--dt 1", "--dt is 1; it must be at least 1e-9 and below 1"),
             ("--height 0", "--height: "),
             ("--poisson 0.6", "--poisson: "),
             ("--young -1", "--young: "),

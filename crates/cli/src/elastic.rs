@@ -1,10 +1,13 @@
 //! The elastic body, from flags.
 
+use std::ops::RangeInclusive;
+
 use clap::Args;
+use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Height, Material};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, SIZES, check_size};
 
 /// Flags that describe the elastic body.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -35,6 +38,10 @@ impl BodyArgs {
             Some(modulus) => Material::from_contact_modulus(modulus, self.poisson),
             None => Material::from_young(self.young, self.poisson),
         };
+        let (flag, modulus) = self.e_star.map_or(("--young", self.young), |e_star| ("--e-star", e_star));
+        if modulus.is_finite() && modulus > 0.0 {
+            check_size(flag, modulus)?;
+        }
         material.and_then(|material| Body::new(material, self.height)).map_err(|error| {
             let flag = match &error {
                 GreenError::Young(_) => "--young",
@@ -46,6 +53,37 @@ impl BodyArgs {
         })
     }
 }
+
+impl BodyArgs {
+    /// Checks the body against a surface on `grid` that is pressed on it: the height of a slab over the sides of the
+    /// cell, and the `unit` of pressures, E* times the rms gradient.
+    ///
+    /// # Errors
+    /// A slab so thin or so high, or a unit so small or so large, that digits are lost.
+    pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Failure> {
+        if let Height::Finite(height) = self.height
+            && let Some(side) = sides(grid).iter().find(|side| !HEIGHTS.contains(&(height / **side)))
+        {
+            let allowed = format!("between 1e-12 and 1e12 times the cell length {side:e}, or inf");
+            return Err(Failure::value("--height", format!("{height:e}"), allowed));
+        }
+        let flag = if self.e_star.is_some() { "--e-star" } else { "--young" };
+        // A flat surface is judged by what uses it.
+        if SIZES.contains(&unit) || unit == 0.0 {
+            return Ok(());
+        }
+        let reason = format!("E* times the rms gradient is {unit:e}; it must be between 1e-140 and 1e140");
+        Err(Failure::input(flag, reason + ", which another unit of stress makes it"))
+    }
+}
+
+/// The sides of the cell: two, or one of a profile.
+pub fn sides(grid: &Grid) -> Vec<f64> {
+    grid.lengths()[..if grid.is_line() { 1 } else { 2 }].to_vec()
+}
+
+/// The heights of a slab over the sides of the cell whose stiffnesses are computed without loss of digits.
+pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 
 /// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration that
 /// the file records.

@@ -21,12 +21,15 @@ pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
 
 /// The file `PREFIX-what` of a prefix.
 pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
-    let name = stem.file_name().unwrap_or_default().to_string_lossy();
-    stem.with_file_name(format!("{name}-{what}"))
+    let mut name = stem.file_name().unwrap_or_default().to_os_string();
+    name.push(format!("-{what}"));
+    stem.with_file_name(name)
 }
 
-/// A chart of the contact area against the reduced pressure.
-pub(crate) fn area_chart(series: Vec<Series>) -> Chart {
+/// A chart of the contact area against the reduced pressure. Both axes are logarithmic: points without contact, or with
+/// an extrapolated area below zero, are left out.
+pub(crate) fn area_chart(mut series: Vec<Series>) -> Chart {
+    series.iter_mut().for_each(|series| series.points.retain(|point| point.x > 0.0 && point.y > 0.0));
     Chart::new(vec![Panel {
         x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
         y: Axis::log("contact area fraction *a*_r"),

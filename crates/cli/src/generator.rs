@@ -12,7 +12,7 @@ use ndarray::{Array2, s};
 use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
-use crate::failure::Failure;
+use crate::failure::{Failure, check_size};
 use crate::memory::Held;
 
 /// The default number of points along one side.
@@ -26,6 +26,9 @@ const EPS_F_INV: f64 = 32.0;
 
 /// The value of 1/eps_c to which the default of 1/eps_f leads.
 const EPS_C_INV: f64 = 4.0;
+
+/// The largest ratio of wavelengths: that of the longest possible grid.
+const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 
 /// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
@@ -132,6 +135,13 @@ impl GeneratorArgs {
     /// # Errors
     /// A flag out of its range, flags that do not go together.
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
+        let (flag, size) = match self.normalisation() {
+            Normalisation::RmsGradient(gradient) => ("--rms-gradient", gradient),
+            Normalisation::RmsHeight(height) => ("--rms-height", height),
+        };
+        if size.is_finite() && size > 0.0 {
+            check_size(flag, size)?;
+        }
         match self.method {
             Method::Psd => self.spectrum(grid)?.heights(grid, self.seed).map_err(|error| flagged(&error)),
             Method::Sra => self.subdivided(grid, Displaced::AllPoints),
@@ -175,8 +185,8 @@ impl GeneratorArgs {
         let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
         let eps_f_inv = self.eps_f_inv_on(smaller(grid.lengths()) / larger(grid.spacing()));
         for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
-            if !(found.is_finite() && found >= 1.0) {
-                return Err(Failure::value(flag, found, "at least 1 and finite"));
+            if !(1.0..=MOST_POINTS).contains(&found) {
+                return Err(Failure::value(flag, found, format!("between 1 and {MOST_POINTS}")));
             }
         }
         let longest = smaller(grid.lengths()) / eps_t_inv;

@@ -4,6 +4,7 @@ use std::fmt::{self, Display};
 
 use clap::ValueEnum;
 use gfmd_green::{Base, Body, Complex64, GreenError, Height, Material, Section};
+use gfmd_response::unit_of;
 use serde::Serialize;
 
 use crate::elastic::parse_height;
@@ -112,10 +113,21 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     if args.dim == 2 && args.qy != 0.0 {
         return Err(Failure::value("--qy", args.qy, "0 with --dim 2"));
     }
-    let body = body(args)?;
-    let section = section(args, &body)?;
-    let q = [args.qx, args.qy];
-    let normal_compliance = body.normal_compliance(q[0].hypot(q[1]));
+    let given = body(args)?;
+    section(args, &given)?;
+    // Determinants are products of several stiffnesses: they are computed in units of the modulus and the wavelength,
+    // powers of two that change no digit.
+    let largest = args.qx.abs().max(args.qy.abs());
+    let (stress, length) = (unit_of(args.young), 1.0 / unit_of(largest));
+    let stiffness_unit = stress / length;
+    let body = given.in_units(stress, length);
+    let at = |place: Option<f64>| place.map(|place| place / length);
+    let section = section(&Args { z: at(args.z), depth: at(args.depth), ..args.clone() }, &body)?;
+    let q = [args.qx * length, args.qy * length];
+    let normal_compliance = body.normal_compliance(q[0].hypot(q[1])) / stiffness_unit;
+    let times = |rows: Rows, unit: f64| -> Rows {
+        rows.into_iter().map(|row| row.into_iter().map(|entry| entry.map(|part| part * unit)).collect()).collect()
+    };
     let (components, stiffness, compliance) = if args.dim == 2 {
         (vec!["x", "z"], rows(&body.plane_stiffness(q[0])), rows(&body.plane_compliance(q[0])))
     } else {
@@ -125,19 +137,46 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
         if args.dim == 2 {
             Inside {
                 displacement_transfer: rows(&section.plane_displacement_transfer(q[0])),
-                stress_transfer: rows(&section.plane_stress_transfer(q[0])),
+                stress_transfer: times(rows(&section.plane_stress_transfer(q[0])), stiffness_unit),
                 stress_components: vec!["xx", "zz", "xz"],
             }
         } else {
             Inside {
                 displacement_transfer: rows(&section.displacement_transfer(q)),
-                stress_transfer: rows(&section.stress_transfer(q)),
+                stress_transfer: times(rows(&section.stress_transfer(q)), stiffness_unit),
                 stress_components: vec!["xx", "yy", "zz", "yz", "xz", "xy"],
             }
         }
     });
+    let (stiffness, compliance) = (times(stiffness, stiffness_unit), times(compliance, 1.0 / stiffness_unit));
     let normal_stiffness = normal_compliance.recip();
-    Ok(Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside })
+    let q = [args.qx, args.qy];
+    let report = Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside };
+    match report.unrepresentable() {
+        Some((what, found)) if q != [0.0; 2] => Err(Failure::Input(format!(
+            "--qx is {:e}, --qy {:e} and --young {:e}; every number of the result must be finite, and the {what} has an \
+             entry {found}: choose other units",
+            args.qx, args.qy, args.young
+        ))),
+        _ => Ok(report),
+    }
+}
+
+impl Report {
+    /// The first number that is NaN or infinite, and the name of its matrix. At q = 0 infinite entries have a meaning.
+    fn unrepresentable(&self) -> Option<(&'static str, f64)> {
+        let inside = self.inside.as_ref();
+        let matrices = [
+            ("stiffness", Some(&self.stiffness)),
+            ("compliance", Some(&self.compliance)),
+            ("displacement transfer", inside.map(|inside| &inside.displacement_transfer)),
+            ("stress transfer", inside.map(|inside| &inside.stress_transfer)),
+        ];
+        let scalars = [("normal compliance", self.normal_compliance), ("normal stiffness", self.normal_stiffness)];
+        let entries = matrices.into_iter().filter_map(|(name, matrix)| Some((name, matrix?)));
+        let entries = entries.flat_map(|(name, rows)| rows.iter().flatten().flatten().map(move |entry| (name, *entry)));
+        entries.chain(scalars).find(|(_, entry)| !entry.is_finite())
+    }
 }
 
 fn body(args: &Args) -> Result<Body, Failure> {

@@ -23,6 +23,73 @@ pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
     String::from_utf8(text).map_err(serde::ser::Error::custom)
 }
 
+/// The keys of numbers that have a value whatever the input: they are `null` only if they are NaN or infinite.
+const ALWAYS: [&str; 37] = [
+    "approach",
+    "area_fraction",
+    "area_fraction_corrected",
+    "complementarity",
+    "critical_eta",
+    "displacement",
+    "dt",
+    "e_star",
+    "effective_width",
+    "elastic_energy",
+    "eta",
+    "height",
+    "highest",
+    "length",
+    "load",
+    "lowest",
+    "m0",
+    "m2",
+    "m4",
+    "max_pressure",
+    "mean",
+    "mean_gap",
+    "mean_pressure",
+    "mean_pressure_in_contact",
+    "mean_shear",
+    "mean_traction",
+    "p_star",
+    "peak_to_valley",
+    "penetration",
+    "predicted_rate",
+    "pressure_deviation_in_contact",
+    "pressure_moment_2",
+    "rms_curvature",
+    "rms_gradient",
+    "rms_height",
+    "rms_laplacian",
+    "traction",
+];
+
+/// The first key of a number that is `null` although it always has a value: the number is NaN or infinite.
+pub fn undefined(report: &serde_json::Value) -> Option<&str> {
+    fn find<'a>(key: &'a str, value: &'a serde_json::Value) -> Option<&'a str> {
+        match value {
+            serde_json::Value::Null => ALWAYS.contains(&key).then_some(key),
+            serde_json::Value::Array(values) => values.iter().find_map(|value| find(key, value)),
+            serde_json::Value::Object(entries) => {
+                // What was asked of a surface, and how a search went, may lack any of them.
+                let parts =
+                    entries.iter().filter(|(key, _)| !["asked", "not_converged", "input"].contains(&key.as_str()));
+                let missing = |key: &str| {
+                    // Without a law the ratio of area to load is defined.
+                    let ratio = key == "kappa" && entries.contains_key("contact_nodes");
+                    ratio && !entries.contains_key("interface_energy")
+                };
+                parts.into_iter().find_map(|(key, value)| match value {
+                    serde_json::Value::Null if missing(key) => Some(key.as_str()),
+                    value => find(key, value),
+                })
+            }
+            _ => None,
+        }
+    }
+    find("", report)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -34,5 +101,16 @@ mod tests {
             assert_eq!(back.to_bits(), value.to_bits());
         }
         assert_eq!(super::to_string(&[f64::NAN, f64::INFINITY]).unwrap(), "[null,null]");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_told_from_those_without_a_meaning() {
+        let undefined = |text: &str| super::undefined(&serde_json::from_str(text).unwrap()).map(str::to_owned);
+        assert_eq!(undefined(r#"{"loads":[{"kappa":1.0,"max_pressure":null}]}"#), Some("max_pressure".into()));
+        assert_eq!(undefined(r#"{"length":[1.0,null],"unit":null}"#), Some("length".into()));
+        assert_eq!(undefined(r#"{"loads":[{"kappa":null,"contact_nodes":1}]}"#), Some("kappa".into()));
+        let with_law = r#"{"loads":[{"kappa":null,"contact_nodes":1,"interface_energy":1.0}],"nayak":null}"#;
+        assert_eq!(undefined(with_law), None);
+        assert_eq!(undefined(r#"{"asked":{"rms_height":null},"new_key":null}"#), None);
     }
 }

@@ -23,7 +23,7 @@ pub(crate) use check::check;
 pub use report::{PlanReport, Report};
 
 use crate::failure::Failure;
-use crate::memory::{Held, peak_bytes};
+use crate::memory::{self, Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use journal::{Finished, Journal, Size};
@@ -61,6 +61,9 @@ fn preset() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Preset>())
 }
 
+/// The bytes of a finished contact: in the journal, in the result and in the file.
+const CONTACT_BYTES: u64 = 1024;
+
 /// The output of the command.
 pub enum Outcome {
     /// The result of a sweep.
@@ -84,6 +87,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let text = config::text(&config)?;
     let plan = Plan::new(config)?;
     plan.points.iter().try_for_each(|point| Held::HARD_WALL.check("the grid", point.grid.points()))?;
+    let (runs, loads) = (plan.runs.len() as u64, plan.config.loads.p_star.len() as u64);
+    memory::check_count("statistics.realisations", "contacts", runs.saturating_mul(loads), CONTACT_BYTES)?;
     if args.show_config {
         return Ok(Outcome::Config(text));
     }

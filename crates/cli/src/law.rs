@@ -155,13 +155,20 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let points = args.normal.iter().zip(tangential).map(|(&normal, &tangential)| {
         let response = law.response(normal, tangential);
         let energy = law.energy(normal, tangential);
-        Point { normal, tangential, traction: response.traction, jacobian: response.jacobian, energy }
+        let numbers = response.traction.iter().chain(response.jacobian.iter().flatten()).chain(&energy);
+        if let Some(bad) = numbers.into_iter().find(|number| !number.is_finite()) {
+            return Err(Failure::Input(format!(
+                "--normal is {normal:e} and --tangential {tangential:e}; traction, Jacobian and energy must be finite \
+                 there, and one of them is {bad}"
+            )));
+        }
+        Ok(Point { normal, tangential, traction: response.traction, jacobian: response.jacobian, energy })
     });
     let mut report = Report {
         law: args.law.law.name(),
         wall: law.has_wall(),
         mixed_mode: law.mixed_mode().map(Into::into),
-        points: points.collect(),
+        points: points.collect::<Result<_, _>>()?,
         plots: Vec::new(),
     };
     if let Some(stem) = &args.plot {

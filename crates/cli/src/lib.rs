@@ -38,6 +38,7 @@ pub mod program;
 pub mod progress;
 pub mod punch;
 pub mod resume;
+pub mod scan;
 pub mod session;
 pub mod solver;
 pub mod source;

@@ -116,6 +116,22 @@ impl LoadRecord {
         Self { law: state.law_record(), ..wall }
     }
 
+    /// Refuses units in which a number of load `index` is not finite. With a law κ may be undefined.
+    ///
+    /// # Errors
+    /// The name and the value of such a number.
+    pub fn check(&self, index: usize) -> Result<(), Failure> {
+        let undefined = |name: &str| self.law.is_some() && name.starts_with("kappa");
+        match SCALARS.iter().find(|column| !(column.value)(self).is_finite() && !undefined(column.name)) {
+            Some(column) if self.converged => Err(Failure::Computation(format!(
+                "load {index}: {} is {}; it must be finite, which other units of stress or length make it",
+                column.name,
+                (column.value)(self)
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Makes the record for a hard wall from its parts.
     pub fn of(
         summary: &Summary,

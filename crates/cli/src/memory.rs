@@ -34,17 +34,57 @@ impl Held {
     /// # Errors
     /// A need of more memory than is available.
     pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        let needed = self.bytes(points);
-        let Some(available) = available_bytes().filter(|available| needed > *available) else { return Ok(()) };
         let [nx, ny] = points;
-        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-        let reason = format!("{nx} x {ny} points need {:.1} GiB; {:.1} GiB are available", gib(needed), gib(available));
-        Err(Failure::input(name, reason))
+        check(name, &format!("{nx} x {ny} points"), self.bytes(points))
     }
 }
 
-/// The memory that a computation may use, in bytes; `None` if the system does not report it.
+/// Refuses numbers that do not fit into memory: `count` items, called `what`, of `each` bytes.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), Failure> {
+    check(name, &format!("{count} {what}"), count.saturating_mul(each))
+}
+
+fn check(name: &str, what: &str, needed: u64) -> Result<(), Failure> {
+    let Some(available) = available_bytes().filter(|available| needed > *available) else { return Ok(()) };
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let reason = format!("{what} need {:.1} GiB; {:.1} GiB are available", gib(needed), gib(available));
+    Err(Failure::input(name, reason))
+}
+
+/// The memory that a computation may use, in bytes: that of the machine, less if the process or its control group has a
+/// limit; `None` if the system does not report it.
 fn available_bytes() -> Option<u64> {
+    [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
+}
+
+/// The memory below the limit of the control group, such as a container.
+fn of_control_group() -> Option<u64> {
+    let number = |name: &str| std::fs::read_to_string(name).ok()?.trim().parse::<u64>().ok();
+    let limit = number("/sys/fs/cgroup/memory.max")?;
+    Some(limit.saturating_sub(number("/sys/fs/cgroup/memory.current")?))
+}
+
+/// The addresses below the limit of the process (`ulimit -v`).
+fn of_process() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    {
+        use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
+        let (limit, _) = getrlimit(Resource::RLIMIT_AS).ok().filter(|(limit, _)| *limit != RLIM_INFINITY)?;
+        let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().next()?.parse().ok()?;
+        Some(limit.saturating_sub(pages.saturating_mul(PAGE)))
+    }
+    #[cfg(not(target_os = "linux"))]
+    None
+}
+
+/// The size in which Linux counts addresses on most machines, in bytes.
+#[cfg(target_os = "linux")]
+const PAGE: u64 = 4096;
+
+fn of_machine() -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
     }
@@ -80,6 +120,10 @@ mod tests {
                 assert!(available_bytes().is_none() || fields.check("--n", points).is_err());
             }
         }
+        for count in [1 << 40, u64::MAX] {
+            assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
+        }
+        assert!(check_count("--steps", "steps", 1000, 64).is_ok());
         assert_eq!(Held::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
     }
 }

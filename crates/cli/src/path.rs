@@ -7,6 +7,7 @@ mod record;
 mod report;
 mod waypoints;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -152,6 +153,7 @@ impl Prepared {
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        args.body.check_on(&surface.grid, unit_pressure)?;
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
@@ -189,15 +191,16 @@ impl Prepared {
     where
         P: Quasistatic + Resumable<State: Recorded>,
     {
-        for drive in &self.drives {
-            problem.check(*drive).map_err(|error| Failure::input("--displacement", error))?;
+        for (index, drive) in self.drives.iter().enumerate() {
+            let checked = problem.check(*drive).and_then(|()| problem.check_resolution(*drive, args.tol));
+            checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
         }
         let mut kept = match &self.output {
-            Some(output) => {
+            Some(output) if session.is_resumable() => {
                 let identity = session.identity(&args.config()?, &self.surface);
-                Some(Kept::open(output, identity, self.drives.len(), args.resume)?)
+                Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
-            None => None,
+            _ => None,
         };
         let outcome = self.steps(problem, args, session, kept.as_mut());
         if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept)
@@ -255,8 +258,8 @@ impl Prepared {
                     let record = &log.steps[index];
                     progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
                     if let Some(kept) = &mut kept {
-                        let part = Part { text: record.to_toml()?, fields };
-                        kept.keep(&part, |visitor| {
+                        kept.add(&Part { text: record.to_toml()?, fields });
+                        kept.keep_state(|visitor| {
                             path.keep(visitor);
                             log.visit_widest(visitor);
                         })?;
@@ -304,6 +307,7 @@ impl Prepared {
             length: self.surface.grid.lengths(),
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
+            scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.material().contact_modulus(),
@@ -380,7 +384,7 @@ impl<'a> Log<'a> {
         reading: &Reading,
         step: &Step,
         seconds: f64,
-    ) -> Result<Vec<Vec<f64>>, Failure> {
+    ) -> Result<Vec<Cow<'static, [f64]>>, Failure> {
         let index = self.steps.len();
         let mut fields = Vec::new();
         if let (Some(file), true) = (&mut self.file, index.is_multiple_of(self.steps_of_leg)) {

@@ -1,8 +1,8 @@
 //! The program: it parses the command line, runs the command, prints its report, and maps failures to exit codes.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is where results and errors are printed")]
 
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
@@ -60,6 +60,12 @@ pub fn status<C: Subcommand>(
     words: impl IntoIterator<Item = OsString>,
     run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
 ) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
+    if let Some(word) = words.iter().find(|word| word.to_str().is_none()) {
+        let word = word.to_string_lossy();
+        let _ = writeln!(io::stderr(), "error: the argument {word} is not UTF-8; it must be, since results record it");
+        return 2;
+    }
     let parsed = named(Line::<C>::command(), name).try_get_matches_from(words);
     let line = match parsed.and_then(|mut matches| Line::<C>::from_arg_matches_mut(&mut matches)) {
         Ok(line) => line,
@@ -68,7 +74,7 @@ pub fn status<C: Subcommand>(
     match Session::start(line.common).and_then(|session| run(&line.command, &session)) {
         Ok(()) => 0,
         Err(failure) => {
-            eprintln!("error: {failure}");
+            let _ = writeln!(io::stderr(), "error: {failure}");
             failure.status()
         }
     }
@@ -76,10 +82,10 @@ pub fn status<C: Subcommand>(
 
 /// Keeps freed memory in the process, on Linux with glibc. Each solve allocates and frees fields of equal size. Returning
 /// them to the system each time costs a tenth of the computing time on one thread, and more on two.
-fn keep_freed_memory() {
+pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
-    // SAFETY: no other thread exists yet, and both settings accept any value.
+    // SAFETY: the allocator takes its lock, and both settings accept any value.
     unsafe {
         use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
         mallopt(M_MMAP_MAX, 0);
@@ -129,8 +135,8 @@ impl Command {
 /// # Errors
 /// The reason; a standard output that cannot be written.
 pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -> Result<(), Failure> {
-    print(&outcome.report, session)?;
-    outcome.failure.map_or(Ok(()), Err)
+    let printed = print(&outcome.report, session);
+    outcome.failure.map_or(printed, Err)
 }
 
 /// Prints a report as a table, or as JSON with `--json`.
@@ -138,34 +144,49 @@ pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -
 /// # Errors
 /// A standard output that cannot be written.
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
-    if session.common.json {
-        return write(&(session.json(report)? + "\n"));
+    let text = session.json(report)?;
+    let numbers: serde_json::Value =
+        serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
+    write(&if session.common.json { text + "\n" } else { report.to_string() })?;
+    match crate::json::undefined(&numbers) {
+        Some(key) => Err(Failure::Computation(format!(
+            "{key} is not finite; it must be, and other units of stress or length may make it so"
+        ))),
+        None => Ok(()),
     }
-    write(&report.to_string())
+}
+
+fn put(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
 }
 
 fn write(text: &str) -> Result<(), Failure> {
-    use std::io::Write;
-    let mut stdout = std::io::stdout().lock();
-    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
-    written.map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
+    put(text).map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
 }
 
 /// Prints help and version as results, and any other message of clap as one line of unusable input.
 fn refuse(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            print!("{}", error.render());
-            0
+            // A reader that has seen enough, as `head`, closes the pipe.
+            match put(&error.render().to_string()) {
+                Err(error) if error.kind() != io::ErrorKind::BrokenPipe => 1,
+                _ => 0,
+            }
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            eprint!("{}", error.render());
+            let _ = write!(io::stderr(), "{}", error.render());
             2
         }
         _ => {
             let text = error.render().to_string();
             let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
-            eprintln!("{}", lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "));
+            let _ = writeln!(
+                io::stderr(),
+                "{}",
+                lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+            );
             2
         }
     }

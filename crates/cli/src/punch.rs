@@ -15,8 +15,8 @@ use ndarray::{Array2, Array3};
 use serde::Serialize;
 
 use crate::convergence::{History, NotConverged};
-use crate::elastic::{BodyArgs, parse_height, serialize_height};
-use crate::failure::{Failure, Outcome};
+use crate::elastic::{BodyArgs, HEIGHTS, parse_height, serialize_height};
+use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
@@ -195,6 +195,18 @@ impl Prepared {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(args.depth.is_finite() && args.depth > 0.0) {
             return Err(Failure::value("--depth", args.depth, "positive and finite"));
+        }
+        for (flag, size) in [("--depth", args.depth), ("--length", args.length)] {
+            if size.is_finite() && size > 0.0 {
+                check_size(flag, size)?;
+            }
+        }
+        if let Some(Height::Finite(height)) = args.height
+            && height > 0.0
+            && !HEIGHTS.contains(&(height / args.length))
+        {
+            let allowed = format!("between 1e-12 and 1e12 times the cell length {:e}, or inf", args.length);
+            return Err(Failure::value("--height", format!("{height:e}"), allowed));
         }
         let finest = args.n.saturating_mul(1 << (args.refine - 1));
         for (flag, n) in [("--n", args.n), ("--refine", finest)] {

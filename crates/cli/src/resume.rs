@@ -11,6 +11,7 @@
 
 mod snapshot;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -21,29 +22,38 @@ use gfmd_files::{Journal, JournalError, Output};
 use crate::failure::Failure;
 use snapshot::{Stored, Writer};
 
-/// Flags of a command that can be continued.
+/// The flag of a command that can be continued.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ResumeArgs {
     /// Continue a run that was interrupted or killed, from what is kept beside --out
     #[arg(long, requires = "out")]
-    resume: bool,
+    pub resume: bool,
+}
+
+/// The flag of a command that copies a running solve.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct CheckpointArgs {
     /// Time between two copies of the running solve beside --out; 0 for none
     #[arg(long, default_value_t = 60.0, value_name = "SECONDS", allow_negative_numbers = true)]
     checkpoint: f64,
 }
 
-impl ResumeArgs {
-    /// Checks the flags.
+impl CheckpointArgs {
+    /// The time between two copies, if any are made.
     ///
     /// # Errors
-    /// A time that is negative or not finite.
-    pub fn check(&self) -> Result<(), Failure> {
-        if self.checkpoint.is_finite() && self.checkpoint >= 0.0 {
-            return Ok(());
+    /// A time that is negative or longer than a century.
+    pub fn every(&self) -> Result<Option<Duration>, Failure> {
+        match self.checkpoint {
+            0.0 => Ok(None),
+            seconds if seconds > 0.0 && seconds <= CENTURY => Ok(Some(Duration::from_secs_f64(seconds))),
+            found => Err(Failure::value("--checkpoint", found, format!("between 0 and {CENTURY:.0e}"))),
         }
-        Err(Failure::value("--checkpoint", self.checkpoint, "at least 0 and finite"))
     }
 }
+
+/// A century in seconds.
+const CENTURY: f64 = 3e9;
 
 /// The time between two writes over the time that a write takes.
 const PATIENCE: u32 = 20;
@@ -55,9 +65,9 @@ const FIRST_COST: Duration = Duration::from_millis(5);
 const MOST_WAITING: usize = 1 << 26;
 
 /// A finished part: its scalars as text, and the fields that go into the output.
-pub(crate) struct Part {
+pub(crate) struct Part<'a> {
     pub(crate) text: String,
-    pub(crate) fields: Vec<Vec<f64>>,
+    pub(crate) fields: Vec<Cow<'a, [f64]>>,
 }
 
 /// The files beside an output that is being computed.
@@ -87,9 +97,13 @@ impl<'a> Kept<'a> {
     ///
     /// # Errors
     /// An unfinished run without `--resume`; files of another run, or damaged ones.
-    pub(crate) fn open(output: &'a Output, head: String, parts: usize, args: ResumeArgs) -> Result<Self, Failure> {
-        args.check()?;
-        let every = (args.checkpoint > 0.0).then(|| Duration::from_secs_f64(args.checkpoint));
+    pub(crate) fn open(
+        output: &'a Output,
+        head: String,
+        parts: usize,
+        ResumeArgs { resume }: ResumeArgs,
+        every: Option<Duration>,
+    ) -> Result<Self, Failure> {
         let mut kept = Self {
             output,
             head: head.into_bytes(),
@@ -106,7 +120,7 @@ impl<'a> Kept<'a> {
             every,
         };
         let Some(found) = kept.paths().into_iter().find(|path| path.exists()) else { return Ok(kept) };
-        if !args.resume {
+        if !resume {
             let reason = "what an unfinished run has kept; continue it with --resume, or delete it";
             return Err(Failure::input(&found.display().to_string(), reason));
         }
@@ -147,7 +161,7 @@ impl<'a> Kept<'a> {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub(crate) fn part(&self, index: usize) -> Result<Part, Failure> {
+    pub(crate) fn part(&self, index: usize) -> Result<Part<'static>, Failure> {
         let missing = || Failure::Computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
         let record = journal.read(index).map_err(refused)?;
@@ -173,16 +187,20 @@ impl<'a> Kept<'a> {
         self.running.as_mut().filter(|running| !running.is_at_end())
     }
 
-    /// Keeps a finished part and the state after it.
+    /// Adds a finished part, of which [`keep_state`](Self::keep_state) keeps the state.
+    pub(crate) fn add(&mut self, part: &Part) {
+        self.waiting.push(part.encode());
+        self.done += 1;
+    }
+
+    /// Keeps the part that was added, and the state after it.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(crate) fn keep(&mut self, part: &Part, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
-        self.done += 1;
-        self.waiting.push(part.encode());
-        let mut writer = Writer::new(&self.head, self.done);
+    pub(crate) fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
+        let mut writer = Writer::new(Vec::new(), &self.head, self.done);
         state(&mut writer);
-        self.latest = writer.finish();
+        self.latest = writer.finish().map_err(|error| Failure::Computation(error.to_string()))?;
         let waiting: usize = self.waiting.iter().map(Vec::len).sum::<usize>() + self.latest.len();
         if self.written.elapsed() >= PATIENCE * self.cost || waiting > MOST_WAITING {
             self.flush()?;
@@ -228,10 +246,11 @@ impl<'a> Kept<'a> {
         self.flush()?;
         let started = Instant::now();
         let [_, _, path] = self.paths();
-        let mut writer = Writer::new(&self.head, self.done);
-        variables(&mut writer);
-        let bytes = writer.finish();
-        gfmd_files::replace(&path, |file| std::io::Write::write_all(file, &bytes))?;
+        gfmd_files::replace(&path, |file| {
+            let mut writer = Writer::new(file, &self.head, self.done);
+            variables(&mut writer);
+            writer.finish().map(drop)
+        })?;
         self.on_disk = true;
         (self.cost, self.written) = (started.elapsed(), Instant::now());
         Ok(())
@@ -250,13 +269,12 @@ impl<'a> Kept<'a> {
         }
     }
 
-    /// Removes the files: the run is complete and its output stored.
+    /// Removes the files: the run is complete and its output stored. A kill may have left an unfinished one.
     pub(crate) fn remove(self) {
-        if self.on_disk {
-            for path in self.paths().into_iter().filter(|path| path.exists()) {
-                if let Err(error) = std::fs::remove_file(&path) {
-                    tracing::info!("cannot remove {}: {error}", path.display());
-                }
+        let unfinished = [".state.part", ".checkpoint.part"].map(|suffix| self.output.beside(suffix));
+        for path in self.paths().into_iter().chain(unfinished).filter(|path| path.exists()) {
+            if let Err(error) = std::fs::remove_file(&path) {
+                tracing::info!("cannot remove {}: {error}", path.display());
             }
         }
     }
@@ -275,21 +293,20 @@ pub(crate) fn not_written(error: JournalError) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-impl Part {
+impl Part<'_> {
     fn encode(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let mut piece = |content: &[u8]| {
-            bytes.extend((content.len() as u64).to_le_bytes());
-            bytes.extend(content);
-        };
-        piece(self.text.as_bytes());
+        let size = |field: &Cow<[f64]>| 8 + 8 * field.len();
+        let mut bytes = Vec::with_capacity(8 + self.text.len() + self.fields.iter().map(size).sum::<usize>());
+        bytes.extend((self.text.len() as u64).to_le_bytes());
+        bytes.extend(self.text.as_bytes());
         for field in &self.fields {
-            piece(&field.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>());
+            bytes.extend((8 * field.len() as u64).to_le_bytes());
+            field.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         }
         bytes
     }
 
-    fn decode(mut bytes: &[u8]) -> Option<Self> {
+    fn decode(mut bytes: &[u8]) -> Option<Part<'static>> {
         let mut piece = || -> Option<&[u8]> {
             let (length, rest) = bytes.split_first_chunk::<8>()?;
             let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
@@ -299,10 +316,10 @@ impl Part {
         let text = String::from_utf8(piece()?.to_vec()).ok()?;
         let fields = std::iter::from_fn(piece).map(|field| {
             let (numbers, rest) = field.as_chunks::<8>();
-            rest.is_empty().then(|| numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+            rest.is_empty().then(|| numbers.iter().map(|number| f64::from_le_bytes(*number)).collect::<Vec<_>>().into())
         });
-        let fields = fields.collect::<Option<Vec<Vec<f64>>>>()?;
-        bytes.is_empty().then_some(Self { text, fields })
+        let fields = fields.collect::<Option<Vec<Cow<[f64]>>>>()?;
+        bytes.is_empty().then_some(Part { text, fields })
     }
 }
 
@@ -318,7 +335,7 @@ mod tests {
 
     #[test]
     fn parts_are_read_back_and_others_refused() {
-        let part = Part { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN], vec![]] };
+        let part = Part { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN].into(), vec![].into()] };
         let bytes = part.encode();
         let back = Part::decode(&bytes).unwrap();
         assert_eq!(back.text, part.text);
@@ -335,24 +352,26 @@ mod tests {
     fn a_run_is_continued_with_its_own_files_only() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
-        let args = |resume| ResumeArgs { resume, checkpoint: 60.0 };
-        let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3]] };
-        let mut kept = Kept::open(&output, "one".into(), 4, args(false)).unwrap();
+        let args = |resume| ResumeArgs { resume };
+        let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
+        let mut kept = Kept::open(&output, "one".into(), 4, args(false), None).unwrap();
         assert_eq!(kept.finished(), 0);
-        kept.keep(&part(0.0), |visitor| visitor.number(&mut 0.5)).unwrap();
+        kept.add(&part(0.0));
+        kept.keep_state(|visitor| visitor.number(&mut 0.5)).unwrap();
         assert!(!folder.path().join("a.h5.journal").exists(), "a short run writes nothing");
-        kept.keep(&part(1.0), |visitor| visitor.number(&mut 1.5)).unwrap();
+        kept.add(&part(1.0));
+        kept.keep_state(|visitor| visitor.number(&mut 1.5)).unwrap();
         kept.checkpoint(&mut |visitor| visitor.field(&mut [2.5; 2])).unwrap();
         drop(kept);
 
-        let refused = Kept::open(&output, "one".into(), 4, args(false)).err().unwrap().to_string();
+        let refused = Kept::open(&output, "one".into(), 4, args(false), None).err().unwrap().to_string();
         assert!(refused.contains("a.h5.journal") && refused.contains("--resume"), "{refused}");
-        let other = Kept::open(&output, "two".into(), 4, args(true)).err().unwrap();
+        let other = Kept::open(&output, "two".into(), 4, args(true), None).err().unwrap();
         assert!(other.status() == 2 && other.to_string().contains("another configuration"), "{other}");
 
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 2);
-        assert_eq!(kept.part(1).unwrap().fields, [[1.0; 3]]);
+        assert_eq!(kept.part(1).unwrap().fields, [vec![1.0; 3]]);
         let number = kept.state().unwrap().restore(|visitor| {
             let mut number = 0.0;
             visitor.number(&mut number);
@@ -364,24 +383,37 @@ mod tests {
         assert_eq!(field, [2.5; 2]);
         assert!(kept.running().is_none(), "it is read once");
         // The next part ends, and the copy of its solve is of no use any more.
-        kept.keep(&part(2.0), |visitor| visitor.number(&mut 2.5)).unwrap();
+        kept.add(&part(2.0));
+        kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();
         drop(kept);
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true)).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 3);
         assert!(kept.running().is_none());
+        std::fs::write(folder.path().join("a.h5.state.part"), "cut off by a kill").unwrap();
         kept.remove();
         drop(output);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
+    fn a_time_between_copies_is_checked() {
+        let every = |checkpoint| CheckpointArgs { checkpoint }.every();
+        assert_eq!(every(0.0).unwrap(), None);
+        assert_eq!(every(0.5).unwrap(), Some(Duration::from_millis(500)));
+        for bad in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+            assert!(every(bad).unwrap_err().to_string().starts_with("--checkpoint is"), "{bad}");
+        }
+    }
+
+    #[test]
     fn a_damaged_state_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
-        let args = ResumeArgs { resume: true, checkpoint: 60.0 };
-        let mut kept = Kept::open(&output, "one".into(), 4, args).unwrap();
-        kept.keep(&Part { text: "0".into(), fields: vec![] }, |visitor| visitor.field(&mut [0.25; 8])).unwrap();
+        let args = ResumeArgs { resume: true };
+        let mut kept = Kept::open(&output, "one".into(), 4, args, None).unwrap();
+        kept.add(&Part { text: "0".into(), fields: vec![] });
+        kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         drop(kept);
         let path = folder.path().join("a.h5.state");
@@ -390,7 +422,7 @@ mod tests {
             let mut bad = good.clone();
             bad[position] ^= 1;
             std::fs::write(&path, &bad).unwrap();
-            let refused = Kept::open(&output, "one".into(), 4, args).err().expect("a flipped bit is noticed");
+            let refused = Kept::open(&output, "one".into(), 4, args, None).err().expect("a flipped bit is noticed");
             assert!(refused.status() == 2 && refused.to_string().contains("a.h5.state"), "{position}: {refused}");
         }
     }

@@ -32,6 +32,9 @@ pub struct Common {
     pub verbose: u8,
 }
 
+/// The largest number of threads on a machine with fewer cores. Each has a stack and workspaces of its own.
+const MOST_THREADS: usize = 256;
+
 /// A run of the program.
 #[derive(Clone, Debug)]
 pub struct Session {
@@ -39,6 +42,7 @@ pub struct Session {
     pub common: Common,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
+    resumable: bool,
 }
 
 impl Session {
@@ -47,6 +51,10 @@ impl Session {
     /// # Errors
     /// More threads than the system can start.
     pub fn start(common: Common) -> Result<Self, Failure> {
+        let most = MOST_THREADS.max(2 * std::thread::available_parallelism().map_or(1, usize::from));
+        if common.threads > most {
+            return Err(Failure::value("--threads", common.threads, format!("at most {most}, or 0 for all cores")));
+        }
         rayon::ThreadPoolBuilder::new()
             .num_threads(common.threads)
             .build_global()
@@ -78,7 +86,20 @@ impl Session {
 
     /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
-        Self { common, interrupted: Arc::new(AtomicBool::new(false)), warnings: Warnings::default() }
+        let interrupted = Arc::new(AtomicBool::new(false));
+        Self { common, interrupted, warnings: Warnings::default(), resumable: true }
+    }
+
+    /// The same session, of whose steps of a path nothing is kept beside the output: an interruption writes the output as far
+    /// as it came. For a caller that removes the output.
+    #[must_use]
+    pub fn without_resumption(self) -> Self {
+        Self { resumable: false, ..self }
+    }
+
+    /// Returns true if the steps of a path are kept beside the output.
+    pub fn is_resumable(&self) -> bool {
+        self.resumable
     }
 
     /// Asks the run to stop, as Ctrl-C does.

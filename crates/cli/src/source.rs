@@ -1,28 +1,38 @@
-//! The rigid surface of a contact: read from a file and prepared for a periodic cell, or generated.
+//! The rigid surface of a contact: read from a file ([`crate::scan`]), or generated.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Checksum, Dimension, Topography, Variable, contiguous, split_dataset};
-use gfmd_surface::{Periodisation, Statistics, Trend, periodise, remove};
+use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
+use gfmd_surface::{Fill, Periodisation, Statistics};
 use ndarray::Array2;
 use serde::Serialize;
 
-use crate::choice::{by_name, parse_choice};
-use crate::failure::Failure;
+use crate::choice::{by_name, by_name_if, parse_choice};
+use crate::elastic::sides;
+use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
+use crate::scan::{Prepared, Scan};
 use crate::session::Session;
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]
 pub struct SourceArgs {
-    /// Heights, peaks towards the body: .npy, FILE.h5:/dataset, or a text matrix with or without an instrument's header
+    /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
         "method", "roll_off", "roll_off_shape", "amplitudes"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
+    /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only one
+    #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// Way to give heights to undefined points of a file, which are refused without it
+    #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
+    #[serde(serialize_with = "by_name_if", skip_serializing_if = "Option::is_none")]
+    pub fill: Option<Fill>,
     /// Cell size, L or Lx,Ly; default: that of the file, or 1
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -70,6 +80,8 @@ pub struct Surface {
     pub statistics: Statistics,
     /// The origin of the heights and the operations on them.
     pub description: String,
+    /// What the file says, if the heights come from one.
+    pub scan: Option<Scan>,
     /// The file that the heights were read from, and its SHA-256.
     pub origin: Option<(String, String)>,
 }
@@ -108,7 +120,7 @@ impl Surface {
             archive.attribute("/surface", "file", file.as_str())?;
             archive.attribute("/surface", "file_sha256", checksum.as_str())?;
         }
-        Ok(())
+        self.scan.iter().try_for_each(|scan| scan.write(archive, "/surface"))
     }
 }
 
@@ -146,14 +158,18 @@ impl SourceArgs {
     /// # Errors
     /// A file that cannot be read or has points without a height; flags that do not fit.
     pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
-        let (heights, grid, unit, mut description) = match &self.surface {
-            Some(file) => self.read(file)?,
+        let (heights, grid, mut description, scan) = match &self.surface {
+            Some(file) => {
+                let Prepared { heights, grid, description, scan } = self.prepare(file)?;
+                (heights, grid, description, Some(scan))
+            }
             None => {
                 let grid = self.generator.grid(&self.length)?;
-                (self.generator.heights(&grid)?, grid, None, self.generator.to_string())
+                (self.generator.heights(&grid)?, grid, self.generator.to_string(), None)
             }
         };
         let name = self.name();
+        self.check_sizes(&grid, &heights)?;
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
         if self.surface.is_some() {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
@@ -168,45 +184,29 @@ impl SourceArgs {
                 session.warn("rough-seam", text);
             }
         }
+        let unit = scan.as_ref().and_then(|scan| scan.unit.clone());
         let origin = self.surface.as_deref().map(origin).transpose()?;
-        Ok(Surface { heights, grid, unit, statistics, description, origin })
+        Ok(Surface { heights, grid, unit, statistics, description, scan, origin })
     }
 
-    fn read(&self, file: &str) -> Result<(Array2<f64>, Grid, Option<String>, String), Failure> {
-        let topography = Topography::read(file, None)
-            .and_then(|topography| topography.check_complete().map(|()| topography))
-            .map_err(|error| Failure::Input(error.to_string()))?;
-        let mut heights = topography.heights;
-        let [nx, ny] = heights.dim().into();
-        let lengths = match (&self.length[..], topography.lengths) {
-            ([], Some(lengths)) => lengths,
-            ([], None) => [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }],
-            // A single length is the length along x; the spacing along y is equal to that along x.
-            ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
-            ([x, y, ..], _) => [*x, *y],
+    /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
+    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+        sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
+        let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
+        let all_equal = heights.iter().all(|height| *height == heights[[0, 0]]);
+        if all_equal || !largest.is_finite() {
+            return Ok(()); // judged by what uses the heights
+        }
+        let flag = match (&self.surface, self.generator.rms_height) {
+            (Some(file), _) => file,
+            (None, Some(_)) => "--rms-height",
+            (None, None) => "--rms-gradient",
         };
-        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
-        let mut description = topography.source;
-        if self.flip {
-            heights.mapv_inplace(|h| -h);
-            description += ", turned over";
+        if SIZES.contains(&largest) {
+            return Ok(());
         }
-        let trend = match self.detrend {
-            Detrend::None => None,
-            Detrend::Plane => Some((Trend::Plane, "least-squares plane removed")),
-            Detrend::Slope => Some((Trend::Slope, "mean slope removed")),
-            Detrend::Quadratic => Some((Trend::Quadratic, "least-squares paraboloid removed")),
-        };
-        if let Some((trend, words)) = trend {
-            heights = remove(&heights, trend).map_err(|error| Failure::input(file, error))?;
-            description += &format!(", {words}");
-        }
-        if self.periodise == Periodisation::Mirror {
-            description += ", mirrored to a periodic cell of twice the size";
-        }
-        let (heights, grid) =
-            periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
-        Ok((heights, grid, topography.unit, description))
+        let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
+        Err(Failure::input(flag, reason + ", which another unit of length makes it"))
     }
 }
 

@@ -1,21 +1,26 @@
 //! `surface`: make a surface or measure one.
 
+mod figures;
 mod file;
+mod listing;
 
 use std::fmt;
 use std::path::PathBuf;
 
-use clap::Args as ClapArgs;
+use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics};
+use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::figures::parse_prefix;
 use crate::generator::Method;
-use crate::session::Session;
+use crate::scan::Scan;
+use crate::session::{Session, list_files};
 use crate::source::SourceArgs;
 
 use file::Target;
+use listing::Listing;
 
 /// Flags of `surface`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -23,7 +28,10 @@ use file::Target;
   gfmd surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
   gfmd surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
   gfmd surface --method rmd --n 1024 --hurst 0.3 --out h.h5
-  gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5")]
+  gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5
+  gfmd surface --surface scan.sur --list
+  gfmd surface --surface scan.sur --channel 1 --detrend plane --fill harmonic --window hann --plots scan
+  gfmd surface --surface scan.opd --fill nearest --out scan.x3p")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
@@ -33,10 +41,58 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "LONGEST,SHORTEST", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fit_range: Vec<f64>,
-    /// Write the heights to this file, .npy or .h5; a .h5 file also has statistics and radially averaged spectrum
+    /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure; heights
+    /// and their statistics stay
+    #[arg(long, value_enum, default_value_t = Window::None)]
+    #[serde(skip_serializing_if = "Window::is_none")]
+    window: Window,
+    /// List the channels of the file with their units and points, and do nothing else
+    #[arg(long, requires = "surface", conflicts_with_all = ["out", "plots", "channel"])]
+    #[serde(skip)]
+    list: bool,
+    /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has statistics and radially averaged spectrum
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     out: Option<PathBuf>,
+    /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg, .png)
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[serde(skip)]
+    plots: Option<PathBuf>,
+}
+
+/// The windows that make the spectrum of a scan that is not periodic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Window {
+    /// No window, for heights that are periodic
+    None,
+    /// A cosine to zero at the edges over the whole side, divided by its rms value
+    Hann,
+}
+
+impl Window {
+    fn is_none(&self) -> bool {
+        *self == Self::None
+    }
+}
+
+/// What the command prints.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Printed {
+    /// The statistics of a surface.
+    Measured(Box<Report>),
+    /// The channels of a file.
+    Listed(Listing),
+}
+
+impl fmt::Display for Printed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Measured(report) => report.fmt(f),
+            Self::Listed(listing) => listing.fmt(f),
+        }
+    }
 }
 
 /// The statistics of a surface, as printed. Lengths are in the unit of the heights.
@@ -68,8 +124,14 @@ pub struct Report {
     pub longest_wavelength: Option<f64>,
     pub shortest_wavelength: Option<f64>,
     pub seam: [Option<f64>; 2],
+    #[serde(skip_serializing_if = "Window::is_none")]
+    pub window: Window,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub asked: Option<Asked>,
     pub out: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plots: Vec<PathBuf>,
 }
 
 /// The numbers that were asked of a generated surface; the report has the measured numbers under equal names.
@@ -88,16 +150,28 @@ pub struct Asked {
     pub roll_off: Option<f64>,
 }
 
-/// Makes or reads the surface, measures it, and writes it if asked to.
+/// Makes or reads the surface, measures it, and writes and draws it if asked to; or lists the channels of a file.
 ///
 /// # Errors
 /// Flags or a file that cannot be used; an output that cannot be written.
-pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
+    match (&args.source.surface, args.list) {
+        (Some(file), true) => Listing::of(file).map(Printed::Listed),
+        _ => measure(args, session).map(|report| Printed::Measured(Box::new(report))),
+    }
+}
+
+fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
     let surface = args.source.surface(session)?;
     let name = args.source.name();
     let (grid, statistics) = (surface.grid, &surface.statistics);
-    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::input(&name, error))?;
+    let refused = |error| Failure::input(&name, error);
+    let spectrum = match args.window {
+        Window::None => PowerSpectrum::of(&surface.heights, &grid),
+        Window::Hann => window(&surface.heights, 1.0).and_then(|heights| PowerSpectrum::of(&heights, &grid)),
+    };
+    let spectrum = spectrum.map_err(refused)?;
     let (asked, range) = match &args.source.surface {
         None => args.asked(&grid)?,
         Some(_) => (None, whole_band(&grid)),
@@ -114,14 +188,18 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
     }
     let mut report = Report::new(statistics, fit.ok(), &spectrum, &grid);
-    (report.source, report.unit) = (surface.description, surface.unit);
-    (report.asked, report.hurst_range) = (asked, range);
+    (report.source, report.unit, report.scan) = (surface.description, surface.unit, surface.scan);
+    (report.asked, report.hurst_range, report.window) = (asked, range, args.window);
+    let radial = spectrum.radial();
     if let Some(target) = out {
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved)
             .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
-        target.write(&surface.heights, &grid, &spectrum.radial(), &report, &session.provenance(config))?;
+        target.write(&surface.heights, &grid, &radial, &report, &session.provenance(config))?;
         report.out.clone_from(&args.out);
+    }
+    if let Some(prefix) = &args.plots {
+        report.plots = figures::draw(prefix, &surface.heights, &grid, &radial, &report)?;
     }
     Ok(report)
 }
@@ -200,8 +278,11 @@ impl Report {
             longest_wavelength: cut_offs.map(|[longest, _]| longest),
             shortest_wavelength: cut_offs.map(|[_, shortest]| shortest),
             seam: found.seam.ratio(),
+            window: Window::None,
+            scan: None,
             asked: None,
             out: None,
+            plots: Vec::new(),
         }
     }
 
@@ -250,6 +331,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let ([nx, ny], [lx, ly]) = (self.n, self.length);
         writeln!(f, "{}", self.source)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
         match ny {
             1 => writeln!(f, "{nx} points on a length of {lx:?} {}", self.unit_of(1))?,
             _ => writeln!(f, "{nx} x {ny} points on {lx:?} x {ly:?} {}", self.unit_of(1))?,
@@ -280,13 +364,11 @@ impl fmt::Display for Report {
         }
         let steps: Vec<String> = self.seam.iter().flatten().map(|ratio| format!("{ratio:.2}")).collect();
         write!(f, "steps across the periodic seam over those inside: {}", steps.join(" along x, "))?;
-        if steps.len() == 2 {
-            write!(f, " along y")?;
+        writeln!(f, "{}", if steps.len() == 2 { " along y" } else { "" })?;
+        if !self.window.is_none() {
+            writeln!(f, "spectrum and fit under a Hann window")?;
         }
-        match &self.out {
-            Some(out) => write!(f, "\nwritten: {}", out.display()),
-            None => Ok(()),
-        }
+        list_files(f, self.out.as_deref(), &self.plots)
     }
 }
 
@@ -305,7 +387,7 @@ mod tests {
 
     fn run_line(line: &str) -> Result<Report, Failure> {
         let args = Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().args;
-        run(&args, &Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 }))
+        measure(&args, &Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 }))
     }
 
     fn close(found: f64, expected: f64) -> bool {
@@ -353,7 +435,7 @@ mod tests {
             let failure = run_line(line).unwrap_err();
             assert!(matches!(failure, Failure::Input(_)) && failure.to_string().contains(words), "{failure}");
         };
-        says("--out h.txt", "--out is h.txt; it must be NAME.npy or NAME.h5");
+        says("--out h.txt", "--out is h.txt; it must be NAME.npy, NAME.x3p or NAME.h5");
         says("--out no/such/folder/h.npy", "--out: ");
         says("--n 128 --fit-range 0.1", "--fit-range is [0.1]; it must be LONGEST,SHORTEST");
         says("--n 128 --fit-range 0.1,0.2", "--fit-range: the shortest wavelength is 0.2 and the longest 0.1");

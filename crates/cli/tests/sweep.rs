@@ -74,6 +74,19 @@ fn a_sweep_ends_with_a_result_a_file_and_plots() {
 }
 
 #[test]
+fn a_limit_below_zero_has_no_place_on_logarithmic_axes() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = "
+        points = { eps_t_inv = [1, 2], eps_f_inv = [2, 4], eps_c_inv = [2, 4], centre = [1, 2, 2] }
+        statistics = { realisations = 2 }
+        fit = { resamples = 50 }";
+    std::fs::write(folder.path().join("sweep.toml"), config).unwrap();
+    let report = json(folder.path(), &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);
+    assert!(report["fits"].as_array().unwrap().iter().any(|fit| fit["kappa_tfc"].as_f64().unwrap() < 0.0));
+    assert_eq!(report["plots"].as_array().unwrap().len(), 6);
+}
+
+#[test]
 fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
     let folder = tempfile::tempdir().unwrap();
     write_config(folder.path());

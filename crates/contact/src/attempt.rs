@@ -21,6 +21,11 @@ pub(crate) struct Ended {
 }
 
 impl Attempt<'_> {
+    /// The scale of lengths in the residuals, that of the certificate.
+    pub(crate) fn length_scale(&self) -> f64 {
+        self.contact.scaled.length_scale(self.load)
+    }
+
     /// The remaining budget.
     pub(crate) fn budget_left(&self) -> Budget {
         let max_iterations = self.budget.max_iterations.saturating_sub(self.effort.iterations);

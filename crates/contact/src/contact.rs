@@ -6,13 +6,20 @@ use gfmd_response::{NormalResponse, NormalTransforms};
 use gfmd_vector::for_each;
 use ndarray::{ArrayRef2, ArrayView2};
 
-use crate::{Load, Refusal, RigidSurface, Solution};
+use crate::{Load, Refusal, RigidSurface, Solution, Units};
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
 pub struct Contact {
+    /// The response of the body, in `units`.
     pub(crate) response: Arc<NormalResponse>,
-    pub(crate) surface: Arc<RigidSurface>,
+    /// The rigid surface, in `units`.
+    pub(crate) scaled: Arc<RigidSurface>,
+    /// The rigid surface.
+    surface: Arc<RigidSurface>,
+    /// E* of the body as given.
+    contact_modulus: f64,
+    units: Units,
 }
 
 impl Contact {
@@ -20,21 +27,26 @@ impl Contact {
     /// constant in the heights has no effect.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal.
+    /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let surface = Self::rough(grid, heights)?;
-        Ok(Self { response: NormalResponse::new(*grid, body).into(), surface })
+        let units = Units::of(body, &surface)?;
+        let response = NormalResponse::new(units.grid(grid), &units.body(body)).into();
+        let scaled = units.surface(&surface);
+        Ok(Self { response, scaled, surface, contact_modulus: body.material().contact_modulus(), units })
     }
 
     /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one
-    /// without lateral displacement of the surface.
+    /// without lateral displacement of the surface. The problem is solved in the units of the response, whatever its
+    /// size.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal.
     pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let surface = Self::rough(response.grid(), heights)?;
-        Ok(Self { response, surface })
+        let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
+        Ok(Self { response, scaled, surface, contact_modulus, units: Units::ONE })
     }
 
     fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
@@ -43,11 +55,17 @@ impl Contact {
     }
 
     /// The rigid surface.
+    #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
         &self.surface
     }
 
-    /// The response of the body.
+    /// The units in which the contact is solved.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// The response of the body, in [`units`](Self::units).
     pub fn response(&self) -> &Arc<NormalResponse> {
         &self.response
     }
@@ -55,7 +73,7 @@ impl Contact {
     /// E* times the spectral rms gradient of the surface, in stress: the unit of the reduced pressure p*
     /// (theory.md, section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
-        self.response.contact_modulus() * self.surface.rms_gradient()
+        self.contact_modulus * self.surface.rms_gradient()
     }
 
     /// The state of `pressure` under `load` with its residuals, from fresh transforms.
@@ -64,10 +82,20 @@ impl Contact {
     /// A pressure of another shape than the grid.
     pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<Solution, Refusal> {
         self.check_size(pressure.view())?;
-        Ok(self.certified(pressure.iter().copied().collect(), load))
+        let stress = self.units.stress();
+        let load = self.units.drive(load.into()).load;
+        Ok(self.given_units(self.certified(pressure.iter().map(|p| p / stress).collect(), load)))
     }
 
-    /// As [`certify`](Self::certify), for a pressure with the size of the grid.
+    /// Converts a solution to the units of the input.
+    pub(crate) fn given_units(&self, solution: Solution) -> Solution {
+        if self.units.are_one() {
+            return solution;
+        }
+        solution.out_of(&self.units, &self.surface, self.contact_modulus)
+    }
+
+    /// As [`certify`](Self::certify), for a pressure with the size of the grid, all in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
         let response = &self.response;
         let n = pressure.len();
@@ -77,8 +105,9 @@ impl Contact {
         let uniform =
             response.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
         // u_z = −G p.
-        for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -(*u + uniform)));
-        let mut solution = Solution::of(&self.surface, response.contact_modulus(), pressure, displacement, load);
+        for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
+        let mut solution =
+            Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, uniform, load);
         solution.effort.transform_pairs = transforms.pairs();
         solution
     }
@@ -92,11 +121,11 @@ impl Contact {
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
             }
-            Load::MeanPressure(_) => Ok(()),
+            Load::MeanPressure(found) => Units::check_pressure(found),
         }
     }
 
-    /// The start pressure, if it is valid.
+    /// The start pressure in [`units`](Self::units), if it is valid.
     pub(crate) fn check_start(&self, start: ArrayView2<f64>) -> Result<Vec<f64>, Refusal> {
         self.check_size(start)?;
         if let Some(((i, j), &value)) = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {
@@ -105,7 +134,8 @@ impl Contact {
         if start.iter().all(|p| *p == 0.0) {
             return Err(Refusal::StartApart);
         }
-        Ok(start.iter().copied().collect())
+        let stress = self.units.stress();
+        Ok(start.iter().map(|p| p / stress).collect())
     }
 
     fn check_size(&self, pressure: ArrayView2<f64>) -> Result<(), Refusal> {

@@ -21,6 +21,10 @@ pub(crate) enum Gradients {
     Preconditioned,
 }
 
+/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. On cells a thousand times
+/// longer than wide the method without it may not converge at all.
+const LONGER_PATIENCE: u64 = 5000;
+
 struct Dual<'a> {
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
@@ -42,7 +46,7 @@ const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
     fn new(contact: &'a Contact, load: Load) -> Self {
-        let Contact { response, surface } = contact;
+        let Contact { response, scaled: surface, .. } = contact;
         let (compliance, stiffness, linear) = match load {
             Load::MeanPressure(_) => {
                 (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(surface.clearance()))
@@ -101,41 +105,41 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Load::MeanPressure(mean) => Some(mean),
         Load::Approach(_) => None,
     };
-    let uniform = || vec![mean.unwrap_or(0.0); contact.surface.clearance().len()];
+    let uniform = || vec![mean.unwrap_or(0.0); contact.scaled.clearance().len()];
     let mut pressure = attempt.start.take().unwrap_or_else(uniform);
     let x = &mut pressure;
-    let target = Target { mean, gradient_scale: contact.surface.rms_height(), budget: attempt.budget };
+    let target = Target { mean, gradient_scale: attempt.length_scale(), budget: attempt.budget };
     let minimum = match gradients {
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => {
-            // True once the search continues without the preconditioner.
-            let mut plain = false;
+            // The parts of the search: preconditioned, without the preconditioner, and preconditioned again.
+            let mut part = 0;
             if let Some(kept) = attempt.watch.recall() {
                 attempt.effort.visit(kept);
-                kept.flag(&mut plain);
+                kept.small(&mut part);
             }
-            let mut minimum = None;
-            if !plain {
-                let max_iterations = target.budget.max_iterations.min(PATIENCE);
-                let patience = Target { budget: Budget { max_iterations, ..target.budget }, ..target };
-                let watch = &mut attempt.onlooker(|visitor| visitor.flag(&mut plain));
-                minimum = Some(PreconditionedCg.minimise(&mut dual, x, &patience, watch)?);
-            }
-            match minimum {
-                Some(minimum) if !matches!(minimum.ending, Ending::GaveUp(_)) => minimum,
-                reached => {
-                    attempt.effort.iterations += reached.map_or(0, |minimum| minimum.reached.iteration);
-                    plain = true;
-                    let rest = Target { budget: attempt.budget_left(), ..target };
-                    ProjectedCg.minimise(
-                        &mut dual,
-                        x,
-                        &rest,
-                        &mut attempt.onlooker(|visitor| visitor.flag(&mut plain)),
-                    )?
+            loop {
+                let Budget { tolerance, max_iterations } = attempt.budget_left();
+                let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
+                let budget = Budget { tolerance, max_iterations: max_iterations.min(limit) };
+                let target = Target { budget, ..target };
+                let plain = part == 1;
+                let minimum = {
+                    let mut onlooker = attempt.onlooker(|visitor| visitor.small(&mut part));
+                    if plain {
+                        ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    } else {
+                        PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    }
+                };
+                let is_over = part == 2 || plain && minimum.reached.iteration >= max_iterations;
+                if is_over || !matches!(minimum.ending, Ending::GaveUp(_)) {
+                    break minimum;
                 }
+                attempt.effort.iterations += minimum.reached.iteration;
+                part += 1;
             }
         }
     };

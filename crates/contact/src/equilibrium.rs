@@ -16,6 +16,13 @@ pub trait Equilibrium {
     /// An invalid drive.
     fn check(&self, drive: Drive) -> Result<(), Refusal>;
 
+    /// Checks that a valid drive can be solved to `tolerance`: neither so small that squares vanish, nor so large that
+    /// rounding errors exceed the tolerance.
+    ///
+    /// # Errors
+    /// A load or an approach that is too small or too large.
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal>;
+
     /// Brings the contact to rest. `start` is the state to start from, such as that of a smaller load.
     /// [`press`](Self::press) calls this method, with defaults for most arguments.
     ///

@@ -81,7 +81,7 @@ impl FullContact {
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
         let load = Load::MeanPressure(layer.push);
         let modulus = self.response.contact_modulus();
-        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, load);
+        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, 0.0, load);
         normal.effort = Effort { iterations: state.step, transform_pairs: transforms.pairs() };
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }
@@ -112,6 +112,11 @@ impl Equilibrium for FullContact {
         }
     }
 
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let [softest, _] = self.response.stiffness_range();
+        self.surface.check_resolution(drive.load, softest, tolerance)
+    }
+
     /// Damped dynamics of all components with optimal scalar damping.
     fn equilibrate(
         &self,
@@ -123,6 +128,7 @@ impl Equilibrium for FullContact {
     ) -> Result<FullSolution, SolveError<FullSolution>> {
         budget.check()?;
         self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
         if !self.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
         }

@@ -21,6 +21,8 @@ pub(crate) struct Layer<'a> {
     /// Uniform force per area that pushes the body up.
     push: f64,
     force_scale: f64,
+    /// The scale of lengths in the residual.
+    length_scale: f64,
     transforms: NormalTransforms,
     /// Number of pairs of transforms that certified states.
     certified: f64,
@@ -52,7 +54,7 @@ impl Landscape for Layer<'_> {
     }
 
     fn residual(&self, u: &[f64], force: &[f64]) -> f64 {
-        self.bounds().natural_residual(u, force, self.force_scale, self.length_scale())
+        self.bounds().natural_residual(u, force, self.force_scale, self.length_scale)
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -62,8 +64,8 @@ impl Landscape for Layer<'_> {
 }
 
 impl<'a> Layer<'a> {
-    pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
-        let Contact { response, surface } = contact;
+    pub(crate) fn new(contact: &'a Contact, load: Load, length_scale: f64) -> Self {
+        let Contact { response, scaled: surface, .. } = contact;
         let [softest, _] = response.stiffness_range();
         let (stiffness, wall, push, force_scale) = match load {
             Load::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(surface.clearance()), mean, mean),
@@ -71,21 +73,21 @@ impl<'a> Layer<'a> {
                 let mut stiffness = response.stiffness().to_vec();
                 stiffness[0] = 1.0 / response.uniform_compliance();
                 let wall: Vec<f64> = surface.clearance().iter().map(|c| c - approach).collect();
-                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * surface.rms_height())
+                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * length_scale)
             }
         };
-        Self { contact, stiffness, wall, push, force_scale, transforms: NormalTransforms::of(response), certified: 0.0 }
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.contact.surface.rms_height()
+        let transforms = NormalTransforms::of(response);
+        Self { contact, stiffness, wall, push, force_scale, length_scale, transforms, certified: 0.0 }
     }
 
     /// The stiffnesses of the softest and of the stiffest mode.
     pub(crate) fn band(&self) -> [f64; 2] {
         let [softest, stiffest] = self.contact.response.stiffness_range();
-        let rigid =
-            if self.push > 0.0 { self.push / (STIFFNESS_LENGTH * self.length_scale()) } else { self.stiffness[0] };
+        let rigid = if self.push > 0.0 {
+            self.push / (STIFFNESS_LENGTH * self.contact.scaled.rms_height())
+        } else {
+            self.stiffness[0]
+        };
         [softest.min(rigid), stiffest.max(rigid)]
     }
 
@@ -102,7 +104,7 @@ impl<'a> Layer<'a> {
     /// The displacement of the surface under `pressure`.
     pub(crate) fn displacement(&mut self, pressure: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; pressure.len()];
-        let Contact { response, surface } = self.contact;
+        let Contact { response, scaled: surface, .. } = self.contact;
         self.transforms.convolve(response.compliance(), pressure, &mut u);
         let sums = gfmd_vector::reduce(
             u.len(),
@@ -204,7 +206,7 @@ impl Proximal for Sprung<'_> {
     fn residual(&self, mismatch: &[f64]) -> f64 {
         let largest = |range: std::ops::Range<usize>| mismatch[range].iter().fold(0, |m, x| x.abs().to_bits().max(m));
         // Bit patterns of positive numbers have the order of the numbers, with NaN last.
-        f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale()
+        f64::from_bits(gfmd_vector::reduce(mismatch.len(), &largest, &u64::max)) / self.layer.length_scale
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {

@@ -43,6 +43,7 @@ mod refusal;
 mod rigid_surface;
 mod solve_error;
 mod solver;
+mod units;
 
 mod contact;
 mod solution;
@@ -70,3 +71,4 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use units::Units;

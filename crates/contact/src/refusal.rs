@@ -23,7 +23,7 @@ pub enum Refusal {
         /// The height.
         value: f64,
     },
-    /// The mean square of the heights overflows.
+    /// The heights differ by more than the largest number.
     #[error("the rms height is {found}; it must be finite")]
     RmsHeight {
         /// The rms height.
@@ -32,6 +32,50 @@ pub enum Refusal {
     /// The heights are constant: any pressure closes the gap, and the residuals have no scale.
     #[error("the heights are all equal; they must vary")]
     Flat,
+    /// The unit of stress, E* h_rms over the cell length, has not all digits of a number.
+    #[error(
+        "E* times the rms height over the cell length is {found:e}; it must be between 1e-290 and 1e290, \
+         which other units of stress or length make it"
+    )]
+    Unit {
+        /// E* h_rms / L.
+        found: f64,
+    },
+    /// A result is so small that it has not all digits of a number, or infinite.
+    #[error("the {what} is {found:e}; it must be between 1e-290 and 1e290 in magnitude, which other units make it")]
+    Digits {
+        /// Name of the number.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// The load or approach is so small that its square is zero.
+    #[error(
+        "the {what} is {found:e}; it must be at least {least:e} on this surface, since squares of smaller ones vanish"
+    )]
+    Slight {
+        /// Mean pressure or approach.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The smallest possible value.
+        least: f64,
+    },
+    /// The load or approach is so large that its rounding errors exceed the tolerance.
+    #[error(
+        "the {what} is {found:e}; it must be at most {most:e} on this surface, since rounding errors of larger ones \
+         exceed the tolerance {tolerance:e}"
+    )]
+    Rounding {
+        /// Mean pressure or approach.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The largest possible value.
+        most: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// The tolerance is out of range.
     #[error(transparent)]
     Tolerance(#[from] ToleranceError),

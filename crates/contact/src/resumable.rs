@@ -24,9 +24,10 @@ impl Resumable for Contact {
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Solution, Refusal> {
         self.check(drive)?;
-        let mut pressure = vec![0.0; self.surface.clearance().len()];
+        let mut pressure = vec![0.0; self.scaled.clearance().len()];
         visitor.field(&mut pressure);
-        let mut state = self.certified(pressure, drive.load);
+        let pressure = pressure.into_iter().map(|p| p / self.units().stress()).collect();
+        let mut state = self.given_units(self.certified(pressure, self.units().drive(drive).load));
         state.effort.visit(visitor);
         Ok(state)
     }

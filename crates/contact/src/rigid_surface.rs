@@ -1,10 +1,11 @@
 use std::sync::OnceLock;
 
 use gfmd_field::Grid;
+use gfmd_response::unit_of;
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayRef2};
 
-use crate::Refusal;
+use crate::{Load, Refusal, Units};
 
 /// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect.
 #[derive(Clone, Debug)]
@@ -16,6 +17,12 @@ pub struct RigidSurface {
     rms_gradient: OnceLock<f64>,
 }
 
+/// The scale of lengths in residuals over the prescribed approach, if that is very small.
+const OF_THE_APPROACH: f64 = 1e6;
+
+/// The least load over the softest stiffness times h_rms, and the least approach over h_rms.
+const LEAST: f64 = 1e-100;
+
 impl PartialEq for RigidSurface {
     fn eq(&self, other: &Self) -> bool {
         self.grid == other.grid && self.clearance == other.clearance
@@ -26,27 +33,42 @@ impl RigidSurface {
     /// The surface with the profile `heights`, whose peaks point at the body, in length. It may be flat.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or so different that their mean square overflows.
+    /// Heights of another shape than the grid, not finite, or that differ by more than the largest number.
     pub fn new(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let (found, expected) = (heights.dim().into(), grid.points());
         if found != expected {
             return Err(Refusal::Shape { found, expected });
         }
-        if let Some(((i, j), &value)) = heights.indexed_iter().find(|(_, h)| !h.is_finite()) {
-            return Err(Refusal::Height { index: [i, j], value });
+        if let Some(hole) = heights.iter().position(|h| !h.is_finite()) {
+            let index = [hole / expected[1], hole % expected[1]];
+            return Err(Refusal::Height { index, value: heights[index] });
         }
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
         let n = clearance.len() as f64;
         let mean_clearance = gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().sum()) / n;
+        let highest = clearance.iter().copied().fold(0.0, f64::max);
+        // The squares of very large or small heights are no numbers. A power of two changes no digit.
+        let unit = unit_of(highest);
         let squares = gfmd_vector::sum(clearance.len(), &|range| {
-            clearance[range].iter().map(|c| (c - mean_clearance).powi(2)).sum()
+            clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum()
         });
-        let rms_height = (squares / n).sqrt();
-        if !rms_height.is_finite() {
+        let rms_height = (squares / n).sqrt() * unit;
+        if !(rms_height.is_finite() && mean_clearance.is_finite()) {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
         Ok(Self { grid: *grid, clearance, mean_clearance, rms_height, rms_gradient: OnceLock::new() })
+    }
+
+    /// The surface in other units of length along the surface and of heights, given in the present ones: powers of two.
+    pub(crate) fn in_units(&self, units: &Units) -> Self {
+        Self {
+            grid: units.grid(&self.grid),
+            clearance: self.clearance.iter().map(|c| c / units.length()).collect(),
+            mean_clearance: self.mean_clearance / units.length(),
+            rms_height: self.rms_height / units.length(),
+            rms_gradient: OnceLock::new(),
+        }
     }
 
     /// The grid of the heights.
@@ -69,13 +91,42 @@ impl RigidSurface {
         self.rms_height
     }
 
+    /// The scale of lengths in the residuals of a contact without attraction: h_rms, or a million times the prescribed
+    /// approach if that is less. Errors that are small compared with h_rms may exceed a very small approach.
+    pub fn length_scale(&self, load: Load) -> f64 {
+        match load {
+            Load::Approach(approach) if approach > 0.0 => self.rms_height.min(OF_THE_APPROACH * approach),
+            _ => self.rms_height,
+        }
+    }
+
+    /// Checks that the numbers of a contact without attraction under `load` can be resolved: squares of much smaller
+    /// loads and approaches vanish, and the rounding errors of much larger ones exceed the `tolerance`. `softest` is the
+    /// smallest stiffness of a wave, in stress/length.
+    ///
+    /// # Errors
+    /// The load, with the largest or smallest possible one.
+    pub fn check_resolution(&self, load: Load, softest: f64, tolerance: f64) -> Result<(), Refusal> {
+        let (what, found, unit) = match load {
+            Load::MeanPressure(mean) => ("mean pressure", mean, softest * self.rms_height),
+            Load::Approach(approach) => ("approach", approach, self.rms_height),
+        };
+        let (least, most) = (LEAST * unit, tolerance / f64::EPSILON * unit);
+        if found < least {
+            return Err(Refusal::Slight { what, found, least });
+        }
+        if found > most { Err(Refusal::Rounding { what, found, most, tolerance }) } else { Ok(()) }
+    }
+
     /// Spectral root mean square of the gradient |∇h| over the whole surface, dimensionless. Computed at the first
     /// call, by one transform.
     pub fn rms_gradient(&self) -> f64 {
         *self.rms_gradient.get_or_init(|| {
-            let clearance = Array2::from_shape_vec(self.grid.points(), self.clearance.clone()).ok();
-            let spectrum = clearance.and_then(|clearance| PowerSpectrum::of(&clearance, &self.grid).ok());
-            spectrum.map_or(f64::NAN, |spectrum| spectrum.moments().rms_gradient())
+            let units = Units::of_surface(self);
+            let clearance = self.clearance.iter().map(|c| c / units.length()).collect();
+            let clearance = Array2::from_shape_vec(self.grid.points(), clearance).ok();
+            let spectrum = clearance.and_then(|clearance| PowerSpectrum::of(&clearance, &units.grid(&self.grid)).ok());
+            spectrum.map_or(f64::NAN, |spectrum| spectrum.moments().rms_gradient()) * units.gradient()
         })
     }
 }
@@ -103,7 +154,24 @@ mod tests {
         heights[[1, 2]] = f64::NAN;
         assert!(matches!(RigidSurface::new(&grid, &heights), Err(Refusal::Height { index: [1, 2], .. })));
         assert!(matches!(RigidSurface::new(&grid, &Array2::zeros((4, 5))), Err(Refusal::Shape { .. })));
-        heights[[1, 2]] = 1e200;
+        (heights[[1, 2]], heights[[2, 1]]) = (1e308, -1e308);
         assert!(matches!(RigidSurface::new(&grid, &heights), Err(Refusal::RmsHeight { .. })));
+    }
+
+    #[test]
+    fn sizes_scale_with_the_heights_over_the_whole_range_of_numbers() {
+        let grid = Grid::square(8, 1.0).unwrap();
+        let heights = Array2::from_shape_fn((8, 8), |(i, j)| 0.01 * ((3 * i + 5 * j) % 8) as f64);
+        let surface = RigidSurface::new(&grid, &heights).unwrap();
+        for exponent in (-300..=300).step_by(20) {
+            let factor = 10.0_f64.powi(exponent);
+            let large = RigidSurface::new(&grid, &(factor * &heights)).unwrap();
+            approx::assert_relative_eq!(large.rms_height() / factor, surface.rms_height(), max_relative = 1e-13);
+            approx::assert_relative_eq!(large.rms_gradient() / factor, surface.rms_gradient(), max_relative = 1e-13);
+            // Longer cells make flatter surfaces.
+            let wide = Grid::square(8, factor).unwrap();
+            let wide = RigidSurface::new(&wide, &(factor * &heights)).unwrap();
+            approx::assert_relative_eq!(wide.rms_gradient(), surface.rms_gradient(), max_relative = 1e-13);
+        }
     }
 }

@@ -1,10 +1,10 @@
 use std::sync::Arc;
 
 use gfmd_measure::{Scales, Summary};
-use gfmd_vector::{add, pass, reduce};
+use gfmd_vector::{add, for_each, pass, reduce};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
-use crate::{Effort, Fields, Load, RigidSurface};
+use crate::{Effort, Fields, Load, RigidSurface, Units};
 
 /// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,10 +28,11 @@ pub struct Solution {
 }
 
 /// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
-/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface.
+/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface, or [the scale of lengths](RigidSurface::length_scale)
+/// under a very small approach.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
-    /// Σ p g / (Σ p · h_rms), in magnitude.
+    /// Σ p g / (Σ p · h_rms), in magnitude; 1 if a prescribed approach is positive and there is no pressure.
     pub complementarity: f64,
     /// max(0, −min g) / h_rms.
     pub penetration: f64,
@@ -98,16 +99,29 @@ impl Fields for Solution {
 }
 
 impl Solution {
+    /// The solution of a contact in `units`, in the units of the input, where `surface` and E* are given.
+    pub(crate) fn out_of(self, units: &Units, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
+        let Self { mut pressure, mut displacement, mut gap, mean_pressure, approach, residual, effort, .. } = self;
+        let (length, stress) = (units.length(), units.stress());
+        pressure.mapv_inplace(|p| p * stress);
+        displacement.mapv_inplace(|u| u * length);
+        gap.mapv_inplace(|g| g * length);
+        let (mean_pressure, approach) = (mean_pressure * stress, approach * length);
+        let surface = Arc::clone(surface);
+        Self { pressure, displacement, gap, mean_pressure, approach, residual, effort, surface, contact_modulus }
+    }
+
     /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the size of
-    /// the grid.
+    /// the grid. `sinking` is the uniform displacement of the body downwards, which `displacement` does not contain.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
         pressure: Vec<f64>,
-        displacement: Vec<f64>,
+        mut displacement: Vec<f64>,
+        sinking: f64,
         load: Load,
     ) -> Self {
-        let (clearance, rms_height) = (surface.clearance(), surface.rms_height());
+        let (clearance, length_scale) = (surface.clearance(), surface.length_scale(load));
         let n = pressure.len();
         let [sum, touching] = reduce(
             n,
@@ -115,13 +129,19 @@ impl Solution {
             &add,
         );
         let mean_pressure = sum / n as f64;
-        let approach = match load {
+        let sink = |u: &mut Vec<f64>| for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
+        // Under a prescribed load the rigid surface sinks with the body. The gap does not depend on it, and is computed
+        // without it: on a soft or high slab the sinking is much larger than the roughness.
+        let above = match load {
             // The approach is the mean of clearance − u_z over the contact.
             Load::MeanPressure(_) => {
                 let room = |i: usize| if pressure[i] > 0.0 { clearance[i] - displacement[i] } else { 0.0 };
                 gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
             }
-            Load::Approach(approach) => approach,
+            Load::Approach(approach) => {
+                sink(&mut displacement);
+                approach
+            }
         };
         let mut gap = vec![0.0; n];
         let sums = pass(
@@ -130,7 +150,7 @@ impl Solution {
                 let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
                 let others = clearance[start..].iter().zip(&displacement[start..]).zip(&pressure[start..]);
                 for (gap, ((c, u), p)) in gap.iter_mut().zip(others) {
-                    *gap = c - u - approach;
+                    *gap = c - u - above;
                     sums = (sums.0 + p * *gap, lower(sums.1, *gap), lower(sums.2, *p));
                 }
                 sums
@@ -138,13 +158,25 @@ impl Solution {
             &|a, b| (a.0 + b.0, lower(a.1, b.1), lower(a.2, b.2)),
         );
         let residual = Residual {
-            complementarity: if sum == 0.0 { 0.0 } else { (sums.0 / (sum * rms_height)).abs() },
-            penetration: positive(-sums.1) / rms_height,
+            complementarity: match load {
+                // An approach beyond first touch needs a pressure, however small.
+                Load::Approach(approach) if sum == 0.0 => f64::from(approach > 0.0),
+                _ if sum == 0.0 => 0.0,
+                _ => (sums.0 / (sum * length_scale)).abs(),
+            },
+            penetration: positive(-sums.1) / length_scale,
             negative_pressure: if sum == 0.0 { 0.0 } else { positive(-sums.2) / mean_pressure },
             load: match load {
                 Load::MeanPressure(asked) => (mean_pressure - asked).abs() / asked,
                 Load::Approach(_) => 0.0,
             },
+        };
+        let approach = match load {
+            Load::MeanPressure(_) => {
+                sink(&mut displacement);
+                above + sinking
+            }
+            Load::Approach(approach) => approach,
         };
         Self {
             pressure: field(surface, pressure),

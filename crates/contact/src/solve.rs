@@ -3,7 +3,7 @@ use gfmd_relax::{Budget, Watch};
 use crate::attempt::Attempt;
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
-use crate::{Contact, Drive, Effort, Equilibrium, Refusal, Solution, SolveError, Solver, judge};
+use crate::{Contact, Drive, Effort, Equilibrium, Refusal, Solution, SolveError, Solver, Units, judge};
 
 impl Contact {
     /// The solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
@@ -32,6 +32,11 @@ impl Equilibrium for Contact {
         drive.check()
     }
 
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let [softest, _] = self.response.stiffness_range();
+        self.surface().check_resolution(drive.load, softest * self.units().stiffness(), tolerance)
+    }
+
     /// Starts from the pressure of `start`, scaled to the prescribed load, or from a uniform pressure.
     fn equilibrate(
         &self,
@@ -43,9 +48,10 @@ impl Equilibrium for Contact {
     ) -> Result<Solution, SolveError<Solution>> {
         budget.check()?;
         self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
-        let attempt =
-            Attempt { contact: self, load: drive.load, budget: *budget, start, watch, effort: Effort::default() };
+        let load = self.units().drive(drive).load;
+        let attempt = Attempt { contact: self, load, budget: *budget, start, watch, effort: Effort::default() };
         let ended = match solver {
             Solver::Auto => dual::solve(attempt, Gradients::Auto)?,
             Solver::PolonskyKeer => dual::solve(attempt, Gradients::PolonskyKeer)?,
@@ -58,9 +64,11 @@ impl Equilibrium for Contact {
             Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
             Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: &Self::SOLVERS }.into()),
         };
-        let mut solution = self.certified(ended.pressure, drive.load);
+        let mut solution = self.certified(ended.pressure, load);
         solution.effort.iterations = ended.effort.iterations;
         solution.effort.transform_pairs += ended.effort.transform_pairs;
+        let solution = self.given_units(solution);
+        Units::check_pressure(solution.mean_pressure)?;
         judge(solution, ended.ending, budget.tolerance)
     }
 }

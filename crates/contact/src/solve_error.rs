@@ -56,6 +56,22 @@ impl<S> SolveError<S> {
     }
 }
 
+impl<S> SolveError<S> {
+    /// The error with `convert` applied to its state.
+    pub fn map<T>(self, convert: impl FnOnce(S) -> T) -> SolveError<T> {
+        match self {
+            Self::Refused(refusal) => SolveError::Refused(refusal),
+            Self::NotConverged { state, asked, why } => {
+                SolveError::NotConverged { state: convert(*state).into(), asked, why }
+            }
+            Self::Interrupted { state } => SolveError::Interrupted { state: convert(*state).into() },
+            Self::Detached { state, mean_pressure } => {
+                SolveError::Detached { state: convert(*state).into(), mean_pressure }
+            }
+        }
+    }
+}
+
 impl<S> From<Refusal> for SolveError<S> {
     fn from(refusal: Refusal) -> Self {
         Self::Refused(refusal)

@@ -5,7 +5,7 @@
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
 //! - [`vti::Image`] writes fields for ParaView; [`npy`] reads and writes arrays of NumPy.
-//! - [`Topography`] reads height maps of instruments and programs.
+//! - [`Topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs.
 //!
 //! ```
 //! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};
@@ -41,5 +41,5 @@ pub use fields::{axes, contiguous};
 pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder};
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
-pub use topography::{ListedChannel, Listing, Topography, TopographyError};
+pub use topography::{ListedChannel, Listing, Topography, TopographyError, X3p};
 pub use warning::{Warning, Warnings};

@@ -15,13 +15,19 @@ pub struct Output {
 }
 
 impl Output {
-    /// Claims `path` and leaves an existing file unchanged. Fails while another process holds the claim, if the folder
-    /// does not exist or cannot be written, or if `path` is a folder.
+    /// Claims `path` and leaves an existing file unchanged; of a symbolic link, the file to which it points. Fails while
+    /// another process holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is
+    /// no regular file: renaming a result to a device or a pipe would destroy it.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
         let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
         if path.file_name().is_none() || path.is_dir() {
             return Err(refuse("it is a folder; it must be a file name"));
+        }
+        let path = followed(&path)?;
+        let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
+        for path in [path.clone(), beside(&path, ".lock"), beside(&path, ".part")] {
+            check_regular(&path)?;
         }
         let folder = folder(&path);
         if !folder.is_dir() {
@@ -86,7 +92,10 @@ impl Output {
 /// # Errors
 /// A file that cannot be written.
 pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
+    let path = &followed(path)?;
     let part = beside(path, ".part");
+    check_regular(path)?;
+    check_regular(&part)?;
     let written = File::create(&part).map(BufWriter::new).and_then(|mut file| {
         write(&mut file)?;
         file.flush()
@@ -117,6 +126,44 @@ impl Drop for Output {
         let _ = fs::remove_file(beside(&self.path, ".lock"));
         let _ = self.lock.unlock();
     }
+}
+
+/// The path itself, or the file to which a symbolic link points.
+fn followed(path: &Path) -> Result<PathBuf, FileError> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.file_type().is_symlink() => fs::canonicalize(path).map_err(|_| {
+            let reason = "it is a symbolic link that leads nowhere; it must lead to a file, or not exist";
+            FileError::Target { path: path.into(), reason: reason.into() }
+        }),
+        _ => Ok(path.into()),
+    }
+}
+
+/// Refuses what exists and is no regular file.
+fn check_regular(path: &Path) -> Result<(), FileError> {
+    let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let reason = format!("it is {}; it must be a regular file, or not exist", kind(&metadata));
+    Err(FileError::Target { path: path.into(), reason })
+}
+
+/// The kind of something that is no regular file, in words.
+fn kind(metadata: &fs::Metadata) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = metadata.file_type();
+        if kind.is_fifo() {
+            return "a pipe";
+        } else if kind.is_socket() {
+            return "a socket";
+        } else if kind.is_char_device() || kind.is_block_device() {
+            return "a device";
+        }
+    }
+    if metadata.is_dir() { "a folder" } else { "a special file" }
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {
@@ -154,4 +201,51 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(not(unix))]
 pub fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    use std::os::unix::net::UnixListener;
+
+    use super::*;
+
+    /// What is no regular file stays what it is, as a target and under the names beside it.
+    #[test]
+    fn special_files_are_refused_and_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let _socket = UnixListener::bind(at("socket")).unwrap();
+        fs::create_dir(at("folder")).unwrap();
+        symlink(at("nowhere"), at("dangling")).unwrap();
+        symlink(at("socket"), at("link")).unwrap();
+        for suffix in [".lock", ".part"] {
+            symlink(at("socket"), at(&format!("result.h5{suffix}"))).unwrap();
+            let refused = Output::claim(at("result.h5"));
+            assert!(matches!(refused, Err(FileError::Target { .. })), "{suffix}");
+            fs::remove_file(at(&format!("result.h5{suffix}"))).unwrap();
+        }
+        for name in ["socket", "folder", "dangling", "link"] {
+            let claimed = Output::claim(at(name));
+            assert!(matches!(claimed, Err(FileError::Target { .. })), "{name}: {claimed:?}");
+            let written = replace(&at(name), |file| file.write_all(b"text"));
+            assert!(matches!(written, Err(FileError::Target { .. })), "{name}: {written:?}");
+        }
+        assert!(fs::symlink_metadata(at("socket")).unwrap().file_type().is_socket());
+        assert!(fs::symlink_metadata(at("dangling")).unwrap().is_symlink() && at("folder").is_dir());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_link_to_a_file_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "old").unwrap();
+        symlink(&file, &link).unwrap();
+        replace(&link, |target| target.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+        Output::claim(&link).unwrap().write(|target| target.write_all(b"newer")).unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "newer");
+    }
 }

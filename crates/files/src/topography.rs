@@ -37,6 +37,8 @@ mod tests;
 
 use ndarray::Array2;
 
+pub use x3p::X3p;
+
 use file::File;
 use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
@@ -183,8 +185,7 @@ impl Topography {
         let Some(((i, j), _)) = missing.next() else { return Ok(()) };
         let [count, points] = [1 + missing.count(), self.heights.len()];
         let reason = format!(
-            "{count} of {points} points are undefined, the first at [x, y] = [{i}, {j}]; every point must have a height: \
-             fill them (harmonic or nearest)"
+            "{count} of {points} points are undefined, the first at [x, y] = [{i}, {j}]; every point must have a height"
         );
         Err(TopographyError { file: self.source.clone(), reason })
     }

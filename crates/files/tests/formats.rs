@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_files::Topography;
+use gfmd_files::{Output, Topography, X3p};
 use ndarray::Array2;
 
 const HOLES: [[usize; 2]; 2] = [[1, 2], [4, 0]];
@@ -153,4 +153,36 @@ fn every_truncation_of_every_file_is_refused_or_read_without_a_panic() {
         }
     }
     assert!(cases > 10_000, "{cases}");
+}
+
+#[test]
+fn x3p_comes_back_as_it_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("h.x3p");
+    let write = |heights: &Array2<f64>, lengths: [f64; 2], unit: Option<&str>| {
+        let x3p = X3p { heights, lengths, unit, date: "2026-11-20T12:00:00Z", creator: "test", comment: "a < b & c" };
+        let note = x3p.write(&Output::claim(&path).unwrap()).unwrap();
+        (note, Topography::read(path.to_str().unwrap(), None).unwrap())
+    };
+    let profile = heights().column(1).to_owned().insert_axis(ndarray::Axis(1));
+    for (heights, lengths) in [
+        (heights().mapv(|h| h / 3e6), [2.5e-6, 1e-6]),
+        (with_holes(heights().mapv(|h| h * 1e-7)), [0.1, 0.7]),
+        (profile, [1e-3, 1.0]),
+    ] {
+        let (note, found) = write(&heights, lengths, Some("m"));
+        assert!(note.is_none() && same(&found.heights, &heights));
+        // No spacing may give back a size that is rounded itself.
+        let sizes = found.lengths.unwrap().into_iter().zip(lengths);
+        assert!(sizes.into_iter().all(|(found, length)| (found / length - 1.0).abs() <= f64::EPSILON));
+        assert_eq!(found.unit.as_deref(), Some("m"));
+        assert!(found.notes.is_empty(), "{:?}", found.notes);
+        assert!(found.details.contains(&("Comment".into(), "a < b & c".into())), "{:?}", found.details);
+    }
+    let (note, found) = write(&heights(), [5.0, 4.0], Some("µm"));
+    assert_eq!(note.as_deref(), Some("heights and lengths converted from µm to m, 1000000 µm = 1 m"));
+    assert!(same(&found.heights, &heights().mapv(|h| h / 1e6)));
+    let (note, found) = write(&heights(), [5.0, 4.0], None);
+    assert_eq!(note.as_deref(), Some("the unit is unknown; the numbers were written as metres"));
+    assert!(same(&found.heights, &heights()));
 }

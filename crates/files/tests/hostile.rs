@@ -20,6 +20,7 @@ fn hostile_files_are_read_or_refused_in_bounded_time_and_memory() {
     damaged(&folder);
     many_small_parts();
     truncated(&folder);
+    lying_headers(&folder);
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -100,4 +101,70 @@ fn truncated(folder: &std::path::Path) {
             }
         }
     }
+}
+
+/// Headers that ask for 2^40 points, or for as many as pass for a damaged number.
+fn lying_headers(folder: &std::path::Path) {
+    let replaced = |bytes: &[u8], from: &str, to: &str| {
+        let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
+        [&bytes[..at], to.as_bytes(), &bytes[at + from.len()..]].concat()
+    };
+    let sizes = ["0", "-1", "1048576", "65536", "1099511627776", "18446744073709551615", "nan", "1e400", ""];
+    for size in sizes {
+        let texts = [
+            ("Nanoscope", made::nanoscope(2), "Samps/line: 5"),
+            ("Molecular Imaging", made::mi(16), "xPixels       5"),
+            ("Nanosurf", made::nanosurf(), "Points=5"),
+            ("Nanosurf", made::nanosurf(), "GroupCount=1"),
+        ];
+        for (format, bytes, line) in texts {
+            let (key, _) = line.split_at(line.len() - 1);
+            // The numbers of groups and of channels that were not recorded do not matter.
+            let read = harness::check(
+                format,
+                &replaced(&bytes, line, &format!("{key}{size}")),
+                &mut harness::Count::default(),
+            );
+            assert!(
+                read == Ok(false) || (line.starts_with("Group") && read == Ok(true)),
+                "{format}, {line} with {size}: {read:?}"
+            );
+        }
+        let mut entries = made::plux();
+        entries[0].1 = replaced(&entries[0].1, "<IMAGE_SIZE_X>5", &format!("<IMAGE_SIZE_X>{size}"));
+        refused("Sensofar PLUX", &made::zipped(&entries, CompressionMethod::Deflated));
+    }
+    // Binary numbers of points: where they stand, and of how many bytes.
+    let binary: [(&str, Vec<u8>, usize, usize); 7] = [
+        ("Digital Surf", made::sur(32, 0, 0), 108, 12),
+        ("Digital Surf", made::sur(32, 1, 0), 108, 12),
+        ("Zygo MetroPro", made::metropro(1, 0), 68, 4),
+        ("Zygo MetroPro", made::metropro(1, 0), 52, 6),
+        ("Igor binary wave", made::ibw(false), 64 + 68, 16),
+        ("Igor binary wave", made::ibw(true), 64 + 68, 16),
+        ("Sensofar PLu", made::plu(), 500, 8),
+    ];
+    for (format, bytes, at, count) in binary {
+        for fill in [0, 0x7f, 0xff] {
+            let mut bytes = bytes.clone();
+            bytes[at..at + count].fill(fill);
+            // Intensities of no point are as good as none.
+            let may_be_read = format == "Zygo MetroPro" && at == 52 && fill == 0;
+            let read = harness::check(format, &bytes, &mut harness::Count::default());
+            assert_eq!(read, Ok(may_be_read), "{format}, {count} bytes of {fill:#x} at {at}");
+        }
+    }
+    // A spacing that is not a number.
+    let mut bytes = made::sur(32, 0, 0);
+    bytes[120..124].copy_from_slice(&f32::NAN.to_le_bytes());
+    refused("Digital Surf", &bytes);
+
+    // A dataset of 2^30 points, of which none is stored.
+    let path = folder.join("empty.h5");
+    let file = hdf5::File::create(&path).unwrap();
+    file.new_dataset::<f64>().shape([1 << 15, 1 << 15]).chunk([1 << 10, 1 << 10]).create("surface").unwrap();
+    drop(file);
+    refused("HDF5", &std::fs::read(&path).unwrap());
+    let reason = gfmd_files::Topography::read(path.to_str().unwrap(), None).unwrap_err().reason;
+    assert!(reason.contains("8589934592 bytes; the file has 0 bytes for it"), "{reason}");
 }

@@ -294,6 +294,24 @@ fn sensofar_layers_are_entries_of_a_zip_archive() {
 }
 
 #[test]
+fn entries_of_a_zip_archive_cannot_be_larger_than_the_archive() {
+    let mut entries = made::plux();
+    for size in ["<IMAGE_SIZE_X>5", "<IMAGE_SIZE_Y>4"] {
+        entries[0].1 =
+            String::from_utf8(entries[0].1.clone()).unwrap().replace(size, &format!("{}16384", &size[..14])).into();
+    }
+    let mut bytes = made::zipped(&entries, CompressionMethod::Deflated);
+    // The compressed size in the last entry of the directory.
+    let entry = bytes.windows(4).rposition(|window| window == b"PK\x01\x02").unwrap();
+    bytes[entry + 20..entry + 24].copy_from_slice(&[0xff; 4]);
+    let lie = refusal(bytes);
+    assert!(
+        lie.starts_with("the grid has 16384 by 16384 points; ") || lie.starts_with("the zip archive is damaged"),
+        "{lie}"
+    );
+}
+
+#[test]
 fn zygo_mx_leads_from_its_root_to_the_surface() {
     let expected = Expected {
         format: "Zygo Mx",

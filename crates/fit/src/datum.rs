@@ -42,6 +42,9 @@ pub struct Datum {
     /// kappa by seed. Two data with a common seed were computed on the same random modes; independent data must not
     /// have seeds in common.
     pub kappa: BTreeMap<u64, f64>,
+    /// The measured edge of the contact by seed, in units of kappa: the part of kappa that whole points along the
+    /// perimeter add, up to a factor near one. Empty, or of the seeds of `kappa`; needed by [`crate::Model::edge`].
+    pub edge: BTreeMap<u64, f64>,
 }
 
 impl Datum {
@@ -55,9 +58,20 @@ impl Datum {
         [self.eps_t, self.eps_f, self.eps_c]
     }
 
+    /// A datum at (eps_t, eps_f, eps_c) without measured edges.
+    pub fn new(eps: [f64; 3], kappa: BTreeMap<u64, f64>) -> Self {
+        let [eps_t, eps_f, eps_c] = eps;
+        Self { eps_t, eps_f, eps_c, kappa, edge: BTreeMap::new() }
+    }
+
     /// Mean over the realisations.
     pub fn mean(&self) -> f64 {
         self.kappa.values().sum::<f64>() / self.kappa.len() as f64
+    }
+
+    /// Mean of the measured edge over the realisations; zero without measured edges.
+    pub fn mean_edge(&self) -> f64 {
+        self.edge.values().sum::<f64>() / self.edge.len().max(1) as f64
     }
 
     /// Variance of one realisation; `None` for a single one.

@@ -53,6 +53,15 @@ pub enum FitError {
         /// Upper bound.
         max: f64,
     },
+    /// The model has both a term in eps_c and one of the measured edge.
+    #[error("the model has a term in eps_c and one of the measured edge; it must have at most one of them")]
+    TwoContinuumTerms,
+    /// A realisation has no measured edge, and the model has the term of the edge.
+    #[error("datum {datum} has no edge for some of its seeds; every realisation must have one")]
+    NoEdge {
+        /// Index of the datum.
+        datum: usize,
+    },
     /// A prior is negative or not finite.
     #[error("the weighting prior is {found}; it must be finite and not negative")]
     BadPrior {

@@ -7,12 +7,16 @@ use rayon::prelude::*;
 
 use crate::datum::{levels, same_level};
 use crate::projection::{Means, Minimum, Search, Shape, is_interior, log_node};
-use crate::resample::Strata;
 use crate::richardson::triples;
+use crate::rows::Rows;
 use crate::uncertainty::{Errors, Quantity};
 use crate::{
-    Axis, Datum, DatumReport, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning, Weighting,
+    Axis, Datum, DatumReport, EdgeTerm, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning,
+    Weighting,
 };
+
+/// The number of fits after which s and s' of the measured edge, which the scatter depends on, no longer change.
+const EDGE_FITS: usize = 4;
 
 /// Fits the model to the data.
 ///
@@ -24,16 +28,15 @@ pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
     check(data, settings)?;
     let mut warnings = Vec::new();
     let (shapes, held) = shapes(data, &settings.model, &mut warnings);
-    let parameters = 1 + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
+    let edges = edge_columns(data, &settings.model, &mut warnings);
+    let parameters = 1 + edges + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
     if parameters > data.len() {
         return Err(FitError::TooFewData { parameters, data: data.len() });
     }
-    let (means, noise_known) = weighted(data, settings.weighting);
-    let minimum = means.minimise(&shapes, Search::Thorough, None).map_err(|_| FitError::Dependent)?;
+    let (rows, minimum) = minimise(data, settings, &shapes, edges)?;
+    let means = &rows.means;
     let degrees_of_freedom = data.len() - parameters;
-
-    let strata = Strata::new(data, settings.paired);
-    let errors = Errors::new(&means, &shapes, &minimum, &strata, settings, degrees_of_freedom)?;
+    let errors = Errors::new(&rows, &shapes, &minimum, settings, degrees_of_freedom)?;
     let fit = Fit {
         kappa_tfc: errors.estimate(Quantity::Limit),
         terms: shapes
@@ -49,21 +52,25 @@ pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
                     free: shape.is_free(),
                     held: held.contains(&axis),
                     at_bound: shape.is_free() && !is_interior(shape, minimum.parameters.exponents[shape.axis]),
-                    profile: profile(&means, &shapes, k, &minimum),
+                    profile: profile(means, &shapes, k, &minimum),
                 }
             })
             .collect(),
+        edge: (edges > 0).then(|| EdgeTerm {
+            factor: errors.estimate(Quantity::Edge(0)),
+            slope: (edges > 1).then(|| errors.estimate(Quantity::Edge(1))),
+        }),
         parameters: minimum.parameters,
         chi_squared: minimum.sum_of_squares,
-        noise_known,
+        noise_known: rows.noise_known,
         degrees_of_freedom,
-        data: datum_reports(data, &means, &shapes, &minimum),
+        data: datum_reports(data, settings, &rows, &shapes, &minimum),
         richardson: Axis::ALL.iter().flat_map(|&axis| triples(data, axis)).collect(),
         uncertainty: errors.source,
         bootstrap: errors.bootstrap,
         warnings,
     };
-    Ok(fit.with_warnings(data, strata.single()))
+    Ok(fit.with_warnings(data, rows.single))
 }
 
 fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
@@ -88,6 +95,14 @@ fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
             return Err(FitError::SameDatum { first, second: index });
         }
     }
+    if settings.model.edge {
+        if settings.model.c.is_some() {
+            return Err(FitError::TwoContinuumTerms);
+        }
+        if let Some(datum) = data.iter().position(|datum| !datum.edge.keys().eq(datum.kappa.keys())) {
+            return Err(FitError::NoEdge { datum });
+        }
+    }
     for axis in Axis::ALL {
         let (min, max) = match settings.model.of(axis) {
             None => continue,
@@ -110,7 +125,7 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
     for axis in Axis::ALL {
         let levels = levels(data, axis);
         let Some(exponent) = model.of(axis) else {
-            if levels.len() > 1 {
+            if levels.len() > 1 && !(axis == Axis::Continuum && model.edge) {
                 warnings.push(Warning::TermLeftOut { axis, levels: levels.len() });
             }
             continue;
@@ -134,29 +149,32 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
     (shapes, held)
 }
 
-/// The data with their weights; the flag is true if the weights are inverse variances.
-fn weighted(data: &[Datum], weighting: Weighting) -> (Means, bool) {
-    let freedom = |datum: &Datum| (datum.kappa.len() - 1) as f64;
-    let total: f64 = data.iter().map(freedom).sum();
-    let squares: f64 = data.iter().map(|datum| freedom(datum) * datum.variance().unwrap_or(0.0)).sum();
-    let pooled = squares / total;
-    let known = pooled > 0.0 && weighting != Weighting::Equal;
-    let weight = |datum: &Datum| {
-        let variance = match weighting {
-            Weighting::Shrunk { prior } if freedom(datum) + prior > 0.0 => {
-                (prior * pooled + freedom(datum) * datum.variance().unwrap_or(0.0)) / (prior + freedom(datum))
-            }
-            _ => pooled,
-        };
-        // A datum whose few realisations agree by chance must not dominate the fit.
-        datum.kappa.len() as f64 / variance.max(1e-4 * pooled)
+/// The number of columns of the measured edge that the levels of eps_c determine.
+fn edge_columns(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> usize {
+    let levels = levels(data, Axis::Continuum);
+    match (model.edge, levels.len()) {
+        (false, _) => 0,
+        (true, 1) => {
+            warnings.push(Warning::SingleLevel { axis: Axis::Continuum, eps: levels[0] });
+            0
+        }
+        (true, count) => 2.min(count - 1),
+    }
+}
+
+/// The rows and the least sum of squares.
+fn minimise(data: &[Datum], settings: &Settings, shapes: &[Shape], edges: usize) -> Result<(Rows, Minimum), FitError> {
+    let fit = |edge: [f64; 2], guess: Option<&Minimum>| -> Result<(Rows, Minimum), FitError> {
+        let rows = Rows::new(data, settings, edges, edge);
+        let search = if guess.is_some() { Search::Near } else { Search::Thorough };
+        let minimum = rows.means.minimise(shapes, search, guess.map(|minimum| &minimum.parameters));
+        Ok((rows, minimum.map_err(|_| FitError::Dependent)?))
     };
-    let means = Means {
-        eps: data.iter().map(Datum::all_eps).collect(),
-        kappa: data.iter().map(Datum::mean).collect(),
-        root_weight: data.iter().map(|datum| if known { weight(datum).sqrt() } else { 1.0 }).collect(),
-    };
-    (means, known)
+    let mut found = fit([0.0; 2], None)?;
+    for _ in 1..(if edges > 0 { EDGE_FITS } else { 1 }) {
+        found = fit(found.1.parameters.edge, Some(&found.1))?;
+    }
+    Ok(found)
 }
 
 /// chi^2 and kappa_TFC against the exponent of term `k`, with all other parameters refitted.
@@ -178,24 +196,32 @@ fn profile(means: &Means, shapes: &[Shape], k: usize, minimum: &Minimum) -> Vec<
         .collect()
 }
 
-fn datum_reports(data: &[Datum], means: &Means, shapes: &[Shape], minimum: &Minimum) -> Vec<DatumReport> {
+fn datum_reports(
+    data: &[Datum],
+    settings: &Settings,
+    rows: &Rows,
+    shapes: &[Shape],
+    minimum: &Minimum,
+) -> Vec<DatumReport> {
+    let edges = rows.means.edges.len();
     let without = |left_out: usize| {
-        let mut rest = means.clone();
-        rest.eps.remove(left_out);
-        rest.kappa.remove(left_out);
-        rest.root_weight.remove(left_out);
-        let needed = 1 + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
-        let refit =
-            (needed <= rest.kappa.len()).then(|| rest.minimise(shapes, Search::Near, Some(&minimum.parameters)).ok());
-        refit.flatten().map(|minimum| minimum.parameters.kappa_tfc)
+        let rest: Vec<Datum> =
+            data.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, datum)| datum.clone()).collect();
+        let needed = 1 + edges + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
+        if needed > rest.len() {
+            return None;
+        }
+        let means = Rows::new(&rest, settings, edges, minimum.parameters.edge).means;
+        Some(means.minimise(shapes, Search::Near, Some(&minimum.parameters)).ok()?.parameters.kappa_tfc)
     };
     (0..data.len())
         .into_par_iter()
         .map(|i| DatumReport {
-            mean: means.kappa[i],
+            mean: data[i].mean(),
             standard_error: data[i].standard_error(),
-            weight: means.root_weight[i] * means.root_weight[i],
-            fitted: minimum.parameters.predict(means.eps[i]),
+            weight: rows.means.root_weight[i] * rows.means.root_weight[i],
+            fitted: minimum.parameters.predict(data[i].all_eps())
+                + minimum.parameters.excess(data[i].eps_c, data[i].mean_edge()),
             kappa_tfc_without: without(i),
         })
         .collect()

@@ -5,9 +5,11 @@
 //!
 //! - An axis with a single level has no term: kappa_TFC then still contains the correction of that axis, and a warning
 //!   says so.
-//! - Intervals come from a bootstrap over realisations: seeds are resampled, the data of one seed stay together
-//!   (common random numbers), and all parameters are refitted. Percentile intervals of few realisations are too narrow;
-//!   they are therefore stretched by Student's t and (n / (n - 1))^(1/2).
+//! - Data with common seeds (the same random modes at other discretisations) are compared surface by surface, so that their
+//!   common scatter drops out; the rows of the fit are independent of each other.
+//! - With [`Model::edge`], the continuum error is a multiple of the measured perimeter instead of a constant times eps_c.
+//! - Intervals: the rows are resampled from their errors, all parameters are refitted, and the percentiles are stretched by
+//!   Student's t for few realisations.
 //! - The intervals do not contain the misfit of the model. Check `chi_squared`, `kappa_tfc_without`, the profiles, and
 //!   a second fit with other exponents.
 //!
@@ -17,11 +19,9 @@
 //! // kappa = 2 + 1.5 eps_c at four levels, with three surfaces (seeds) common to all levels.
 //! let data: Vec<Datum> = [0.5, 0.25, 0.125, 0.0625]
 //!     .iter()
-//!     .map(|&eps_c| Datum {
-//!         eps_t: 0.5,
-//!         eps_f: 0.1,
-//!         eps_c,
-//!         kappa: [(7, -0.01), (8, 0.0), (9, 0.01)].map(|(seed, noise)| (seed, 2.0 + 1.5 * eps_c + noise)).into(),
+//!     .map(|&eps_c| {
+//!         let kappa = [(7, -0.01), (8, 0.0), (9, 0.01)].map(|(seed, noise)| (seed, 2.0 + 1.5 * eps_c + noise));
+//!         Datum::new([0.5, 0.1, eps_c], kappa.into())
 //!     })
 //!     .collect();
 //! let free = Model { c: Some(Exponent::Free { min: 0.25, max: 4.0 }), ..Model::default() };
@@ -35,8 +35,9 @@ mod fit;
 mod model;
 mod projection;
 mod report;
-mod resample;
 mod richardson;
+mod rows;
+mod student;
 mod uncertainty;
 
 pub use datum::{Axis, Datum};
@@ -44,5 +45,5 @@ pub use error::FitError;
 pub use fit::fit;
 pub use model::{Exponent, Model, Settings, Weighting};
 pub use projection::Parameters;
-pub use report::{BootstrapReport, DatumReport, Estimate, Fit, ProfilePoint, Term, Uncertainty, Warning};
+pub use report::{BootstrapReport, DatumReport, EdgeTerm, Estimate, Fit, ProfilePoint, Term, Uncertainty, Warning};
 pub use richardson::{Richardson, RichardsonLimit};

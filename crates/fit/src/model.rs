@@ -1,4 +1,4 @@
-//! Settings of a fit: terms and their exponents, weights, bootstrap.
+//! Settings of a fit: terms and their exponents, weights, resamples.
 
 use crate::Axis;
 
@@ -30,20 +30,28 @@ pub struct Model {
     pub f: Option<Exponent>,
     /// Term in eps_c.
     pub c: Option<Exponent>,
+    /// If true, the continuum error is (s + s' eps_c) times the measured edge of every realisation, with s and s' fitted:
+    /// unlike a constant times eps_c, it grows and falls with the perimeter of the contact. `c` must then be `None`.
+    pub edge: bool,
 }
 
 impl Default for Model {
     /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
     /// exponents of the other two axes are conventions; check them against a fit with [`Model::free`].
     fn default() -> Self {
-        Self { t: Some(Exponent::Fixed(1.0)), f: Some(Exponent::Fixed(1.0)), c: Some(Exponent::Fixed(1.0)) }
+        Self {
+            t: Some(Exponent::Fixed(1.0)),
+            f: Some(Exponent::Fixed(1.0)),
+            c: Some(Exponent::Fixed(1.0)),
+            edge: false,
+        }
     }
 }
 
 impl Model {
     /// All three exponents fitted within [1/4, 4].
     pub fn free() -> Self {
-        Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE) }
+        Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE), edge: false }
     }
 
     pub(crate) fn of(&self, axis: Axis) -> Option<Exponent> {
@@ -51,8 +59,8 @@ impl Model {
     }
 }
 
-/// The variance assigned to one realisation of a datum. The weight of a datum is its number of realisations over this
-/// variance.
+/// The variance assigned to one realisation of a datum that has no surfaces in common with another one. The weight of
+/// such a datum is its number of realisations over this variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
     /// The average of the datum's own variance and the variance pooled over all data, weighted by degrees of freedom,
@@ -74,11 +82,11 @@ pub struct Settings {
     pub model: Model,
     /// The weights of the data.
     pub weighting: Weighting,
-    /// Number of bootstrap resamples; 0 for none.
+    /// Number of resamples of the means from their errors; 0 for none.
     pub resamples: usize,
-    /// Seed of the bootstrap.
+    /// Seed of the resamples.
     pub seed: u64,
-    /// If true, the data of one seed are resampled together. False is only for tests of the method.
+    /// If true, data with common seeds are compared surface by surface. False is only for tests of the method.
     pub paired: bool,
 }
 

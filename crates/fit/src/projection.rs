@@ -4,6 +4,8 @@
 //! the exponents alone. It starts from the best node of a grid over the whole box, because the sum of squares may have
 //! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
 
+use crate::rows::Parent;
+
 /// The largest number of terms: one per axis.
 pub(crate) const AXES: usize = 3;
 
@@ -37,12 +39,19 @@ pub struct Parameters {
     pub coefficients: [f64; AXES],
     /// alpha_t, alpha_f, alpha_c; one for an axis without a term.
     pub exponents: [f64; AXES],
+    /// s and s' of the measured edge ([`crate::Model::edge`]); zero without it.
+    pub edge: [f64; 2],
 }
 
 impl Parameters {
-    /// kappa of the model at `eps` = (eps_t, eps_f, eps_c).
+    /// kappa of the model at `eps` = (eps_t, eps_f, eps_c), for contacts without an edge.
     pub fn predict(&self, eps: [f64; AXES]) -> f64 {
         self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps[axis])).sum::<f64>()
+    }
+
+    /// The part of kappa that a measured mean edge adds at `eps_c`.
+    pub fn excess(&self, eps_c: f64, edge: f64) -> f64 {
+        (self.edge[0] + self.edge[1] * eps_c) * edge
     }
 
     pub(crate) fn term(&self, axis: usize, eps: f64) -> f64 {
@@ -50,11 +59,13 @@ impl Parameters {
     }
 }
 
-/// The means of the data: abscissae, ordinates, square roots of the weights.
+/// The rows to fit: abscissae, parents, ordinates, measured edges (none, or two columns), square roots of the weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Means {
     pub(crate) eps: Vec<[f64; AXES]>,
+    pub(crate) parents: Vec<Option<Parent>>,
     pub(crate) kappa: Vec<f64>,
+    pub(crate) edges: Vec<Vec<f64>>,
     pub(crate) root_weight: Vec<f64>,
 }
 
@@ -120,7 +131,7 @@ impl Nodes {
         let mut start = None;
         for (exponents, qr) in &self.nodes {
             let rotated = qr.rotate(values.clone());
-            let value = square(&rotated[self.shapes.len() + 1..]);
+            let value = square(&rotated[qr.upper.len()..]);
             if value < least {
                 (least, start) = (value, Some(exponents.clone()));
             }
@@ -151,12 +162,21 @@ impl Means {
         self.kappa.iter().zip(&self.root_weight).map(|(k, w)| k * w).collect()
     }
 
-    /// The weighted columns 1 and eps^alpha of each term.
+    /// The weighted column of a function of eps, in comparison with the parent of each row.
+    fn column(&self, f: impl Fn(&[f64; AXES]) -> f64) -> Vec<f64> {
+        let above = |parent: &Option<Parent>| parent.map_or(0.0, |(index, b)| b * f(&self.eps[index]));
+        let rows = self.eps.iter().zip(&self.parents).zip(&self.root_weight);
+        rows.map(|((eps, parent), w)| w * (f(eps) - above(parent))).collect()
+    }
+
+    /// The weighted columns 1, eps^alpha of each term, and the measured edges.
     fn columns(&self, shapes: &[Shape], exponents: &[f64]) -> Vec<Vec<f64>> {
-        let terms = shapes.iter().zip(exponents).map(|(shape, &exponent)| {
-            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * eps[shape.axis].powf(exponent)).collect()
-        });
-        std::iter::once(self.root_weight.clone()).chain(terms).collect()
+        let terms = shapes.iter().zip(exponents).map(|(shape, &alpha)| self.column(|eps| eps[shape.axis].powf(alpha)));
+        std::iter::once(self.column(|_| 1.0)).chain(terms).chain(self.weighted_edges()).collect()
+    }
+
+    fn weighted_edges(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.edges.iter().map(|edge| edge.iter().zip(&self.root_weight).map(|(e, w)| e * w).collect())
     }
 
     /// Damped Gauss-Newton steps from `exponents`, inside the bounds.
@@ -200,16 +220,13 @@ impl Means {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each datum) of kappa_TFC, the coefficients, and the free exponents that are not
-    /// at a bound.
+    /// The rows d(parameter)/d(kappa of each row) of kappa_TFC, the coefficients, s and s' of the edge, and the free
+    /// exponents that are not at a bound.
     pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
-        let column = |f: &dyn Fn(&[f64; AXES]) -> f64| -> Vec<f64> {
-            self.eps.iter().zip(&self.root_weight).map(|(eps, w)| w * f(eps)).collect()
-        };
-        let mut columns = vec![column(&|_| 1.0)];
-        columns.extend(shapes.iter().map(|s| column(&|eps| eps[s.axis].powf(at.exponents[s.axis]))));
+        let exponents: Vec<f64> = shapes.iter().map(|s| at.exponents[s.axis]).collect();
+        let mut columns = self.columns(shapes, &exponents);
         for s in shapes.iter().filter(|s| is_interior(s, at.exponents[s.axis])) {
-            columns.push(column(&|eps| at.term(s.axis, eps[s.axis]) * eps[s.axis].ln()));
+            columns.push(self.column(|eps| at.term(s.axis, eps[s.axis]) * eps[s.axis].ln()));
         }
         let rows = columns.len();
         let qr = Qr::new(columns)?;
@@ -260,16 +277,20 @@ impl Projection {
     /// exact.
     fn slope(&self, means: &Means, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
         let coefficient = self.coefficients[k + 1];
-        let column = means.eps.iter().zip(&means.root_weight).map(|(eps, w)| {
+        let column = means.column(|eps| {
             let eps = eps[shape.axis];
-            -w * coefficient * eps.ln() * eps.powf(exponent)
+            -coefficient * eps.ln() * eps.powf(exponent)
         });
-        self.qr.rotate(column.collect()).split_off(self.coefficients.len())
+        self.qr.rotate(column).split_off(self.coefficients.len())
     }
 
     fn into_minimum(self, shapes: &[Shape], exponents: &[f64]) -> Minimum {
+        let kappa_tfc = self.coefficients[0];
         let mut parameters =
-            Parameters { kappa_tfc: self.coefficients[0], coefficients: [0.0; AXES], exponents: [1.0; AXES] };
+            Parameters { kappa_tfc, coefficients: [0.0; AXES], exponents: [1.0; AXES], edge: [0.0; 2] };
+        for (s, found) in parameters.edge.iter_mut().zip(&self.coefficients[1 + shapes.len()..]) {
+            *s = *found;
+        }
         for (k, shape) in shapes.iter().enumerate() {
             parameters.coefficients[shape.axis] = self.coefficients[k + 1];
             parameters.exponents[shape.axis] = exponents[k];

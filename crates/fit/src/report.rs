@@ -21,9 +21,9 @@ pub struct Estimate {
 /// Source of the intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// Bootstrap over realisations.
+    /// The means of the realisations resampled from their errors, and all parameters refitted.
     Realisations,
-    /// Linear propagation of the scatter of realisations (no bootstrap was requested, or all its refits failed).
+    /// Linear propagation of the scatter of realisations (no resamples were requested, or all refits failed).
     Propagated,
     /// Misfit of the model, in place of the noise: there is one realisation per datum.
     Misfit,
@@ -34,7 +34,7 @@ pub enum Uncertainty {
 impl fmt::Display for Uncertainty {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Realisations => "bootstrap over realisations",
+            Self::Realisations => "scatter of realisations, resampled and refitted",
             Self::Propagated => "scatter of realisations, linearly propagated",
             Self::Misfit => "misfit of the model (one realisation per datum)",
             Self::None => "none: one realisation per datum and no degrees of freedom",
@@ -63,6 +63,15 @@ pub struct Term {
     pub profile: Vec<ProfilePoint>,
 }
 
+/// The term of the measured edge, (s + s' eps_c) times the edge of every realisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeTerm {
+    /// s.
+    pub factor: Estimate,
+    /// s'; `None` if two levels of eps_c do not determine it.
+    pub slope: Option<Estimate>,
+}
+
 /// One point of a profile likelihood.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
@@ -81,27 +90,27 @@ pub struct DatumReport {
     pub mean: f64,
     /// Standard error of the mean from the datum's own scatter; `None` for a single realisation.
     pub standard_error: Option<f64>,
-    /// Weight in the sum of squares.
+    /// Weight in the sum of squares, of the datum or of its comparison with its parent.
     pub weight: f64,
-    /// Value of the fitted model.
+    /// Value of the fitted model, for the mean edge of the datum.
     pub fitted: f64,
     /// kappa_TFC of a fit without this datum; `None` if the other data do not determine the model.
     pub kappa_tfc_without: Option<f64>,
 }
 
-/// The result of the bootstrap.
+/// The result of resampling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BootstrapReport {
     /// Number of requested resamples.
     pub resamples: usize,
-    /// Number of resamples without a fit: a datum had no realisation, or the terms could not be separated.
+    /// Number of resamples without a fit: the terms could not be separated.
     pub failed: usize,
     /// For each free exponent, the number of resamples in which it stopped at a bound.
     pub at_bound: Vec<(Axis, usize)>,
     /// Seed of the draws.
     pub seed: u64,
-    /// Factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and tends to one
-    /// for many.
+    /// Student's factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and tends
+    /// to one for many.
     pub stretch: f64,
     /// The refitted parameters of the successful resamples, in the order of the draws.
     pub samples: Vec<Parameters>,
@@ -114,10 +123,11 @@ pub struct Fit {
     pub kappa_tfc: Estimate,
     /// The fitted terms, in the order t, f, c.
     pub terms: Vec<Term>,
+    /// The term of the measured edge, if the model has it and eps_c has several levels.
+    pub edge: Option<EdgeTerm>,
     /// All fitted numbers as arrays over the axes.
     pub parameters: Parameters,
-    /// The weighted sum of squares. Data with common seeds are correlated, so that it tends to be below the degrees of
-    /// freedom; if `noise_known` is false, it is the unweighted sum of squares in units of kappa^2.
+    /// The weighted sum of squares; if `noise_known` is false, it is the unweighted sum of squares in units of kappa^2.
     pub chi_squared: f64,
     /// True if the weights are inverse variances. False for equal weights, and if there is no scatter to estimate
     /// variances from.
@@ -147,10 +157,13 @@ impl Fit {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against eps^alpha of that axis.
+    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against eps^alpha of that axis, or against the
+    /// mean edge.
     pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
-        datum.mean() - others.map(|&other| self.parameters.term(other as usize, datum.eps(other))).sum::<f64>()
+        let terms: f64 = others.map(|&other| self.parameters.term(other as usize, datum.eps(other))).sum();
+        let excess = if axis == Axis::Continuum { 0.0 } else { self.parameters.excess(datum.eps_c, datum.mean_edge()) };
+        datum.mean() - terms - excess
     }
 
     pub(crate) fn with_warnings(mut self, data: &[Datum], single: usize) -> Self {
@@ -165,7 +178,7 @@ impl Fit {
             warnings.push(Warning::Misfit { chi_squared, degrees_of_freedom, chance });
         }
         if self.uncertainty == Uncertainty::Realisations && single > 0 {
-            warnings.push(Warning::SingleRealisation { groups: single });
+            warnings.push(Warning::SingleRealisation { data: single });
         } else if least < 4 {
             warnings.push(Warning::FewRealisations { least });
         }
@@ -250,10 +263,10 @@ pub enum Warning {
         /// Probability of a chi^2 at least this large.
         chance: f64,
     },
-    /// Some groups of data have one realisation, so that the intervals lack their scatter.
+    /// Some data have one realisation; their scatter is taken from the other data.
     SingleRealisation {
-        /// Number of such groups.
-        groups: usize,
+        /// Number of such data.
+        data: usize,
     },
     /// Some datum has fewer than four realisations.
     FewRealisations {
@@ -318,8 +331,8 @@ impl fmt::Display for Warning {
                 "chi^2 = {chi_squared:.1} for {degrees_of_freedom} degrees of freedom (chance {chance:.1e}): \
                  the model does not describe the data within their noise, and the intervals do not contain this"
             ),
-            Self::SingleRealisation { groups } => {
-                write!(f, "{groups} groups of data have one realisation: the intervals do not contain their scatter")
+            Self::SingleRealisation { data } => {
+                write!(f, "{data} data have one realisation: their scatter is taken from the other data")
             }
             Self::FewRealisations { least } => {
                 write!(f, "some data have only {least} realisations: the intervals are rough; four or more are better")

@@ -1,9 +1,10 @@
-//! Intervals from a bootstrap over realisations, from linear propagation, or from the misfit, as the data permit.
+//! Intervals from resampled rows, from linear propagation, or from the misfit, as the data permit.
 
 use rayon::prelude::*;
 
 use crate::projection::{Means, Minimum, Nodes, Search, Shape, is_interior};
-use crate::resample::{NORMAL_975, Strata, quantile, student_975};
+use crate::rows::Rows;
+use crate::student::{NORMAL_975, quantile, student_975};
 use crate::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
 
 /// One of the fitted numbers; terms are numbered in the order of the shapes.
@@ -12,14 +13,15 @@ pub(crate) enum Quantity {
     Limit,
     Coefficient(usize),
     Exponent(usize),
+    /// s (0) or s' (1) of the measured edge.
+    Edge(usize),
 }
 
 /// The source of the uncertainties, with the data needed to evaluate them for each quantity.
 pub(crate) struct Errors<'a> {
-    means: &'a Means,
+    rows: &'a Rows,
     shapes: &'a [Shape],
     minimum: &'a Minimum,
-    strata: &'a Strata<'a>,
     sensitivities: Vec<Vec<f64>>,
     degrees_of_freedom: usize,
     pub(crate) source: Uncertainty,
@@ -28,20 +30,20 @@ pub(crate) struct Errors<'a> {
 
 impl<'a> Errors<'a> {
     pub(crate) fn new(
-        means: &'a Means,
+        rows: &'a Rows,
         shapes: &'a [Shape],
         minimum: &'a Minimum,
-        strata: &'a Strata<'a>,
         settings: &Settings,
         degrees_of_freedom: usize,
     ) -> Result<Self, FitError> {
+        let means = &rows.means;
         let sensitivities = means.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
         let nodes = Nodes::new(means, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
-        let bootstrap = (strata.can_resample() && settings.resamples > 0).then(|| {
+        let bootstrap = (rows.have_scatter() && settings.resamples > 0).then(|| {
             let refits: Vec<Option<Parameters>> = (0..settings.resamples as u64)
                 .into_par_iter()
                 .map(|index| {
-                    let resampled = Means { kappa: strata.draw(settings.seed, index)?, ..means.clone() };
+                    let resampled = Means { kappa: rows.draw(settings.seed, index), ..means.clone() };
                     Some(nodes.minimise(&resampled, Some(&minimum.parameters)).ok()?.parameters)
                 })
                 .collect();
@@ -61,13 +63,13 @@ impl<'a> Errors<'a> {
         });
         let source = match &bootstrap {
             Some(report) if report.samples.len() >= 2 => Uncertainty::Realisations,
-            _ if strata.can_resample() => Uncertainty::Propagated,
+            _ if rows.have_scatter() => Uncertainty::Propagated,
             _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
             _ => Uncertainty::None,
         };
-        let mut errors = Self { means, shapes, minimum, strata, sensitivities, degrees_of_freedom, source, bootstrap };
+        let mut errors = Self { rows, shapes, minimum, sensitivities, degrees_of_freedom, source, bootstrap };
         if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
-            report.stretch = strata.spread(row).map_or(1.0, |spread| spread.stretch);
+            report.stretch = rows.spread(row).map_or(1.0, |spread| spread.stretch);
         }
         Ok(errors)
     }
@@ -78,7 +80,7 @@ impl<'a> Errors<'a> {
         let Some(row) = self.sensitivity(quantity).filter(|_| !given) else {
             return Estimate { value, standard_error: None, ci95: None };
         };
-        let spread = self.strata.spread(row);
+        let spread = self.rows.spread(row);
         let (standard_error, ci95) = match (self.source, spread) {
             (Uncertainty::Realisations, Some(spread)) => {
                 (Some(spread.standard_error), self.percentiles(quantity, value, spread.stretch))
@@ -90,7 +92,8 @@ impl<'a> Errors<'a> {
             (Uncertainty::Misfit, _) => {
                 let freedom = self.degrees_of_freedom as f64;
                 let unit = self.minimum.sum_of_squares / freedom;
-                let variance: f64 = row.iter().zip(&self.means.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
+                let variance: f64 =
+                    row.iter().zip(&self.rows.means.root_weight).map(|(a, w)| (a / w).powi(2) * unit).sum();
                 let half = student_975(freedom) * variance.sqrt();
                 (Some(variance.sqrt()), Some([value - half, value + half]))
             }
@@ -116,20 +119,22 @@ impl<'a> Errors<'a> {
             Quantity::Limit => parameters.kappa_tfc,
             Quantity::Coefficient(k) => parameters.coefficients[self.shapes[k].axis],
             Quantity::Exponent(k) => parameters.exponents[self.shapes[k].axis],
+            Quantity::Edge(k) => parameters.edge[k],
         }
     }
 
-    /// The row d(quantity)/d(kappa of each datum); `None` for an exponent that is fixed or at its bound.
+    /// The row d(quantity)/d(kappa of each row of the fit); `None` for an exponent that is fixed or at its bound.
     fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
         let row = match quantity {
             Quantity::Limit => 0,
             Quantity::Coefficient(k) => 1 + k,
+            Quantity::Edge(k) => 1 + self.shapes.len() + k,
             Quantity::Exponent(k) => {
                 let interior = |shape: &&Shape| is_interior(shape, self.minimum.parameters.exponents[shape.axis]);
                 if !interior(&&self.shapes[k]) {
                     return None;
                 }
-                1 + self.shapes.len() + self.shapes[..k].iter().filter(interior).count()
+                1 + self.shapes.len() + self.rows.means.edges.len() + self.shapes[..k].iter().filter(interior).count()
             }
         };
         self.sensitivities.get(row)

@@ -88,6 +88,20 @@ impl Body {
         self.on(Base::Elastic(Box::new(substrate)))
     }
 
+    /// The body in other units of stress and length, given in the present ones. Powers of two keep every digit.
+    #[must_use]
+    pub fn in_units(&self, stress: f64, length: f64) -> Self {
+        let height = match self.height {
+            Height::Finite(height) => Height::Finite(height / length),
+            Height::Infinite => Height::Infinite,
+        };
+        let base = match &self.base {
+            Base::Elastic(below) => Base::Elastic(below.in_units(stress, length).into()),
+            base => base.clone(),
+        };
+        Self { material: self.material.in_units(stress), height, base }
+    }
+
     /// The material of the body, or of its top layer.
     pub fn material(&self) -> &Material {
         &self.material

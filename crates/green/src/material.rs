@@ -37,6 +37,12 @@ impl Material {
         Ok(Self { young: contact_modulus * one_minus_square(poisson)?, poisson, contact_modulus })
     }
 
+    /// The material in another unit of stress, given in the present one.
+    pub(crate) fn in_units(self, stress: f64) -> Self {
+        let Self { young, poisson, contact_modulus } = self;
+        Self { young: young / stress, poisson, contact_modulus: contact_modulus / stress }
+    }
+
     /// Young's modulus E, in stress.
     pub fn young(&self) -> f64 {
         self.young

@@ -64,8 +64,8 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         effort: Effort { iterations: 0, transform_pairs: transforms.pairs() },
         passed_instability: false,
         lowest_curvature: f64::NAN,
-        surface: Arc::clone(&interface.surface),
-        contact_modulus: interface.elastic.contact_modulus(),
+        surface: Arc::clone(&interface.given),
+        contact_modulus: interface.contact_modulus,
     }
 }
 

@@ -9,7 +9,7 @@ mod tangential;
 
 use std::sync::Arc;
 
-use gfmd_contact::{Drive, Equilibrium, Load, Refusal, RigidSurface, SolveError, Solver, judge};
+use gfmd_contact::{Drive, Equilibrium, Load, Refusal, RigidSurface, SolveError, Solver, Units, judge};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::Limit;
@@ -32,9 +32,15 @@ pub use state::{FrictionResidual, FrictionState};
 /// contact. The solver then ends with [`SolveError::NotConverged`]. A clone shares the data.
 #[derive(Clone, Debug)]
 pub struct FrictionalContact {
+    /// The response of the body, the rigid surface and the limit of the shear, in `units`.
     response: Arc<FullResponse>,
     surface: Arc<RigidSurface>,
     limit: Limit,
+    /// The rigid surface as given.
+    given: Arc<RigidSurface>,
+    /// E* as given.
+    contact_modulus: f64,
+    units: Units,
 }
 
 /// The reason why transforming or reshaping a field cannot fail.
@@ -59,31 +65,49 @@ impl FrictionalContact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
-        Self::on(FullResponse::new(*grid, body), heights, limit)
+        let limit = limit.check()?;
+        let given = Self::rough(grid, heights)?;
+        let units = Units::of(body, &given)?;
+        let limit = match limit {
+            Limit::Coulomb(coefficient) => Limit::Coulomb(coefficient),
+            Limit::Tresca(strength) => Limit::Tresca(strength / units.stress()),
+        };
+        Ok(Self {
+            response: FullResponse::new(units.grid(grid), &units.body(body)).into(),
+            surface: units.surface(&given),
+            limit,
+            given,
+            contact_modulus: body.material().contact_modulus(),
+            units,
+        })
     }
 
-    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share.
+    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
     pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
         let response = response.into();
         let limit = limit.check()?;
-        let surface = RigidSurface::new(response.grid(), heights)?;
-        if surface.rms_height() == 0.0 {
-            return Err(Refusal::Flat);
-        }
-        Ok(Self { response, surface: surface.into(), limit })
+        let surface = Self::rough(response.grid(), heights)?;
+        let (given, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
+        Ok(Self { response, surface, limit, given, contact_modulus, units: Units::ONE })
+    }
+
+    fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
+        let surface = RigidSurface::new(grid, heights)?;
+        if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 
     /// The rigid surface.
+    #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
-        &self.surface
+        &self.given
     }
 
     /// The state of `drive` before its solution, with all tractions as they are guessed.
     pub(crate) fn at_start(&self, drive: Drive) -> FrictionState {
-        certify(&mut Increment::new(self, drive, None))
+        certify(&mut Increment::new(self, self.units.drive(drive), None))
     }
 
     /// The number of lateral components.
@@ -105,14 +129,19 @@ impl Equilibrium for FrictionalContact {
             Load::MeanPressure(found) if found <= 0.0 => Err(Refusal::NotPressed { what: "mean pressure", found }),
             Load::Approach(found) if found <= 0.0 => Err(Refusal::NotPressed { what: "approach", found }),
             Load::Approach(found) => {
-                let limit = self.surface.mean_clearance();
+                let limit = self.given.mean_clearance();
                 if self.response.uniform_compliance()[2] == 0.0 && found >= limit {
                     return Err(Refusal::Approach { found, limit: Some(limit) });
                 }
                 Ok(())
             }
-            Load::MeanPressure(_) => Ok(()),
+            Load::MeanPressure(found) => Units::check_pressure(found),
         }
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let [softest, _] = self.response.stiffness_range();
+        self.given.check_resolution(drive.load, softest * self.units.stiffness(), tolerance)
     }
 
     /// Solves the contact at the end of an increment that begins at `start`, or at the undeformed surface.
@@ -126,6 +155,7 @@ impl Equilibrium for FrictionalContact {
     ) -> Result<FrictionState, SolveError<FrictionState>> {
         budget.check()?;
         self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
         if !SOLVERS.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: &SOLVERS }.into());
         }
@@ -133,6 +163,28 @@ impl Equilibrium for FrictionalContact {
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
             return Err(Refusal::Start { found, expected }.into());
         }
+        if self.units.are_one() {
+            return self.slip(drive, budget, start, watch);
+        }
+        let (length, stress) = (self.units.length(), self.units.stress());
+        let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
+        let given = |state: FrictionState| state.times(length, stress);
+        let state =
+            self.slip(self.units.drive(drive), budget, start.as_ref(), watch).map_err(|error| error.map(given))?;
+        Units::check_pressure(state.mean_pressure * stress)?;
+        Ok(given(state))
+    }
+}
+
+impl FrictionalContact {
+    /// Solves an increment in [`units`](Self::units).
+    fn slip(
+        &self,
+        drive: Drive,
+        budget: &Budget,
+        start: Option<&FrictionState>,
+        watch: &mut dyn Watch,
+    ) -> Result<FrictionState, SolveError<FrictionState>> {
         let mut increment = Increment::new(self, drive, start);
         let mut iterations = 0;
         let mut ending = Ending::GaveUp(Why::Circles);

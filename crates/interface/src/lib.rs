@@ -38,6 +38,7 @@ mod dynamics;
 mod ended;
 mod frame;
 mod friction;
+mod kept;
 mod newton;
 mod numbers;
 mod path;
@@ -47,6 +48,7 @@ mod solve;
 mod state;
 
 pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
+pub use kept::Kept;
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
 pub use problem::{Interface, Trapping};
 pub use state::{Residual, State};

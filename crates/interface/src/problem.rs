@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Refusal, RigidSurface};
+use gfmd_contact::{Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
 use gfmd_green::Body;
-use gfmd_law::Law;
+use gfmd_law::{InUnits, Law};
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
 
@@ -24,9 +24,15 @@ pub struct Trapping {
 /// A rigid rough surface above an elastic one, with a law that acts between them. A clone shares the data.
 #[derive(Clone, Debug)]
 pub struct Interface {
+    /// The response of the body, the law and the rigid surface, in `units`.
     pub(crate) elastic: Elastic,
     pub(crate) law: Arc<dyn Law>,
     pub(crate) surface: Arc<RigidSurface>,
+    /// The rigid surface as given.
+    pub(crate) given: Arc<RigidSurface>,
+    /// E* as given.
+    pub(crate) contact_modulus: f64,
+    pub(crate) units: Units,
 }
 
 impl Interface {
@@ -36,7 +42,7 @@ impl Interface {
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
-        Self::on(NormalResponse::new(*grid, body), heights, law)
+        Self::in_own_units(body, grid, heights, law, NormalResponse::new)
     }
 
     /// As [`new`](Self::new), in all components: with lateral displacement and shear.
@@ -49,26 +55,49 @@ impl Interface {
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::on(FullResponse::new(*grid, body), heights, law)
+        Self::in_own_units(body, grid, heights, law, FullResponse::new)
     }
 
     /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing response, such as one that
-    /// many surfaces on one body share.
+    /// many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
     pub fn on(elastic: impl Into<Elastic>, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
         let elastic = elastic.into();
-        let surface = RigidSurface::new(elastic.grid(), heights)?.into();
-        Ok(Self { elastic, law: law.into_shared(), surface })
+        let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
+        let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
+        Ok(Self { elastic, law: law.into_shared(), surface, given, contact_modulus, units: Units::ONE })
+    }
+
+    fn in_own_units<E: Into<Elastic>>(
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+        response: impl FnOnce(Grid, &Body) -> E,
+    ) -> Result<Self, Refusal> {
+        let given = Arc::new(RigidSurface::new(grid, heights)?);
+        let units = Units::of(body, &given)?;
+        let law = law.into_shared();
+        let law = if units.are_one() { law } else { InUnits::new(law, units.stress(), units.length()).into_shared() };
+        Ok(Self {
+            elastic: response(units.grid(grid), &units.body(body)).into(),
+            law,
+            surface: units.surface(&given),
+            given,
+            contact_modulus: body.material().contact_modulus(),
+            units,
+        })
     }
 
     /// The rigid surface.
+    #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
-        &self.surface
+        &self.given
     }
 
-    /// The response of the body.
+    /// The response of the body, in the units of the solve: those of the input unless they are far from 1.
     pub fn elastic(&self) -> &Elastic {
         &self.elastic
     }
@@ -76,7 +105,7 @@ impl Interface {
     /// The unit of the reduced pressure p*, E* times the spectral rms gradient of the surface, in stress (theory.md,
     /// section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
-        self.elastic.contact_modulus() * self.surface.rms_gradient()
+        self.contact_modulus * self.given.rms_gradient()
     }
 
     /// Returns true if there is an energy of the law for the moving components. For u_z alone every law has one.
@@ -89,7 +118,8 @@ impl Interface {
     pub fn trapping(&self) -> Option<Trapping> {
         let [_, stiffness] = self.elastic.stiffness_range();
         let steepness = self.law.steepness();
-        (steepness > 0.5 * stiffness).then_some(Trapping { steepness, stiffness })
+        let unit = self.units.stiffness();
+        (steepness > 0.5 * stiffness).then_some(Trapping { steepness: steepness * unit, stiffness: stiffness * unit })
     }
 
     /// The unit of length in residuals: the rms height, or 1 if the surface is flat.

@@ -1,6 +1,6 @@
 //! The variables of states, so that they can be kept outside of the process and restored bit for bit.
 
-use gfmd_contact::{Drive, Refusal, Resumable, Variables, Visit};
+use gfmd_contact::{Drive, Equilibrium, Refusal, Resumable, Variables, Visit};
 use ndarray::Array;
 
 use crate::certify::certify;
@@ -35,7 +35,8 @@ impl Resumable for Interface {
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<State, Refusal> {
-        let frame = self.frame(drive)?;
+        self.check(drive)?;
+        let frame = self.frame(self.units.drive(drive))?;
         let mut state = certify(self, &frame, &vec![0.0; frame.components() * frame.points()]);
         state.visit(visitor);
         Ok(state)

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver, judge};
+use gfmd_contact::{Drive, Equilibrium, Load, Refusal, SolveError, Solver, Units, judge};
 use gfmd_law::HardWall;
 use gfmd_relax::{Budget, Fire, Progress, Watch};
 
@@ -20,7 +20,33 @@ impl Equilibrium for Interface {
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
-        self.frame(drive).map(drop)
+        if let Load::MeanPressure(mean) = drive.load {
+            Units::check_pressure(mean)?;
+        }
+        drive.check()?;
+        self.frame(self.units.drive(drive)).map(drop).map_err(|refusal| match (refusal, drive.load) {
+            (Refusal::Approach { limit, .. }, Load::Approach(found)) => {
+                Refusal::Approach { found, limit: limit.map(|limit| limit * self.units.length()) }
+            }
+            (refusal, _) => refusal,
+        })
+    }
+
+    /// Attraction needs no least load: residuals are absolute. A wall alone needs a load that they resolve.
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let (what, found) = match drive.load {
+            Load::MeanPressure(mean) => ("mean pressure", mean),
+            Load::Approach(approach) => ("approach", approach),
+        };
+        if !self.is_wall_alone() || found <= 0.0 {
+            return Ok(());
+        }
+        let [softest, _] = self.elastic.stiffness_range();
+        let softest = softest * self.units.stiffness();
+        self.given.check_resolution(drive.load, softest, tolerance)?;
+        let unit = if let Load::MeanPressure(_) = drive.load { softest } else { 1.0 } * self.given.rms_height();
+        let least = RESOLVED * tolerance * unit;
+        if found < least { Err(Refusal::Slight { what, found, least }) } else { Ok(()) }
     }
 
     /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard wall
@@ -35,6 +61,40 @@ impl Equilibrium for Interface {
         watch: &mut dyn Watch,
     ) -> Result<State, SolveError<State>> {
         budget.check()?;
+        self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
+        if self.units.are_one() {
+            return self.rest(drive, solver, budget, start, watch);
+        }
+        let (length, stress) = (self.units.length(), self.units.stress());
+        let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
+        let given = |state: State| state.times(length, stress);
+        match self.rest(self.units.drive(drive), solver, budget, start.as_ref(), watch) {
+            Ok(state) => {
+                Units::check_pressure(state.mean_pressure * stress)?;
+                Ok(given(state))
+            }
+            Err(SolveError::Detached { state, mean_pressure }) => {
+                Err(SolveError::Detached { state: given(*state).into(), mean_pressure: mean_pressure * stress })
+            }
+            Err(error) => Err(error.map(given)),
+        }
+    }
+}
+
+/// The least load or approach over the tolerance, relative to the size of the roughness, for a wall alone.
+const RESOLVED: f64 = 10.0;
+
+impl Interface {
+    /// Solves in [`units`](Self::units).
+    fn rest(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&State>,
+        watch: &mut dyn Watch,
+    ) -> Result<State, SolveError<State>> {
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.points();
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
@@ -110,10 +170,10 @@ impl Interface {
         watch: &mut dyn Watch,
     ) -> Result<Option<State>, SolveError<State>> {
         let wall = Interface { law: Arc::new(HardWall), ..self.clone() };
-        if wall.check(drive).is_err() {
+        if wall.frame(drive).is_err() {
             return Ok(None);
         }
         let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
-        wall.equilibrate(drive, Solver::Newton, &rough, None, watch).map(Some)
+        wall.rest(drive, Solver::Newton, &rough, None, watch).map(Some)
     }
 }

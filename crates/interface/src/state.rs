@@ -82,6 +82,24 @@ impl Residual {
 const LEAST_LOAD: f64 = 1e-6;
 
 impl State {
+    /// The state with all lengths and stresses multiplied by these powers of two.
+    pub(crate) fn times(mut self, length: f64, stress: f64) -> Self {
+        let Self { displacement, traction, gap, wall_pressure, .. } = &mut self;
+        displacement.mapv_inplace(|u| u * length);
+        traction.mapv_inplace(|t| t * stress);
+        gap.mapv_inplace(|g| g * length);
+        wall_pressure.mapv_inplace(|p| p * stress);
+        Self {
+            mean_pressure: self.mean_pressure * stress,
+            mean_shear: self.mean_shear.map(|t| t * stress),
+            approach: self.approach * length,
+            lateral: self.lateral.map(|u| u * length),
+            elastic_energy: self.elastic_energy * stress * length,
+            interface_energy: self.interface_energy * stress * length,
+            ..self
+        }
+    }
+
     /// The repulsive pressure: that of the wall, or without wall the positive part of −t_z.
     pub fn repulsion(&self) -> Array2<f64> {
         if self.wall_pressure.iter().any(|p| *p > 0.0) {

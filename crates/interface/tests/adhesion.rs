@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Interface, State};
+use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Dugdale, Exponential, HardWall, Law, Morse};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::Array2;
@@ -244,4 +244,58 @@ fn a_law_without_a_wall_can_be_pressed_beyond_full_contact() {
     let hard = Interface::new(&half_space(), &grid, &heights, HardWall).unwrap();
     let refused = solve(&hard, Load::Approach(1.2 * amplitude), None);
     assert!(matches!(refused, Err(SolveError::Refused(Refusal::Approach { .. }))));
+}
+
+#[test]
+fn a_search_from_kept_fields_takes_the_steps_of_one_from_the_state() {
+    let n = 32;
+    let grid = Grid::new([n, n], [1.0, 1.0]).unwrap();
+    let slab = Body::new(Material::from_young(1.0, 0.3).unwrap(), gfmd_green::Height::Finite(0.4)).unwrap();
+    let laws: [(bool, std::sync::Arc<dyn Law>); 3] = [
+        (true, Exponential::new(1e-4, 0.02).unwrap().into_shared()),
+        (true, Dugdale::new(1e-4, 0.02).unwrap().into_shared()),
+        (false, Morse::new(1e-4, 0.02).unwrap().into_shared()),
+    ];
+    for (body, (has_wall, law)) in
+        [half_space(), slab].into_iter().flat_map(|body| laws.clone().map(|law| (body.clone(), law)))
+    {
+        let interface = Interface::new(&body, &grid, &sphere(n), law).unwrap();
+        for [first, second] in [[0.004, 0.006], [0.004, -0.001]] {
+            for load in [Load::Approach, Load::MeanPressure] {
+                let scale = if matches!(load(1.0), Load::MeanPressure(_)) { 0.1 } else { 1.0 };
+                let reached = solve(&interface, load(scale * first), None).unwrap();
+                assert!(!has_wall || reached.wall_pressure.iter().any(|p| *p > 0.0), "the wall must take part");
+                let pressure = reached.pressure().into_owned();
+                let (displacement_z, gap) = (reached.displacement_z().to_owned(), reached.gap().to_owned());
+                let kept = Kept {
+                    pressure: &pressure,
+                    displacement_z: &displacement_z,
+                    gap: &gap,
+                    approach: reached.approach,
+                };
+                let recalled = interface.recall(kept).unwrap();
+                assert_eq!(recalled.wall_pressure, reached.wall_pressure);
+                assert!((recalled.mean_pressure / reached.mean_pressure - 1.0).abs() < 1e-6);
+                assert!(recalled.residual.worst() <= 1e-7, "{:?}", recalled.residual);
+                let wanted = solve(&interface, load(scale * second), Some(&reached)).map_err(|error| error.to_string());
+                let found = solve(&interface, load(scale * second), Some(&recalled)).map_err(|error| error.to_string());
+                assert_eq!(found, wanted);
+            }
+        }
+    }
+}
+
+#[test]
+fn fields_of_another_problem_are_no_state() {
+    let interface =
+        Interface::new(&half_space(), &Grid::line(8, 1.0).unwrap(), &wave(8, 0.1), Morse::new(1e-4, 0.02).unwrap())
+            .unwrap();
+    let (right, wrong, infinite) =
+        (Array2::zeros((8, 1)), Array2::zeros((4, 1)), Array2::from_elem((8, 1), f64::INFINITY));
+    let recall =
+        |pressure, displacement_z, gap| interface.recall(Kept { pressure, displacement_z, gap, approach: 0.0 });
+    assert!(recall(&right, &right, &right).is_ok());
+    assert!(matches!(recall(&wrong, &right, &right), Err(Refusal::Start { found: 4, expected: 8 })));
+    assert!(matches!(recall(&right, &infinite, &right), Err(Refusal::NotFinite { .. })));
+    assert!(matches!(recall(&infinite, &right, &right), Err(Refusal::NotFinite { .. })));
 }

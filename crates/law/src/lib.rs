@@ -35,6 +35,7 @@
 mod bosch_schreurs_geers;
 mod coupled_exponential;
 mod friction;
+mod in_units;
 mod kind;
 mod law;
 mod normal;
@@ -45,6 +46,7 @@ mod xu_needleman;
 pub use bosch_schreurs_geers::BoschSchreursGeers;
 pub use coupled_exponential::{CoupledExponential, Npb};
 pub use friction::{Friction, Limit, Rate, Sliding};
+pub use in_units::InUnits;
 pub use kind::{Allowed, Kind, Parameter};
 pub use law::{Jacobian, Law, MixedMode, Response};
 pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};

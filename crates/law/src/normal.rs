@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::separation::positive;
+use crate::separation::{finite, positive};
 use crate::{Law, LawError, Response};
 
 /// The hard wall: the surfaces do not interpenetrate and do not attract each other.
@@ -31,6 +31,13 @@ impl Law for HardWall {
     }
 }
 
+/// The work of adhesion and the range of a law, if both and their steepest slope are valid.
+fn of_range(energy: f64, range: f64) -> Result<(f64, f64), LawError> {
+    let (energy, range) = (positive("gamma", energy)?, positive("range", range)?);
+    finite("2 gamma/range^2", 2.0 * energy / range / range)?;
+    Ok((energy, range))
+}
+
 /// Attraction that decays exponentially, V = −γ e^{−g/ϱ}, with a hard wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponential {
@@ -44,7 +51,8 @@ impl Exponential {
     /// # Errors
     /// Parameters that are not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
-        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+        let (energy, range) = of_range(energy, range)?;
+        Ok(Self { energy, range })
     }
 }
 
@@ -85,7 +93,8 @@ impl Dugdale {
     /// # Errors
     /// Parameters that are not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
-        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+        let (energy, range) = of_range(energy, range)?;
+        Ok(Self { energy, range })
     }
 }
 
@@ -129,7 +138,8 @@ impl Morse {
     /// # Errors
     /// Parameters that are not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
-        Ok(Self { energy: positive("gamma", energy)?, range: positive("range", range)? })
+        let (energy, range) = of_range(energy, range)?;
+        Ok(Self { energy, range })
     }
 }
 
@@ -176,7 +186,9 @@ impl HarmonicCosine {
     /// Parameters that are not positive.
     pub fn new(energy: f64, curvature: f64) -> Result<Self, LawError> {
         let (energy, curvature) = (positive("gamma", energy)?, positive("curvature", curvature)?);
-        Ok(Self { energy, curvature, wavenumber: (2.0 * curvature / energy).sqrt() })
+        let wavenumber = finite("sqrt(curvature/gamma)", (2.0 * curvature / energy).sqrt())?;
+        finite("sqrt(gamma/curvature)", wavenumber.recip())?;
+        Ok(Self { energy, curvature, wavenumber })
     }
 
     /// The range π/w, the gap beyond which the traction is zero.

@@ -20,12 +20,19 @@ impl Separation {
         positive("phi_t", tangential_work)?;
         positive("delta_n", normal_length)?;
         positive("delta_t", tangential_length)?;
+        finite("phi_t/phi_n", tangential_work / normal_work)?;
+        finite("phi_n/phi_t", normal_work / tangential_work)?;
+        finite("phi_n/delta_n^2", normal_work / normal_length / normal_length)?;
+        finite("phi_n/(delta_n delta_t)", normal_work / normal_length / tangential_length)?;
+        finite("phi_t/(delta_n delta_t)", tangential_work / normal_length / tangential_length)?;
+        finite("phi_t/delta_t^2", tangential_work / tangential_length / tangential_length)?;
         Ok(self)
     }
 
-    /// The reduced separations Δ_n/δ_n and Δ_t/δ_t.
+    /// The reduced separations Δ_n/δ_n and Δ_t/δ_t, at most [`FAR`].
     pub(crate) fn reduce(&self, normal: f64, sliding: f64) -> [f64; 2] {
-        [normal / self.normal_length, sliding / self.tangential_length]
+        let x = normal / self.normal_length;
+        [if x > FAR { FAR } else { x }, (sliding / self.tangential_length).clamp(-FAR, FAR)]
     }
 
     /// The energy of opening φ_n (1 − (1 + x) e^{−x}), which all cohesive laws here share.
@@ -54,6 +61,10 @@ impl Separation {
         (nn + nt).max(tn + tt)
     }
 }
+
+/// The reduced separation from which on tractions are computed as at this one: they are zero, while products of larger
+/// separations with vanishing exponentials are not numbers.
+const FAR: f64 = 1e6;
 
 /// Reasons to refuse the name or the parameters of a law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,6 +108,11 @@ pub enum LawError {
         /// The name of the parameter.
         name: &'static str,
     },
+}
+
+/// Returns a ratio of parameters if it is finite.
+pub(crate) fn finite(name: &'static str, found: f64) -> Result<f64, LawError> {
+    if found.is_finite() { Ok(found) } else { Err(LawError::Range { name, found, allowed: "finite" }) }
 }
 
 pub(crate) fn positive(name: &'static str, found: f64) -> Result<f64, LawError> {

@@ -1,4 +1,4 @@
-use ndarray::ArrayView2;
+use ndarray::{ArrayView1, ArrayView2, s};
 
 /// The part of the surface in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,20 +21,24 @@ pub struct ContactArea {
 /// Counts the contact of a `[x, y]` pressure field.
 pub fn contact_area(pressure: ArrayView2<f64>) -> ContactArea {
     let (nx, ny) = pressure.dim();
-    let touches = |i: usize, j: usize| pressure[[i % nx, j % ny]] > 0.0;
     let (mut nodes, mut boundary_links) = (0, 0);
-    for i in 0..nx {
-        for j in 0..ny {
-            let here = touches(i, j);
-            nodes += usize::from(here);
-            boundary_links += usize::from(here != touches(i + 1, j)) + usize::from(here != touches(i, j + 1));
-        }
+    let rows = if ny == 0 { 0 } else { nx };
+    for i in 0..rows {
+        let (row, next) = (pressure.row(i), pressure.row((i + 1) % nx));
+        nodes += row.iter().filter(|p| **p > 0.0).count();
+        boundary_links += links(row, next) + links(row.slice(s![1..]), row.slice(s![..-1]));
+        boundary_links += usize::from((row[0] > 0.0) != (row[ny - 1] > 0.0));
     }
     let all = pressure.len().max(1) as f64;
     let fraction = nodes as f64 / all;
     let excess = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0 * boundary_links as f64 / all;
     let corrected_fraction = if ny == 1 { fraction } else { (fraction - excess).max(0.0) };
     ContactArea { nodes, boundary_links, fraction, corrected_fraction }
+}
+
+/// The number of pairs of which exactly one is in contact.
+fn links(here: ArrayView1<f64>, there: ArrayView1<f64>) -> usize {
+    here.iter().zip(there).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count()
 }
 
 #[cfg(test)]

@@ -1,4 +1,7 @@
-"""A measured surface: read, levelled, made periodic, pressed."""
+"""A scan in the format of an instrument (X3P, ISO 25178-72): read, its holes filled, levelled, made periodic, pressed.
+
+The file is our own: a generated surface, tilted, with some points that have no height.
+"""
 
 import sys
 from pathlib import Path
@@ -6,14 +9,16 @@ from pathlib import Path
 import gfmd
 import matplotlib.pyplot as plt
 
-scan = gfmd.read(Path(__file__).with_name("scan.txt"))
+scan = gfmd.read(Path(__file__).with_name("scan.x3p"), fill="harmonic")
+print(scan, scan.details)
 surface = scan.detrend("plane").periodise("mirror")
 c = gfmd.contact(surface, gfmd.Body(young=70e9, poisson=0.33), mean_pressure=2e9)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
 scan.detrend("plane").plot(left)
+left.set_title(f"{scan.n[0]} x {scan.n[1]} points, {scan.undefined} filled")
 c.plot("pressure", right)
 right.set_title(f"{100 * c.area_fraction:.1f} % in contact")
 figure.tight_layout()
 plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "scan.png", bbox_inches="tight")
-assert scan.unit is not None and c.converged
+assert scan.unit == "m" and scan.undefined > 0 and c.converged

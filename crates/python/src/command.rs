@@ -1,13 +1,14 @@
 //! The commands of the program, in this process.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
-use gfmd_cli::program::{Command, status};
+use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -39,27 +40,32 @@ pub(crate) fn run(
         let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
         refused(py, &line.trim_start_matches("error: "))
     })?;
-    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 });
+    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 }).without_resumption();
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
-        let finished = AtomicBool::new(false);
+        let (finished, wait) = channel::<()>();
         std::thread::scope(|scope| {
-            scope.spawn(|| {
-                while !finished.load(Ordering::Relaxed) {
+            let session = &session;
+            scope.spawn(move || {
+                // The sender is dropped when the command ends, also by a panic.
+                while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
                     if shared.see(0, f64::NAN).is_break() {
                         session.interrupt();
                     }
-                    std::thread::sleep(PAUSE);
                 }
             });
-            let result = report(&line.command, &session);
-            finished.store(true, Ordering::Relaxed);
+            let result = report(&line.command, session);
+            drop(finished);
             result
         })
     })?;
-    match result {
-        Ok((text, failure)) => Ok((text, failure)),
-        Err(failure) => Err(raised.unwrap_or_else(|| failed(py, &failure))),
-    }
+    // An interruption keeps the result so far; any other exception of a signal's handler is the caller's own.
+    let raised = match raised {
+        Some(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
+        other => other,
+    };
+    let (text, failure) = result.map_err(|failure| failed(py, &failure))?;
+    let failure = failure.or_else(|| raised.map(|_| ("interrupted", "interrupted at the end".into())));
+    Ok((text, failure))
 }
 
 type Report = Result<(String, Option<(&'static str, String)>), Failure>;
@@ -100,5 +106,6 @@ fn ended(Outcome { report, failure }: Outcome<impl Serialize>, session: &Session
 /// The exit status of the program `gfmd` with these words, of which the first is its name.
 #[pyfunction]
 pub(crate) fn program(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
+    keep_freed_memory(); // the process is that of the program
     py.detach(|| status("gfmd", words, Command::run))
 }

@@ -8,12 +8,13 @@ use gfmd_cli::memory::Held;
 use gfmd_contact::{Budget, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
-use gfmd_surface::Statistics;
-use ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use gfmd_surface::PowerSpectrum;
+use ndarray::ArrayRef2;
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::failure::{failed, refused};
@@ -57,9 +58,8 @@ pub(crate) struct State {
     rest: Rest,
 }
 
-/// State, scalars as JSON, pressure, displacement, gap; and the kind and the text of a failure.
-type Solved<'py> =
-    (State, String, Array<'py>, Array<'py>, Array<'py>, Option<(&'static str, String)>, Option<Py<PyAny>>);
+/// State, scalars as JSON; the kind and the text of a failure; an exception of a signal's handler.
+type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>);
 
 #[pymethods]
 impl Problem {
@@ -77,7 +77,7 @@ impl Problem {
         let body = elastic(body).map_err(|(name, error)| refused(py, &format!("{name}: {error}")))?;
         let (kind, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
-        let heights = heights.as_array().to_owned();
+        let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
         let (made, raised) = run(py, threads, None, |_| Self::pose(&heights, grid, &body, (kind, &law), solver))?;
         raised.map_or(Ok(()), Err)?;
@@ -85,29 +85,11 @@ impl Problem {
         made.map_err(|failure| refused(py, &failure))
     }
 
-    /// The contact modulus E*.
-    #[getter]
-    fn e_star(&self) -> f64 {
-        self.scales.contact_modulus
-    }
-
-    /// The spectral rms gradient of the surface.
-    #[getter]
-    fn rms_gradient(&self) -> f64 {
-        self.scales.rms_gradient
-    }
-
-    /// The rms height of the surface.
-    #[getter]
-    fn rms_height(&self) -> f64 {
-        self.loads.surface().rms_height()
-    }
-
     /// Brings the contact to rest under one load.
     #[expect(clippy::too_many_arguments, reason = "keywords")]
-    fn solve<'py>(
+    fn solve(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         control: &str,
         value: f64,
         tolerance: f64,
@@ -115,7 +97,7 @@ impl Problem {
         start: Option<&State>,
         threads: usize,
         tick: Option<Py<PyAny>>,
-    ) -> PyResult<Solved<'py>> {
+    ) -> PyResult<Solved> {
         let load = match control {
             "mean_pressure" => Load::MeanPressure(value),
             "p_star" => Load::MeanPressure(value * self.unit_pressure),
@@ -129,22 +111,28 @@ impl Problem {
             })
         })?;
         // Without a state, the load was refused.
-        let (mut rest, failure) = solved.map_err(|failure| refused(py, &failure))?;
+        let (rest, failure) = solved.map_err(|failure| refused(py, &failure))?;
         let record = json::to_string(&rest.record).map_err(|error| refused(py, &error))?;
         let failure = failure.map(|failure| match failure {
             Failure::Interrupted(text) => ("interrupted", text),
             Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
         });
-        let [pressure, displacement, gap] =
-            [&mut rest.pressure, &mut rest.displacement, &mut rest.gap].map(|field| handed(py, field));
         let raised = raised.map(|error| error.into_value(py).into_any());
-        Ok((State { rest }, record, pressure, displacement, gap, failure, raised))
+        Ok((State { rest }, record, failure, raised))
     }
 
-    /// The state of a pressure of this contact, to start from: a hard wall's.
-    fn resume(&self, py: Python<'_>, pressure: PyReadonlyArray2<'_, f64>, approach: f64) -> PyResult<State> {
-        let pressure = pressure.as_array().to_owned();
-        let made = quick(py, || self.loads.certified(&pressure, Load::Approach(approach), &self.scales))?;
+    /// The state of a contact with these fields, to start from.
+    fn recall(
+        &self,
+        py: Python<'_>,
+        pressure: PyReadonlyArray2<'_, f64>,
+        displacement: PyReadonlyArray2<'_, f64>,
+        gap: PyReadonlyArray2<'_, f64>,
+        approach: f64,
+    ) -> PyResult<State> {
+        let (pressure, displacement, gap) = (pressure.as_array(), displacement.as_array(), gap.as_array());
+        let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+        let made = quick(py, || self.loads.recalled(kept, &self.scales))?;
         made.map(|rest| State { rest }).map_err(|failure| failed(py, &failure))
     }
 
@@ -154,9 +142,25 @@ impl Problem {
     }
 }
 
+#[pymethods]
+impl State {
+    /// Pressure, displacement, gap, without a copy: the arrays keep the state alive.
+    #[getter]
+    fn fields(this: Bound<'_, Self>) -> [Array<'_>; 3] {
+        let state = this.get();
+        state.rest.fields().map(|field| {
+            #[expect(unsafe_code, reason = "the array lends the memory of the state")]
+            // SAFETY: the state is the base of the array, and, being frozen, never moves or changes its fields.
+            let array = unsafe { PyArray2::borrow_from_array(&field, this.clone().into_any()) };
+            array.readwrite().make_nonwriteable();
+            array
+        })
+    }
+}
+
 impl Problem {
     fn pose(
-        heights: &Array2<f64>,
+        heights: &ArrayRef2<f64>,
         grid: Grid,
         body: &Body,
         (kind, law): (Kind, &Arc<dyn Law>),
@@ -164,8 +168,8 @@ impl Problem {
     ) -> Result<Self, Failure> {
         let held = if kind == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
         held.check("the grid", grid.points())?;
-        let statistics = Statistics::of(heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let rms_gradient = statistics.moments.rms_gradient();
+        let spectrum = PowerSpectrum::of(heights, &grid).map_err(|error| Failure::input("surface", error))?;
+        let rms_gradient = spectrum.moments().rms_gradient();
         let response = NormalResponse::new(grid, body);
         let refuse = |error: Refusal| match error {
             Refusal::Solver { .. } => Failure::input("solver", error),
@@ -194,11 +198,4 @@ fn elastic(
         };
         (name, error)
     })
-}
-
-/// A field as an array of Python, without a copy; nothing is left in its place.
-fn handed<'py>(py: Python<'py>, field: &mut Array2<f64>) -> Array<'py> {
-    let field = std::mem::take(field);
-    let field = if field.is_standard_layout() { field } else { field.as_standard_layout().into_owned() };
-    field.into_pyarray(py)
 }

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded};
-use gfmd_contact::{Budget, Contact, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Watch};
-use gfmd_interface::{Interface, State};
+use gfmd_contact::{Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch};
+use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
-use ndarray::{Array2, ArrayRef2};
+use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.
 pub(crate) struct Loads {
@@ -26,28 +26,39 @@ enum Kindred {
 /// A load at rest, or as far as it came.
 pub(crate) struct Rest {
     pub(crate) record: LoadRecord,
-    pub(crate) pressure: Array2<f64>,
-    pub(crate) displacement: Array2<f64>,
-    pub(crate) gap: Array2<f64>,
-    /// The state that the next load starts from.
-    state: Reached,
+    reached: Reached,
 }
 
+/// The state that the next load starts from.
 enum Reached {
     Wall(Solution),
-    Law(State),
+    /// A state with a law, and the pressure that follows from its traction.
+    Law(Box<State>, Array2<f64>),
 }
 
 impl Rest {
-    fn of<S: Recorded>(state: S, reached: fn(S) -> Reached, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
-        Self {
-            record: LoadRecord::measure(&state, scales, tolerance, seconds),
-            pressure: state.pressure().into_owned(),
-            displacement: state.displacement_z().to_owned(),
-            gap: state.gap().to_owned(),
-            state: reached(state),
+    fn of<S: Recorded>(
+        state: S,
+        reached: impl FnOnce(S) -> Reached,
+        scales: &Scales,
+        tolerance: f64,
+        seconds: f64,
+    ) -> Self {
+        Self { record: LoadRecord::measure(&state, scales, tolerance, seconds), reached: reached(state) }
+    }
+
+    /// Pressure, displacement, gap.
+    pub(crate) fn fields(&self) -> [ArrayView2<'_, f64>; 3] {
+        match &self.reached {
+            Reached::Wall(solution) => [solution.pressure.view(), solution.displacement_z(), solution.gap()],
+            Reached::Law(state, pressure) => [pressure.view(), state.displacement_z(), state.gap()],
         }
     }
+}
+
+fn with_pressure(state: State) -> Reached {
+    let pressure = state.pressure().into_owned();
+    Reached::Law(Box::new(state), pressure)
 }
 
 impl Loads {
@@ -75,13 +86,6 @@ impl Loads {
         Ok(Self { contact, solver })
     }
 
-    pub(crate) fn surface(&self) -> &RigidSurface {
-        match &self.contact {
-            Kindred::Wall(contact) => contact.surface(),
-            Kindred::Law(interface) => interface.surface(),
-        }
-    }
-
     /// Brings one load to rest. With a failure, the state is as far as it came; without a state, the load was refused.
     pub(crate) fn solve(
         &self,
@@ -92,7 +96,7 @@ impl Loads {
         watch: &mut dyn Watch,
     ) -> Result<(Rest, Option<Failure>), Failure> {
         let started = Instant::now();
-        let last = last.map(|rest| &rest.state);
+        let last = last.map(|rest| &rest.reached);
         match &self.contact {
             Kindred::Wall(contact) => {
                 let start = if let Some(Reached::Wall(start)) = last { Some(start) } else { None };
@@ -101,10 +105,10 @@ impl Loads {
                 Ok((Rest::of(state, Reached::Wall, scales, budget.tolerance, seconds), failure))
             }
             Kindred::Law(interface) => {
-                let start = if let Some(Reached::Law(start)) = last { Some(start) } else { None };
+                let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(interface, load, budget, start, watch)?;
                 let seconds = started.elapsed().as_secs_f64();
-                Ok((Rest::of(state, Reached::Law, scales, budget.tolerance, seconds), failure))
+                Ok((Rest::of(state, with_pressure, scales, budget.tolerance, seconds), failure))
             }
         }
     }
@@ -132,12 +136,18 @@ impl Loads {
         }
     }
 
-    /// The state of a `pressure`, as of an earlier run, to start from. A contact with a law has none: its state is more.
-    pub(crate) fn certified(&self, pressure: &ArrayRef2<f64>, load: Load, scales: &Scales) -> Result<Rest, Failure> {
-        let Kindred::Wall(contact) = &self.contact else {
-            return Err(Failure::input("start", "the pressure alone is not the state of a contact with a law"));
-        };
-        let solution = contact.certify(pressure, load).map_err(|error| Failure::input("start", error))?;
-        Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+    /// The state with these fields, as a file keeps them, to start from.
+    pub(crate) fn recalled(&self, kept: Kept<'_>, scales: &Scales) -> Result<Rest, Failure> {
+        let refuse = |error: Refusal| Failure::input("start", error);
+        match &self.contact {
+            Kindred::Wall(contact) => {
+                let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
+                Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+            }
+            Kindred::Law(interface) => {
+                let state = interface.recall(kept).map_err(refuse)?;
+                Ok(Rest::of(state, with_pressure, scales, f64::INFINITY, 0.0))
+            }
+        }
     }
 }

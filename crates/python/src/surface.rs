@@ -5,7 +5,7 @@ use gfmd_cli::json;
 use gfmd_cli::surface::{Report, whole_band};
 use gfmd_field::Grid;
 use gfmd_files::Topography;
-use gfmd_surface::{PowerSpectrum, Statistics};
+use gfmd_surface::{Fill, PowerSpectrum, Statistics};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -68,18 +68,38 @@ pub(crate) fn self_affine<'py>(
     Ok((heights.into_pyarray(py), lengths, args.to_string()))
 }
 
-/// Heights, lengths of the cell, unit, description.
-type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String);
+/// Heights, NaN where undefined; lengths of the cell; unit; description; and what else the file says, as JSON.
+type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String, String);
 
-/// The height map in a file.
+/// A height map in a file.
 #[pyfunction]
-pub(crate) fn read<'py>(py: Python<'py>, name: &str) -> PyResult<HeightMap<'py>> {
-    let topography = quick(py, || {
-        let topography = Topography::read(name, None)?;
-        topography.check_complete().map(|()| topography)
-    })?;
-    let Topography { heights, lengths, unit, source, .. } = topography.map_err(|error| refused(py, &error))?;
-    Ok((heights.into_pyarray(py), lengths, unit, source))
+#[pyo3(signature = (name, channel=None))]
+pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> PyResult<HeightMap<'py>> {
+    let topography = quick(py, || Topography::read(name, channel))?.map_err(|error| refused(py, &error))?;
+    let Topography { heights, undefined, lengths, unit, format, channel, channels, conversion, details, notes, source } =
+        topography;
+    let details: serde_json::Map<_, _> = details.into_iter().map(|(key, value)| (key, value.into())).collect();
+    let told = serde_json::json!({
+        "format": format, "channel": channel, "channels": channels, "undefined": undefined, "conversion": conversion,
+        "details": details, "notes": notes,
+    });
+    Ok((heights.into_pyarray(py), lengths, unit, source, told.to_string()))
+}
+
+/// The heights with undefined points (NaN) filled.
+#[pyfunction]
+pub(crate) fn fill<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    how: &str,
+) -> PyResult<Array<'py>> {
+    let how: Fill = how.parse().map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let whole =
+        quick(py, || gfmd_surface::fill(&heights, grid.spacing(), how))?.map_err(|error| refused(py, &error))?;
+    Ok(whole.into_pyarray(py))
 }
 
 /// The heights without a trend.

@@ -2,8 +2,6 @@
 
 import multiprocessing
 import pickle
-import signal
-import subprocess
 import sys
 import threading
 import time
@@ -208,29 +206,6 @@ def test_other_python_threads_run_while_it_computes():
     assert counted > 50.0 * seconds
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
-def test_ctrl_c_stops_it_and_keeps_the_state():
-    code = (
-        "import gfmd, signal\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell in the background has it ignored
-        "s = gfmd.self_affine(n=256)\n"
-        "print('ready', flush=True)\n"
-        "try:\n"
-        "    gfmd.contact(s, gfmd.Body(), p_star=0.01, solver='verlet-critical', tolerance=1e-15, max_iterations=10**9)\n"
-        "except gfmd.Interrupted as error:\n"
-        "    print('kept', error.state.iterations > 0, error.state.pressure.shape)\n"
-    )
-    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "ready\n"
-    time.sleep(1.0)
-    process.send_signal(signal.SIGINT)
-    try:
-        out, error = process.communicate(timeout=20)
-    finally:
-        process.kill()
-    assert "kept True (256, 256)" in out, error
-
-
 def _area(n):
     return gfmd.contact(gfmd.self_affine(n=n), BODY, p_star=0.05).area_fraction
 
@@ -243,19 +218,11 @@ def test_forked_processes_compute_too():
         assert pool.map_async(_area, [32, 32]).get(60) == [here, here]
 
 
-def test_files_come_back_and_live_beside_h5py(tmp_path):
-    h5py = pytest.importorskip("h5py")
+def test_files_come_back(tmp_path):
     contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
-    file = tmp_path / "c.h5"
-    contacts.save(file)
-    with h5py.File(file) as read:
-        assert np.array_equal(read["fields/pressure"][1], contacts[1].pressure)
-        assert np.array_equal(gfmd.load(file)[1].gap, contacts[1].gap)
-    with h5py.File(tmp_path / "own.h5", "w") as written:
-        written["h"] = SMALL.heights
-        contacts[0].save(tmp_path / "d.h5")
-    assert np.array_equal(gfmd.read(f"{tmp_path / 'own.h5'}:/h").heights, SMALL.heights)
-    assert gfmd.load(tmp_path / "d.h5").body == BODY
+    contacts.save(tmp_path / "c.h5")
+    again = gfmd.load(tmp_path / "c.h5")
+    assert len(again) == 2 and np.array_equal(again.gap, contacts.gap) and again[0].body == BODY
     law = gfmd.law("morse", gamma=2e-4, range=2e-3)
     apart = gfmd.contact(SMALL, BODY, approach=-0.001, law=law)
     apart.save(tmp_path / "e.h5")
@@ -264,44 +231,15 @@ def test_files_come_back_and_live_beside_h5py(tmp_path):
 
 
 def test_warnings_of_the_libraries_are_warnings():
-    with pytest.warns(UserWarning, match="trap|grid|range"):
+    with pytest.warns(UserWarning, match="trap|grid|range") as told:
         gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4)
+    assert told[0].filename == __file__
 
 
 def test_what_comes_out_is_c_ordered_float64():
     contact = solved()
     for field in (contact.pressure, contact.gap, contact.displacement_z):
         assert field.dtype == np.float64 and field.flags.c_contiguous and field.shape == (32, 32)
-
-
-def test_topographies_of_another_package_are_taken_as_they_are():
-    class Topography:
-        physical_sizes = (2.0, 3.0)
-        nb_grid_pts = (8, 12)
-        unit = "µm"
-
-        def heights(self):
-            return np.arange(96.0).reshape(8, 12)
-
-    surface = gfmd.Surface(Topography())
-    assert surface.size == (2.0, 3.0) and surface.unit == "µm" and surface.n == (8, 12)
-
-
-def test_figures_and_notebooks():
-    matplotlib = pytest.importorskip("matplotlib")
-    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
-    for drawn in (SMALL.plot(), contacts.plot(), contacts[0].plot(), contacts[0].plot("gap"), gfmd.self_affine(n=32, dim=2).plot()):
-        assert isinstance(drawn, matplotlib.axes.Axes)
-        matplotlib.pyplot.close(drawn.figure)
-    assert "data:image/png" in contacts[0]._repr_html_() and "data:image/png" in SMALL._repr_html_()
-
-
-def test_xarray():
-    pytest.importorskip("xarray")
-    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
-    data = contacts.to_xarray()
-    assert data.pressure.dims == ("load", "x", "y") and float(data.area_fraction[1]) == contacts[1].area_fraction
-    assert contacts[0].to_xarray().gap.shape == (32, 32)
 
 
 def test_the_overhead_of_a_call_is_small():
@@ -314,13 +252,3 @@ def test_the_overhead_of_a_call_is_small():
         best = min(best, time.perf_counter() - before - contact.seconds)
     # About 1 ms on a quiet machine, with the scalars measured on the fields; a busy one takes some times that.
     assert best < 1e-2, best
-
-
-def test_methods_are_documented():
-    for name in gfmd.__all__:
-        thing = getattr(gfmd, name)
-        assert name == "__version__" or thing.__doc__, name
-        if isinstance(thing, type):
-            for method, value in vars(thing).items():
-                if not method.startswith("_") and callable(value):
-                    assert value.__doc__ and "Example" in value.__doc__, (name, method)

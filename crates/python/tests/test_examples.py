@@ -2,10 +2,11 @@
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+
+resource = pytest.importorskip("resource")
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 
@@ -14,16 +15,10 @@ EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 def test_example(example, tmp_path):
     pytest.importorskip("matplotlib")
     figure = tmp_path / "figure.png"
-    started = time.perf_counter()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([sys.executable, example, figure], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0 and not done.stderr, done.stderr
     assert figure.stat().st_size > 5000
-    assert time.perf_counter() - started < 10.0
-
-
-def test_the_package_and_the_examples_are_typed():
-    pytest.importorskip("mypy")
-    folder = Path(__file__).parents[1]
-    words = ["--strict", "--ignore-missing-imports", "--allow-untyped-calls", folder / "python" / "gfmd", *EXAMPLES]
-    done = subprocess.run([sys.executable, "-m", "mypy", *words], capture_output=True, text=True, cwd=folder)
-    assert done.returncode == 0, done.stdout
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # Time of the processor, which is that of a quiet machine with one core.
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 10.0

@@ -10,7 +10,8 @@
 //!
 //! For all methods but the last two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
 //! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
-//! satisfied, and an [`Observer`] may watch. Results are equal bit by bit for any number of threads.
+//! satisfied, and an [`Observer`] may watch. A [`Watch`] may keep checkpoints: every search visits its variables ([`Visit`]),
+//! and continues from them bit by bit. Results are equal bit by bit for any number of threads.
 //!
 //! A chain of springs between two fixed ends with a weight on every node, and in a second run a table below it:
 //!

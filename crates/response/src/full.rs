@@ -1,6 +1,7 @@
 use gfmd_field::Grid;
 use gfmd_green::{Body, Matrix3, stiffness_range};
 
+use crate::units::Scaled;
 use crate::{Components, Hermitian, Operator, Workspace};
 
 /// The response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
@@ -21,16 +22,20 @@ pub struct FullResponse {
 impl FullResponse {
     /// Tabulates the response of `body` on `grid`.
     pub fn new(grid: Grid, body: &Body) -> Self {
-        let compliance = Operator::new(grid, |mode| finite(&body.compliance_of(mode)));
-        let stiffness = compliance.beside(|mode| finite(&body.stiffness_of(mode)));
+        let scaled = Scaled::new(body, &grid);
+        let unit = scaled.stiffness;
+        let compliance =
+            Operator::new(grid, |mode| finite(&scaled.body.compliance_of(&scaled.mode(mode))).map(|g| g / unit));
+        let stiffness =
+            compliance.beside(|mode| finite(&scaled.body.stiffness_of(&scaled.mode(mode))).map(|k| k * unit));
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
-        let range = stiffness_range(body, &grid);
+        let range = stiffness_range(&scaled.body, &scaled.grid(&grid));
         Self {
             stiffness,
             compliance,
             uniform_compliance: [xx, yy, zz],
-            stiffness_range: range.map_or([0.0; 2], |range| [range.softest, range.stiffest]),
+            stiffness_range: range.map_or([0.0; 2], |range| [range.softest * unit, range.stiffest * unit]),
             contact_modulus: body.material().contact_modulus(),
         }
     }

@@ -49,6 +49,7 @@ mod full;
 mod hermitian;
 mod normal;
 mod operator;
+mod units;
 
 pub use components::Components;
 pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
@@ -56,3 +57,4 @@ pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;
 pub use operator::{Operator, Workspace};
+pub use units::unit_of;

@@ -102,6 +102,20 @@ pub enum SurfaceError {
         /// The first one: NaN or an infinity.
         value: f64,
     },
+    /// Heights none of which is defined.
+    #[error("all of the {points} points are undefined; at least one must have a height")]
+    Undefined {
+        /// The number of points.
+        points: usize,
+    },
+    /// A harmonic fill that did not converge.
+    #[error("the harmonic fill has a relative residual of {residual:e}; it must be at most {allowed:e}")]
+    Unsolved {
+        /// The residual reached.
+        residual: f64,
+        /// The largest allowed.
+        allowed: f64,
+    },
     /// Too few points for an operation.
     #[error("the heights have {found:?} points; {what} needs at least {least} along each axis that it acts on")]
     TooFewPoints {

@@ -8,6 +8,7 @@
 //! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
 //! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
+//! | points of a scan without a height                  | [`remove_from_defined`], [`fill`]            |
 //! | the spectrum of a scan that is not periodic        | [`window`], then [`PowerSpectrum`]           |
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
 //!
@@ -39,6 +40,7 @@ mod synthesis;
 
 mod real_space;
 
+mod fill;
 mod moments;
 mod power;
 mod preparation;
@@ -50,9 +52,10 @@ mod random;
 
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
+pub use fill::{Fill, fill};
 pub use moments::{Dimension, Moments};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
-pub use preparation::{Periodisation, Trend, periodise, remove, window};
+pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, window};
 pub use real_space::{Displaced, RealSpace};
 pub use self_affine::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 pub use statistics::{Seam, Statistics};

@@ -45,7 +45,7 @@ pub(crate) use named;
 
 #[cfg(test)]
 mod tests {
-    use crate::{Amplitudes, Displaced, Periodisation, RollOffShape, Trend};
+    use crate::{Amplitudes, Displaced, Fill, Periodisation, RollOffShape, Trend};
 
     #[test]
     fn every_name_leads_back_to_its_value() {
@@ -58,7 +58,7 @@ mod tests {
                 }
             )+};
         }
-        check!(Amplitudes, Displaced, Periodisation, RollOffShape, Trend);
+        check!(Amplitudes, Displaced, Fill, Periodisation, RollOffShape, Trend);
     }
 
     #[test]

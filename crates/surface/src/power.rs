@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use gfmd_field::{Grid, Transform};
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -60,7 +60,7 @@ impl PowerSpectrum {
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let heights = checked(heights, grid)?;
         let transform = Transform::new(*grid);
         let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];

@@ -83,6 +83,89 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
     Ok(rest)
 }
 
+/// Returns the heights without the trend of their defined points; undefined points, which are NaN, stay so. Without them it
+/// is [`remove`].
+///
+/// # Errors
+/// Heights that are infinite, and too few defined points to tell the trend.
+pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
+    if heights.iter().any(|height| height.is_infinite()) || !heights.iter().any(|height| height.is_nan()) {
+        return remove(heights, trend);
+    }
+    let (nx, ny) = heights.dim();
+    let too_few = |what, least| SurfaceError::TooFewPoints { what, least, found: [nx, ny] };
+    let scaled = |i: usize, n: usize| if n > 1 { 2.0 * i as f64 / (n as f64 - 1.0) - 1.0 } else { 0.0 };
+    let terms = |i: usize, j: usize| {
+        let (x, y) = (scaled(i, nx), scaled(j, ny));
+        [1.0, x, y, x * x, x * y, y * y]
+    };
+    let used: &[usize] = match (trend, ny) {
+        (Trend::Mean | Trend::Slope, _) => &[0],
+        (Trend::Plane, 1) => &[0, 1],
+        (Trend::Plane, _) => &[0, 1, 2],
+        (Trend::Quadratic, 1) => &[0, 1, 3],
+        (Trend::Quadratic, _) => &[0, 1, 2, 3, 4, 5],
+    };
+    let mut rest = heights.clone();
+    if trend == Trend::Slope {
+        let [along_x, along_y] = defined_slope(heights).ok_or_else(|| too_few("removing a tilt", 2))?;
+        rest.indexed_iter_mut().for_each(|((i, j), h)| *h -= along_x * i as f64 + along_y * j as f64);
+    }
+    // Twice, so that the second fit takes away the rounding of the first.
+    for _ in 0..2 {
+        let mut equations = vec![vec![0.0; used.len() + 1]; used.len()];
+        for ((i, j), height) in rest.indexed_iter().filter(|(_, height)| !height.is_nan()) {
+            let terms = terms(i, j);
+            for (row, &a) in equations.iter_mut().zip(used) {
+                row.iter_mut().zip(used).for_each(|(sum, &b)| *sum += terms[a] * terms[b]);
+                row[used.len()] += terms[a] * height;
+            }
+        }
+        let solution = eliminate(equations).ok_or_else(|| too_few("removing the trend of the defined points", 3))?;
+        for ((i, j), height) in rest.indexed_iter_mut() {
+            let terms = terms(i, j);
+            *height -= used.iter().zip(&solution).map(|(&term, c)| c * terms[term]).sum::<f64>();
+        }
+    }
+    Ok(rest)
+}
+
+/// The mean forward differences over pairs of defined neighbours; `None` if there are none.
+fn defined_slope(heights: &Array2<f64>) -> Option<[f64; 2]> {
+    let mean = |step: [usize; 2]| {
+        let differences = heights.indexed_iter().filter_map(|((i, j), here)| {
+            let difference = heights.get([i + step[0], j + step[1]])? - here;
+            (!difference.is_nan()).then_some(difference)
+        });
+        let (count, sum) = differences.fold((0_usize, 0.0), |(count, sum), difference| (count + 1, sum + difference));
+        (count > 0).then(|| sum / count as f64)
+    };
+    Some([mean([1, 0])?, if heights.ncols() == 1 { 0.0 } else { mean([0, 1])? }])
+}
+
+/// The solution of symmetric positive definite equations with their right-hand side in the last column; `None` if they
+/// have none.
+fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let count = rows.len();
+    for k in 0..count {
+        // Rounding is left of the diagonal if the terms depend on each other on these points.
+        if rows[k][k].is_nan() || rows[k][k] <= 1e-10 * rows[0][0] {
+            return None;
+        }
+        let pivot = rows[k].clone();
+        for row in &mut rows[k + 1..] {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).for_each(|(value, pivot)| *value -= factor * pivot);
+        }
+    }
+    let mut solution = vec![0.0; count];
+    for k in (0..count).rev() {
+        let known: f64 = (k + 1..count).map(|l| rows[k][l] * solution[l]).sum();
+        solution[k] = (rows[k][count] - known) / rows[k][k];
+    }
+    Some(solution)
+}
+
 /// Returns periodic heights and their grid.
 ///
 /// # Errors

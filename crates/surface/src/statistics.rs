@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 
 use gfmd_field::Grid;
-use ndarray::{Array2, ArrayView2, Axis, Slice};
+use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, Slice};
 use rayon::prelude::*;
 
 use crate::{Moments, PowerSpectrum, SurfaceError};
@@ -124,7 +124,7 @@ fn sum_of(a: ArrayView2<f64>, b: ArrayView2<f64>, f: impl Fn(f64, f64) -> f64 + 
 }
 
 /// Returns the heights in the storage order of the grid if they fit it and are finite.
-pub(crate) fn checked<'a>(heights: &'a Array2<f64>, grid: &Grid) -> Result<Cow<'a, [f64]>, SurfaceError> {
+pub(crate) fn checked<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid) -> Result<Cow<'a, [f64]>, SurfaceError> {
     let (nx, ny) = heights.dim();
     if [nx, ny] != grid.points() {
         return Err(SurfaceError::Shape { found: [nx, ny], expected: grid.points() });
@@ -137,7 +137,10 @@ pub(crate) fn checked<'a>(heights: &'a Array2<f64>, grid: &Grid) -> Result<Cow<'
 }
 
 /// Refuses heights that are NaN or infinite, with their number and the first of them.
-pub(crate) fn finite(heights: &Array2<f64>) -> Result<(), SurfaceError> {
+pub(crate) fn finite(heights: &ArrayRef2<f64>) -> Result<(), SurfaceError> {
+    if heights.iter().all(|h| h.is_finite()) {
+        return Ok(());
+    }
     let mut holes = heights.indexed_iter().filter(|(_, h)| !h.is_finite());
     match holes.next() {
         None => Ok(()),

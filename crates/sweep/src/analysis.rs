@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use gfmd_fit::{Datum, Exponent, Fit, Settings, fit};
+use gfmd_fit::{Axis, Datum, Exponent, Fit, Model, Settings, fit};
 use serde::Serialize;
 
-use crate::{Plan, Pressed, SweepError};
+use crate::{Config, Plan, Pressed, SweepError};
 
 /// The way in which contact area is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -58,6 +58,71 @@ pub struct Extrapolation {
     pub data: Vec<Datum>,
     /// The fit.
     pub fit: Fit,
+    /// Fits of other forms to the same contacts. Their distance from `fit` is the systematic error of its form.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// kappa_TFC of another form of the extrapolation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Alternative {
+    /// The form.
+    pub form: Form,
+    /// kappa in the thermodynamic, fractal and continuum limit.
+    pub kappa_tfc: f64,
+}
+
+/// A form of the extrapolation other than that of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// alpha_f fitted, between its value in the configuration and twice this value, the exponent of the next term.
+    AlphaFFree,
+    /// Without the largest eps_f.
+    WithoutCoarsestEpsF,
+    /// Without the largest eps_t.
+    WithoutCoarsestEpsT,
+    /// The perimeter-corrected area with a term C_c eps_c.
+    CorrectedArea,
+}
+
+impl Form {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AlphaFFree => "alpha-f-free",
+            Self::WithoutCoarsestEpsF => "without-coarsest-eps-f",
+            Self::WithoutCoarsestEpsT => "without-coarsest-eps-t",
+            Self::CorrectedArea => "corrected-area",
+        }
+    }
+
+    /// The form in words.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::AlphaFFree => "alpha_f fitted",
+            Self::WithoutCoarsestEpsF => "without the largest eps_f",
+            Self::WithoutCoarsestEpsT => "without the largest eps_t",
+            Self::CorrectedArea => "corrected area, C_c eps_c",
+        }
+    }
+}
+
+impl Extrapolation {
+    /// The systematic error of the form: the largest distance of an alternative from the fit.
+    pub fn systematic(&self) -> f64 {
+        let distances = self.alternatives.iter().map(|other| (other.kappa_tfc - self.fit.kappa_tfc.value).abs());
+        distances.fold(0.0, f64::max)
+    }
+
+    /// The interval of statistical (95 %) and systematic error together, added in quadrature on each side.
+    pub fn total_ci95(&self) -> Option<[f64; 2]> {
+        let value = self.fit.kappa_tfc.value;
+        let systematic = self.systematic();
+        self.fit
+            .kappa_tfc
+            .ci95
+            .map(|[low, high]| [value - (value - low).hypot(systematic), value + (high - value).hypot(systematic)])
+    }
 }
 
 /// The results that are derived from all runs.
@@ -83,27 +148,43 @@ impl Analysis {
         let mut data = BTreeMap::new();
         for (point, at) in plan.points.iter().enumerate() {
             for (load, area) in loads().flat_map(|(load, _)| areas.iter().map(move |area| (load, *area))) {
-                let kappa = |run: usize| (plan.runs[run].seed, area.kappa(&runs[run][load]));
-                let eps = at.discretisation;
-                let datum = Datum {
-                    eps_t: 1.0 / eps.eps_t_inv,
-                    eps_f: 1.0 / eps.eps_f_inv,
-                    eps_c: 1.0 / eps.eps_c_inv,
-                    kappa: plan.runs_of(point).map(kappa).collect(),
+                let at = at.discretisation;
+                let eps = [at.eps_t_inv, at.eps_f_inv, at.eps_c_inv].map(f64::recip);
+                let of_runs = |value: &dyn Fn(&Pressed) -> f64| {
+                    plan.runs_of(point).map(|run| (plan.runs[run].seed, value(&runs[run][load]))).collect()
                 };
+                let edge = match areas.len() {
+                    1 => BTreeMap::new(),
+                    _ => of_runs(&|pressed| Area::Raw.kappa(pressed) - Area::Corrected.kappa(pressed)),
+                };
+                let datum = Datum { edge, ..Datum::new(eps, of_runs(&|pressed| area.kappa(pressed))) };
                 data.insert(Key { point, load, area }, datum);
             }
         }
         let mut extrapolations = Vec::new();
         for &hurst in &config.surface.hurst {
             for (load, p_star) in loads() {
-                for &area in areas {
-                    let of_family =
+                let of = |area: Area| -> Vec<Datum> {
+                    let wanted =
                         |key: &Key| key.load == load && key.area == area && plan.points[key.point].hurst == hurst;
-                    let data: Vec<Datum> =
-                        data.iter().filter(|(key, _)| of_family(key)).map(|(_, datum)| datum.clone()).collect();
-                    let fit = fit(&data, &settings(plan, area)).map_err(SweepError::Fit)?;
-                    extrapolations.push(Extrapolation { hurst, p_star, area, data, fit });
+                    data.iter().filter(|(key, _)| wanted(key)).map(|(_, datum)| datum.clone()).collect()
+                };
+                let fits: Vec<(Area, Vec<Datum>, Fit)> = areas
+                    .iter()
+                    .map(|&area| {
+                        let data = of(area);
+                        let fit = fit(&data, &settings(config, hurst, area)).map_err(SweepError::Fit)?;
+                        Ok((area, data, fit))
+                    })
+                    .collect::<Result<_, SweepError>>()?;
+                let corrected = fits.iter().find(|(area, ..)| *area == Area::Corrected);
+                let corrected = corrected.map(|(_, _, fit)| fit.kappa_tfc.value);
+                for (area, data, fit) in fits {
+                    let mut alternatives = alternatives(&data, &settings(config, hurst, area));
+                    if let (Area::Raw, Some(kappa_tfc)) = (area, corrected) {
+                        alternatives.push(Alternative { form: Form::CorrectedArea, kappa_tfc });
+                    }
+                    extrapolations.push(Extrapolation { hurst, p_star, area, data, fit, alternatives });
                 }
             }
         }
@@ -120,11 +201,35 @@ impl Analysis {
     }
 }
 
-fn settings(plan: &Plan, area: Area) -> Settings {
-    let mut model = plan.config.model();
+fn settings(config: &Config, hurst: f64, area: Area) -> Settings {
+    let mut model = config.model(hurst);
     // The part of the perimeter term that the correction leaves is too small to fit its exponent.
-    if area == Area::Corrected && matches!(model.c, Some(Exponent::Free { .. })) {
-        model.c = Some(Exponent::Fixed(1.0));
+    if area == Area::Corrected && (model.edge || matches!(model.c, Some(Exponent::Free { .. }))) {
+        (model.c, model.edge) = (Some(Exponent::Fixed(1.0)), false);
     }
-    Settings { model, resamples: plan.config.fit.resamples, ..Settings::default() }
+    Settings { model, resamples: config.fit.resamples, ..Settings::default() }
+}
+
+/// Fits of the forms that the data determine.
+fn alternatives(data: &[Datum], settings: &Settings) -> Vec<Alternative> {
+    let without = |axis: Axis| -> Vec<Datum> {
+        let coarsest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
+        data.iter().filter(|datum| datum.eps(axis) < coarsest).cloned().collect()
+    };
+    let free = |axis: Axis| data.iter().any(|datum| datum.eps(axis) != data[0].eps(axis));
+    let mut forms: Vec<(Form, Vec<Datum>, Model)> = Vec::new();
+    if let Some(Exponent::Fixed(alpha)) = settings.model.f {
+        let f = Some(Exponent::Free { min: alpha, max: 2.0 * alpha });
+        forms.push((Form::AlphaFFree, data.to_vec(), Model { f, ..settings.model }));
+    }
+    for (form, axis) in [(Form::WithoutCoarsestEpsF, Axis::Fractal), (Form::WithoutCoarsestEpsT, Axis::Thermodynamic)] {
+        if free(axis) {
+            forms.push((form, without(axis), settings.model));
+        }
+    }
+    let fitted = forms.into_iter().filter_map(|(form, data, model)| {
+        let fit = fit(&data, &Settings { model, resamples: 0, ..*settings }).ok()?;
+        Some(Alternative { form, kappa_tfc: fit.kappa_tfc.value })
+    });
+    fitted.collect()
 }

@@ -1,6 +1,7 @@
 //! The configuration of a sweep, and presets by name.
 
 use std::fmt::Debug;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use gfmd_contact::{Budget, Contact, Solver};
@@ -24,7 +25,7 @@ use crate::words::{height, solver};
 /// let config: Config = toml::from_str(text)?;
 /// assert_eq!(config.surface.hurst, [0.5, 0.8]);
 /// assert_eq!(config.fit.alpha_t, Alpha::Free);
-/// assert_eq!(config.statistics.realisations, 16);
+/// assert_eq!(config.statistics.realisations, 8);
 /// # Ok::<(), toml::de::Error>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -111,13 +112,18 @@ pub struct LoadsConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatisticsConfig {
-    /// Number of surfaces at points with the eps_t_inv of the centre (for the design `grid`: the first eps_t_inv).
+    /// Number of surfaces at points with the eps_t_inv of the centre (for the design `grid`: the first eps_t_inv); if
+    /// `nested`, at the largest grid.
     pub realisations: u64,
-    /// If true, points of larger cells get fewer surfaces and points of smaller cells more, so that each point samples about
-    /// equal area and has about equal statistical error; between 4 and 4 times `realisations`.
+    /// If true, smaller grids get more surfaces, in inverse proportion to their number of points and at most 64 times
+    /// `realisations`, so that about equal time goes into each point: points of one eps_t have their surfaces in common, and
+    /// the many surfaces of coarse points improve the finer points ([`gfmd_fit`]).
+    pub nested: bool,
+    /// Without `nested`: if true, points of larger cells get fewer surfaces and points of smaller cells more, so that each
+    /// point samples about equal area and has about equal statistical error; between 4 and 4 times `realisations`.
     pub equal_area: bool,
-    /// First seed. Points that differ only in eps_c have their seeds, and thus their surfaces, in common; all other points
-    /// have independent surfaces.
+    /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another eps_t have
+    /// independent surfaces.
     pub seed: u64,
 }
 
@@ -143,16 +149,17 @@ pub struct FitConfig {
     /// Exponent of the term in eps_t. The bias of a finite cell falls with its area, as its variance does: 2 for surfaces, 1
     /// for profiles.
     pub alpha_t: Alpha,
-    /// Exponent of the term in eps_f.
+    /// Exponent of the term in eps_f: `"self-affine"` for 1 - H (theory.md, section 11), a number, `"free"` or `"none"`.
     pub alpha_f: Alpha,
-    /// Exponent of the term in eps_c. The error of an area counted in points is the perimeter times a part of the grid
-    /// spacing: 1.
+    /// Exponent of the term in eps_c: `"edge"` for a multiple of the measured perimeter in place of a power of eps_c, a
+    /// number, `"free"` or `"none"`. It concerns the raw area; what is left of the error in the corrected area is fitted with
+    /// the exponent 1.
     pub alpha_c: Alpha,
     /// Number of bootstrap resamples.
     pub resamples: usize,
 }
 
-/// The exponent of one term: a number, `"free"` for a fitted exponent, or `"none"` for no such term.
+/// The exponent of one term: a number or a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
     /// An exponent held at this value.
@@ -161,6 +168,10 @@ pub enum Alpha {
     Free,
     /// No term along this axis.
     Without,
+    /// 1 - H, for eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H).
+    SelfAffine,
+    /// A multiple of the measured edge of each contact in place of a power, for eps_c.
+    Edge,
 }
 
 impl Default for SurfaceConfig {
@@ -181,8 +192,8 @@ impl Default for PointsConfig {
             design: Design::Star,
             eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
             eps_f_inv: vec![8.0, 16.0, 32.0, 64.0, 128.0],
-            eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],
-            centre: [2.0, 32.0, 8.0],
+            eps_c_inv: vec![4.0, 8.0, 16.0],
+            centre: [4.0, 16.0, 4.0],
             largest_n: 0,
         }
     }
@@ -196,7 +207,7 @@ impl Default for LoadsConfig {
 
 impl Default for StatisticsConfig {
     fn default() -> Self {
-        Self { realisations: 16, equal_area: true, seed: 1 }
+        Self { realisations: 8, nested: true, equal_area: true, seed: 1 }
     }
 }
 
@@ -211,8 +222,8 @@ impl Default for FitConfig {
         Self {
             p_star: 0.02,
             alpha_t: Alpha::Fixed(2.0),
-            alpha_f: Alpha::Fixed(1.0),
-            alpha_c: Alpha::Fixed(1.0),
+            alpha_f: Alpha::SelfAffine,
+            alpha_c: Alpha::Edge,
             resamples: 2000,
         }
     }
@@ -267,9 +278,9 @@ impl Preset {
             Self::Smoke => Config {
                 points: PointsConfig {
                     eps_t_inv: vec![1.0, 2.0],
-                    eps_f_inv: vec![8.0, 16.0],
+                    eps_f_inv: vec![4.0, 8.0, 16.0, 32.0],
                     eps_c_inv: vec![4.0, 8.0, 16.0],
-                    centre: [2.0, 16.0, 4.0],
+                    centre: [2.0, 8.0, 4.0],
                     ..base.points
                 },
                 statistics: StatisticsConfig { realisations: 4, ..base.statistics },
@@ -287,7 +298,7 @@ impl Preset {
                     ..base.points
                 },
                 loads: LoadsConfig { p_star: vec![0.001, 0.00325, 0.0055, 0.00775, 0.01] },
-                statistics: StatisticsConfig { realisations: 4, ..base.statistics },
+                statistics: StatisticsConfig { realisations: 4, nested: false, ..base.statistics },
                 fit: FitConfig { p_star: 0.01, ..base.fit },
                 ..base
             },
@@ -301,7 +312,7 @@ impl Preset {
                     ..base.points
                 },
                 loads: LoadsConfig { p_star: vec![0.01, 0.02, 0.05] },
-                statistics: StatisticsConfig { realisations: 8, ..base.statistics },
+                statistics: StatisticsConfig { nested: false, ..base.statistics },
                 ..base
             },
             Self::Line => Config {
@@ -314,8 +325,8 @@ impl Preset {
                     ..base.points
                 },
                 loads: LoadsConfig { p_star: vec![0.02, 0.05, 0.1] },
-                statistics: StatisticsConfig { realisations: 32, ..base.statistics },
-                fit: FitConfig { p_star: 0.02, alpha_t: Alpha::Fixed(1.0), ..base.fit },
+                statistics: StatisticsConfig { realisations: 32, nested: false, ..base.statistics },
+                fit: FitConfig { p_star: 0.02, alpha_t: Alpha::Fixed(1.0), alpha_c: Alpha::Fixed(1.0), ..base.fit },
                 ..base
             },
         }
@@ -331,6 +342,15 @@ impl FromStr for Preset {
         preset.ok_or_else(|| refusal("preset", &found, format!("one of {}", names())))
     }
 }
+
+/// The moduli whose squares are numbers.
+const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
+
+/// The heights of a slab, over the length of the cell, whose stiffnesses are computed without loss of digits.
+const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
+
+/// The gradients whose squares, times those of a modulus, are numbers.
+const GRADIENTS: RangeInclusive<f64> = 1e-100..=1e100;
 
 /// The error of a field whose value is `found`.
 pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
@@ -353,7 +373,6 @@ impl Config {
         let hurst = &surface.hurst;
         let good = !hurst.is_empty() && hurst.iter().all(|h| (0.0..=1.0).contains(h)) && all_differ(hurst);
         check(good, "surface.hurst", hurst, "a list of different numbers from 0 to 1")?;
-        check(positive(surface.rms_gradient), "surface.rms_gradient", &surface.rms_gradient, "positive and finite")?;
         let p_star = &loads.p_star;
         let ascending = p_star.windows(2).all(|pair| pair[0] < pair[1]);
         let good = !p_star.is_empty() && ascending && p_star.iter().all(|p| positive(*p));
@@ -368,27 +387,58 @@ impl Config {
         check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
         check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
         check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
-        for (field, alpha) in [("fit.alpha_t", fit.alpha_t), ("fit.alpha_f", fit.alpha_f), ("fit.alpha_c", fit.alpha_c)]
-        {
-            if let Alpha::Fixed(found) = alpha {
-                check(found > 0.0 && found <= 16.0, field, &found, "above 0 and at most 16, \"free\" or \"none\"")?;
+        for (field, alpha, word) in [
+            ("fit.alpha_t", fit.alpha_t, None),
+            ("fit.alpha_f", fit.alpha_f, Some((Alpha::SelfAffine, "self-affine"))),
+            ("fit.alpha_c", fit.alpha_c, Some((Alpha::Edge, "edge"))),
+        ] {
+            let words = word.map_or_else(String::new, |(_, word)| format!("{word:?}, "));
+            let allowed = format!("from 0.01 to 16, {words}\"free\" or \"none\"");
+            match alpha {
+                Alpha::Fixed(found) => check((0.01..=16.0).contains(&found), field, &found, &allowed)?,
+                Alpha::SelfAffine | Alpha::Edge => {
+                    check(word.is_some_and(|(own, _)| own == alpha), field, &alpha.word(), &allowed)?;
+                }
+                Alpha::Free | Alpha::Without => {}
             }
         }
+        let allowed = "a number, \"free\" or \"none\" where surface.hurst is above 0.99, whose 1 - H is no exponent";
+        let good = fit.alpha_f != Alpha::SelfAffine || hurst.iter().all(|h| 1.0 - h >= 0.01);
+        check(good, "fit.alpha_f", &fit.alpha_f.word(), allowed)?;
+        let allowed = "a number, \"free\" or \"none\" where surface.dim is 2: line contacts have no perimeter";
+        check(fit.alpha_c != Alpha::Edge || surface.dim == 3, "fit.alpha_c", &fit.alpha_c.word(), allowed)?;
         check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
-        self.body().map(drop)
+        let height = match self.body.height {
+            Height::Finite(height) => height,
+            Height::Infinite => 1.0,
+        };
+        self.body()?;
+        let (size, sizes) = (SIZES.contains(&self.body.young), "from 1e-140 to 1e140");
+        check(size, "body.young", &self.body.young, sizes)?;
+        check(HEIGHTS.contains(&height), "body.height", &height, "from 1e-12 to 1e12, or \"inf\"")?;
+        check(
+            GRADIENTS.contains(&surface.rms_gradient),
+            "surface.rms_gradient",
+            &surface.rms_gradient,
+            "from 1e-100 to 1e100",
+        )
     }
 
-    /// Number of realisations at a point.
-    pub(crate) fn realisations(&self, at: &Discretisation) -> u64 {
-        let StatisticsConfig { realisations, equal_area, .. } = self.statistics;
+    /// Number of realisations at a point of n points along one axis, if the largest grid has `largest`.
+    pub(crate) fn realisations(&self, at: &Discretisation, n: usize, largest: usize) -> u64 {
+        let StatisticsConfig { realisations, nested, equal_area, .. } = self.statistics;
         let reference = match self.points.design {
             Design::Star => self.points.centre[0],
             Design::Grid => self.points.eps_t_inv.first().copied().unwrap_or(1.0),
         };
+        let sides = if self.surface.dim == 2 { 1 } else { 2 };
+        if nested {
+            let wanted = realisations as f64 * (largest as f64 / n as f64).powi(sides);
+            return (wanted.round() as u64).min(64 * realisations);
+        }
         if !equal_area || at.eps_t_inv == reference {
             return realisations;
         }
-        let sides = if self.surface.dim == 2 { 1 } else { 2 };
         let wanted = realisations as f64 * (reference / at.eps_t_inv).powi(sides);
         (wanted.round() as u64).clamp(realisations.min(4), 4 * realisations)
     }
@@ -410,10 +460,11 @@ impl Config {
         })
     }
 
-    /// The model of the extrapolation.
-    pub fn model(&self) -> Model {
+    /// The model of the extrapolation for surfaces of a Hurst exponent.
+    pub fn model(&self, hurst: f64) -> Model {
         let FitConfig { alpha_t, alpha_f, alpha_c, .. } = self.fit;
-        Model { t: alpha_t.exponent(), f: alpha_f.exponent(), c: alpha_c.exponent() }
+        let exponent = |alpha: Alpha| alpha.exponent(hurst);
+        Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), edge: alpha_c == Alpha::Edge }
     }
 
     /// The discretisations with their number of points along one axis, without repetition, small grids first.
@@ -464,11 +515,23 @@ impl SolverConfig {
 }
 
 impl Alpha {
-    fn exponent(self) -> Option<Exponent> {
+    fn exponent(self, hurst: f64) -> Option<Exponent> {
         match self {
             Self::Fixed(alpha) => Some(Exponent::Fixed(alpha)),
+            Self::SelfAffine => Some(Exponent::Fixed(1.0 - hurst)),
             Self::Free => Some(Exponent::FREE),
-            Self::Without => None,
+            Self::Without | Self::Edge => None,
+        }
+    }
+
+    /// The word of an exponent that is not a number.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Fixed(_) => "a number",
+            Self::Free => "free",
+            Self::Without => "none",
+            Self::SelfAffine => "self-affine",
+            Self::Edge => "edge",
         }
     }
 }

@@ -43,7 +43,7 @@ mod run;
 mod study;
 mod words;
 
-pub use analysis::{Analysis, Area, Extrapolation, Key};
+pub use analysis::{Alternative, Analysis, Area, Extrapolation, Form, Key};
 pub use config::{
     Alpha, BodyConfig, Config, Design, FitConfig, LoadsConfig, PointsConfig, Preset, SolverConfig, StatisticsConfig,
     SurfaceConfig,

@@ -65,17 +65,17 @@ impl Plan {
     pub fn new(config: Config) -> Result<Self, SweepError> {
         config.check()?;
         let cells = config.discretisations()?;
-        // The points of a group differ in eps_c only and have their surfaces in common.
-        let group_of = |at: &Discretisation| [at.eps_t_inv, at.eps_f_inv];
-        let mut groups: Vec<[f64; 2]> = cells.iter().map(|(at, _)| group_of(at)).collect();
-        groups.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        // The points of a group have their random modes in common.
+        let mut groups: Vec<f64> = cells.iter().map(|(at, _)| at.eps_t_inv).collect();
+        groups.sort_by(f64::total_cmp);
         groups.dedup();
+        let largest = cells.last().map_or(1, |(_, n)| *n);
         let (mut points, mut runs) = (Vec::new(), Vec::new());
         for (discretisation, n) in cells {
             let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
             let grid = grid.map_err(SweepError::Grid)?;
-            let group = groups.iter().position(|group| *group == group_of(&discretisation)).unwrap_or(0);
-            let realisations = config.realisations(&discretisation);
+            let group = groups.iter().position(|group| *group == discretisation.eps_t_inv).unwrap_or(0);
+            let realisations = config.realisations(&discretisation, n, largest);
             if realisations > SEEDS_PER_GROUP {
                 let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
                 return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
@@ -132,14 +132,14 @@ mod tests {
     use crate::{Preset, StatisticsConfig};
 
     #[test]
-    fn runs_lie_point_by_point_and_only_points_of_equal_surfaces_share_seeds() {
+    fn runs_lie_point_by_point_and_only_points_of_equal_cells_share_seeds() {
         let plan = Plan::new(Preset::Smoke.config()).unwrap();
         let all: Vec<usize> = (0..plan.points.len()).flat_map(|point| plan.runs_of(point)).collect();
         assert!(all.into_iter().eq(0..plan.runs.len()));
         for (a, b) in plan.runs.iter().flat_map(|a| plan.runs.iter().map(move |b| (a, b))) {
             let [p, q] = [a, b].map(|run| plan.points[run.point].discretisation);
-            let same_surface = (p.eps_t_inv, p.eps_f_inv, a.realisation) == (q.eps_t_inv, q.eps_f_inv, b.realisation);
-            assert_eq!(a.seed == b.seed, same_surface, "{a:?} {b:?}");
+            let same_modes = (p.eps_t_inv, a.realisation) == (q.eps_t_inv, b.realisation);
+            assert_eq!(a.seed == b.seed, same_modes, "{a:?} {b:?}");
         }
     }
 

@@ -39,7 +39,8 @@ impl<T: Copy> Visitor<'_> for NumberOr<T> {
 
 impl<'de> Deserialize<'de> for Alpha {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let words = &[("free", Self::Free), ("none", Self::Without)];
+        let words =
+            &[("free", Self::Free), ("none", Self::Without), ("self-affine", Self::SelfAffine), ("edge", Self::Edge)];
         deserializer.deserialize_any(NumberOr { words, number: Self::Fixed })
     }
 }
@@ -48,8 +49,7 @@ impl Serialize for Alpha {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Fixed(alpha) => serializer.serialize_f64(*alpha),
-            Self::Free => serializer.serialize_str("free"),
-            Self::Without => serializer.serialize_str("none"),
+            word => serializer.serialize_str(word.word()),
         }
     }
 }

@@ -26,6 +26,8 @@ pub(super) struct Surface {
     pub(super) load: Option<usize>,
     pub(super) unit: String,
     pub(super) description: String,
+    /// The scan that was pressed on the body, and what was done to it, if the heights came from a file.
+    pub(super) scan: Option<String>,
 }
 
 /// The datasets in files of gfmd, in the order of preference.
@@ -41,6 +43,7 @@ struct Found {
     unit: Option<String>,
     record: toml::Table,
     load: Option<usize>,
+    scan: Option<String>,
 }
 
 impl Surface {
@@ -77,6 +80,10 @@ impl Surface {
             (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
             (None, Kind::Full) => name.into(),
         };
+        let description = match &found.scan {
+            Some(scan) => format!("{description}; pressed by {scan}"),
+            None => description,
+        };
         Ok(Self {
             grid,
             kind: found.kind,
@@ -85,6 +92,7 @@ impl Surface {
             load: found.load,
             unit: found.unit.unwrap_or_else(|| "length".into()),
             description,
+            scan: found.scan,
         })
     }
 }
@@ -93,7 +101,7 @@ fn array(path: &str) -> Result<Found, String> {
     let array = npy::read(path)?;
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
-    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None })
+    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None, scan: None })
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
@@ -123,5 +131,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let lengths = cell_lengths(&reader, dataset, points)?;
     let kind = if normal { Kind::Normal } else { Kind::Full };
-    Ok(Found { shape, values, kind, lengths, unit, record, load })
+    // Only the heights of a file have a format.
+    let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
+    Ok(Found { shape, values, kind, lengths, unit, record, load, scan })
 }

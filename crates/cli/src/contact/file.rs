@@ -1,5 +1,6 @@
 //! The HDF5 file of a contact.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_contact::Fields;
@@ -66,7 +67,7 @@ impl<'a> ContactFile<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write_values(&mut self, index: usize, fields: &[Vec<f64>]) -> Result<(), Failure> {
+    pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         for ((path, ..), field) in FIELDS.iter().zip(fields) {
             self.archive.write_slab(path, index, field)?;
         }

@@ -18,6 +18,9 @@ const DECAY: f64 = 70.0;
 /// The largest number of steps that is chosen without `--steps`: histories are kept in memory.
 pub(super) const MOST_STEPS: f64 = 1e6;
 
+/// The smallest time step over the stability limit. The dampings of much smaller ones cannot be told apart.
+const LEAST_DT: f64 = 1e-9;
+
 /// The smallest number of steps: a rate is measured from two windows of several steps.
 pub(super) const FEWEST_STEPS: u32 = 40;
 
@@ -120,6 +123,8 @@ pub(super) enum Unusable {
     TimeStep(f64),
     Factor {
         found: f64,
+        /// A damping so small that rounding removes it.
+        least: f64,
         largest: f64,
     },
     /// The number of steps that the rates need is above [`MOST_STEPS`].
@@ -132,15 +137,16 @@ impl Experiment {
     /// stability limit without damping. Without `steps` the number of steps suffices for the asymptotic rates.
     pub(super) fn new(body: &Body, grid: Grid, dt: f64, factors: &[f64], steps: Option<u32>) -> Result<Self, Unusable> {
         let range = stiffness_range(body, &grid).ok_or(Unusable::Points)?;
-        if !(dt > 0.0 && dt < 1.0) {
+        if !((LEAST_DT..1.0).contains(&dt)) {
             return Err(Unusable::TimeStep(dt));
         }
         let dt = dt * 2.0 / range.stiffest.sqrt();
         let critical = Damping::critical(range.softest, dt).eta();
         // theory.md, section 6.1: τ k_max < 2 (1 + β).
         let largest = (2.0 - 0.5 * range.stiffest * dt * dt) / (critical * dt * dt);
-        if let Some(&found) = factors.iter().find(|factor| !(**factor > 0.0 && **factor < largest)) {
-            return Err(Unusable::Factor { found, largest });
+        let least = f64::EPSILON / (critical * dt * dt);
+        if let Some(&found) = factors.iter().find(|factor| !(**factor >= least && **factor < largest)) {
+            return Err(Unusable::Factor { found, least, largest });
         }
         let verlet = |&factor: &f64| {
             let damping = Damping { beta: 1.0 - factor * critical * dt * dt, tau: dt * dt };

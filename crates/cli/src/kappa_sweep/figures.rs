@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_fit::{Axis as Limit, Datum};
+use gfmd_fit::{Axis as Limit, Datum, Fit};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
 use gfmd_sweep::{Analysis, Area, Config, Extrapolation, Plan, Study};
@@ -18,7 +18,11 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
     let stem = out.with_extension("");
     let mut files = Vec::new();
-    files.extend(extrapolation(&plan.config, analysis).save(&named(&stem, "extrapolation"))?);
+    // A sweep at one discretisation has nothing to extrapolate.
+    let chart = extrapolation(&plan.config, analysis);
+    if !chart.panels.is_empty() {
+        files.extend(chart.save(&named(&stem, "extrapolation"))?);
+    }
     files.extend(area(plan, analysis).save(&named(&stem, "area"))?);
     let modulus = plan.config.body()?.material().contact_modulus();
     let map = named(&stem, "map");
@@ -33,8 +37,12 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     let several = config.surface.hurst.len() > 1;
     let mut panels = Vec::new();
     for (position, axis) in Limit::ALL.into_iter().enumerate() {
-        let Some(term) = result.fit.term(axis) else { continue };
-        let alpha = term.exponent.value;
+        // The continuum error of the raw area is drawn against the measured edge if it is fitted by it.
+        let by_edge = axis == Limit::Continuum && result.fit.edge.is_some();
+        if result.fit.term(axis).is_none() && !by_edge {
+            continue;
+        }
+        let alpha = result.fit.term(axis).map_or(1.0, |term| term.exponent.value);
         let mut series = Vec::new();
         for extrapolation in &shown {
             let Extrapolation { hurst, area, data, fit, .. } = extrapolation;
@@ -47,7 +55,8 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
                 .filter(|(datum, _)| on_arm(datum.all_eps()))
                 .map(|(datum, report)| {
                     let value = fit.isolate(datum, axis);
-                    Point::with_error(datum.eps(axis).powf(alpha), value, report.standard_error.unwrap_or(0.0))
+                    let x = if by_edge { datum.mean_edge() } else { datum.eps(axis).powf(alpha) };
+                    Point::with_error(x, value, report.standard_error.unwrap_or(0.0))
                 })
                 .collect();
             let counting = if raw { "counted points" } else { "perimeter corrected" };
@@ -55,19 +64,26 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let mark = if raw { Mark::Points } else { Mark::HollowPoints };
             let label = if position == 2 { label } else { String::new() };
             series.push(Series { label, hue, mark, points });
-            let largest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
-            let mut others = [0.0; 3];
-            let curve = (0..=60).map(|i| {
-                let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
-                others[axis as usize] = eps;
-                (eps.powf(alpha), fit.predict(others))
-            });
-            let curve: Vec<(f64, f64)> = curve.collect();
+            let curve = match by_edge {
+                true => on_edge(fit, data.iter().filter(|datum| on_arm(datum.all_eps()))),
+                false => {
+                    let largest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
+                    let mut others = [0.0; 3];
+                    let curve = (0..=60).map(|i| {
+                        let eps = largest * (f64::from(i) / 60.0).powf(1.0 / alpha);
+                        others[axis as usize] = eps;
+                        (eps.powf(alpha), fit.predict(others))
+                    });
+                    curve.collect()
+                }
+            };
             let line = Series::line("", hue, curve);
             series.push(if raw { line } else { Series { mark: Mark::Dashes, ..line } });
         }
         let letter = axis.letter();
-        let label = if (alpha - 1.0).abs() < 1e-12 {
+        let label = if by_edge {
+            "measured edge  (*κ* counted − corrected)".into()
+        } else if (alpha - 1.0).abs() < 1e-12 {
             format!("*ε*_{letter}")
         } else {
             format!("*ε*_{letter}^{{{alpha:.2}}}")
@@ -78,12 +94,27 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             levels.push(Level::line(BUSH_GIBSON_THOMAS_KAPPA, "BGT"));
         }
         if let (Some(ci95), false) = (result.fit.kappa_tfc.ci95, several) {
-            levels.push(Level::band(ci95, "*κ*_{TFC}"));
+            levels.push(Level::band(result.total_ci95().unwrap_or(ci95), "*κ*_{TFC}"));
         }
         let y = Axis::linear(&format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star));
         panels.push(Panel { title: String::new(), x: Axis::linear(&label), y, levels, series });
     }
     Chart::new(panels)
+}
+
+/// The fitted values of data along eps_c against their measured edge, and the limit at no edge.
+fn on_edge<'a>(fit: &Fit, data: impl Iterator<Item = &'a Datum>) -> Vec<(f64, f64)> {
+    let limit = fit.kappa_tfc.value;
+    let value = |datum: &Datum| {
+        let own = fit.parameters.excess(datum.eps_c, datum.mean_edge());
+        let term = fit
+            .term(Limit::Continuum)
+            .map_or(0.0, |term| term.coefficient.value * datum.eps_c.powf(term.exponent.value));
+        (datum.mean_edge(), limit + own + term)
+    };
+    let mut curve: Vec<(f64, f64)> = std::iter::once((0.0, limit)).chain(data.map(value)).collect();
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    curve
 }
 
 /// Returns true for data that vary along this axis: their levels along the other two are the most frequent ones.
@@ -115,6 +146,8 @@ fn area(plan: &Plan, analysis: &Analysis) -> Chart {
         let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
         series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
         let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
+        // The axes are logarithmic. Few data may extrapolate to a limit below zero.
+        let limits = limits.filter(|e| e.fit.kappa_tfc.value > 0.0);
         let mut points: Vec<Point> = limits
             .map(|e| {
                 let kappa = e.fit.kappa_tfc;

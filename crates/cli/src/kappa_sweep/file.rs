@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
-use gfmd_sweep::{Analysis, Area, Config, Example, Extrapolation, Key, Plan, Point, Pressed, Run, Study};
+use gfmd_sweep::{Analysis, Area, Config, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study};
 use ndarray::Array2;
 
 use crate::failure::Failure;
@@ -102,7 +102,8 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
     let datum = |row: &Key, area: Area| analysis.data.get(&Key { area, ..*row });
     let kappa = |row: &Key, area: Area| datum(row, area).map_or(f64::NAN, Datum::mean);
     let error = |row: &Key, area: Area| datum(row, area).and_then(Datum::standard_error).unwrap_or(f64::NAN);
-    let columns: [Column<Key>; 7] = [
+    let edge = |row: &Key| datum(row, Area::Raw).map_or(f64::NAN, Datum::mean_edge);
+    let columns: [Column<Key>; 8] = [
         ("dim", "dimension of the body: 3, or 2 in plane strain", &|_| f64::from(plan.config.surface.dim)),
         ("p_star", "reduced pressure p/(E* g)", &|row| plan.config.loads.p_star[row.load]),
         ("realisations", "number of realisations", &|row| plan.runs_of(row.point).len() as f64),
@@ -110,12 +111,16 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
         ("kappa_sem", "standard error of the mean of kappa", &|row| error(row, Area::Raw)),
         ("kappa_corrected", "kappa of the perimeter-corrected area", &|row| kappa(row, Area::Corrected)),
         ("kappa_corrected_sem", "standard error of the mean of kappa_corrected", &|row| error(row, Area::Corrected)),
+        ("edge", "measured edge of the contact: kappa less kappa_corrected, mean over realisations", &edge),
     ];
     write_columns(archive, "/points", &point, &rows, &columns)
 }
 
 /// A part of `T`, with its word in the names of variables.
 type Named<T, V> = (&'static str, fn(&T) -> V);
+
+/// A number of an extrapolation with its interval, if it has one: its name, its meaning, its value.
+type Part<'a> = (&'a str, &'a str, &'a dyn Fn(&Extrapolation) -> Option<Estimate>);
 
 /// The ends of a 95 % interval, NaN if there is none.
 fn ends(estimate: &Estimate) -> [f64; 2] {
@@ -126,13 +131,17 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
     let all = &analysis.extrapolations;
     let fit = Dimension::index("fit", all.len(), "one Hurst exponent, load and way of counting area; the result first");
     let limit = |e: &Extrapolation| e.fit.kappa_tfc;
-    let columns: [Column<Extrapolation>; 8] = [
+    let total = |e: &Extrapolation| e.total_ci95().unwrap_or([f64::NAN; 2]);
+    let columns: [Column<Extrapolation>; 11] = [
         ("hurst", "Hurst exponent", &|e| e.hurst),
         ("p_star", "reduced pressure p/(E* g)", &|e| e.p_star),
         ("kappa_tfc", "kappa in the thermodynamic, fractal and continuum limit", &|e| limit(e).value),
         ("kappa_tfc_standard_error", "standard error of kappa_tfc", &|e| limit(e).standard_error.unwrap_or(f64::NAN)),
         ("kappa_tfc_ci95_low", "lower end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[0]),
         ("kappa_tfc_ci95_high", "upper end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[1]),
+        ("kappa_tfc_systematic", "largest distance of another form of the fit from kappa_tfc", &|e| e.systematic()),
+        ("kappa_tfc_total_ci95_low", "lower end of kappa_tfc with the systematic error", &|e| total(e)[0]),
+        ("kappa_tfc_total_ci95_high", "upper end of kappa_tfc with the systematic error", &|e| total(e)[1]),
         ("chi_squared", "weighted sum of squared residuals", &|e| e.fit.chi_squared),
         ("degrees_of_freedom", "points minus parameters", &|e| e.fit.degrees_of_freedom as f64),
     ];
@@ -150,6 +159,25 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
                 write_columns(archive, "/fit", &fit, all, &[(&name, long_name, &value)])?;
             }
         }
+    }
+    let edges: [Part; 2] = [
+        ("edge_factor", "part of the measured edge that the raw area has too much", &|e| Some(e.fit.edge?.factor)),
+        ("edge_slope", "change of edge_factor with eps_c", &|e| e.fit.edge?.slope),
+    ];
+    for (part, long_name, estimate) in edges {
+        for (suffix, number) in numbers {
+            let value = |e: &Extrapolation| estimate(e).map_or(f64::NAN, |estimate| number(&estimate));
+            write_columns(archive, "/fit", &fit, all, &[(&format!("{part}{suffix}"), long_name, &value)])?;
+        }
+    }
+    let forms: Vec<Form> = all.iter().flat_map(|e| &e.alternatives).map(|other| other.form).collect();
+    let forms: std::collections::BTreeSet<Form> = forms.into_iter().collect();
+    for form in forms {
+        let of =
+            |e: &Extrapolation| e.alternatives.iter().find(|other| other.form == form).map(|other| other.kappa_tfc);
+        let name = format!("kappa_tfc_{}", form.name().replace('-', "_"));
+        let long_name = format!("kappa_tfc of another form: {}", form.meaning());
+        write_columns(archive, "/fit", &fit, all, &[(&name, &long_name, &|e| of(e).unwrap_or(f64::NAN))])?;
     }
     let texts = |of: fn(&Extrapolation) -> String| all.iter().map(of).collect::<Vec<_>>();
     let warnings = |e: &Extrapolation| e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
@@ -172,14 +200,14 @@ fn write_resamples(archive: &mut Archive, fit: &Dimension, all: &[Extrapolation]
     if count == 0 {
         return Ok(());
     }
-    let resample = Dimension::index("resample", count, "bootstrap resample of the realisations");
+    let resample = Dimension::index("resample", count, "resample of the means from their errors");
     let row = |e: &Extrapolation| {
         let mut row: Vec<f64> = samples(e).iter().map(|sample| sample.kappa_tfc).collect();
         row.resize(count, f64::NAN);
         row
     };
     let values: Vec<f64> = all.iter().flat_map(row).collect();
-    let long_name = "kappa_tfc refitted to resampled realisations, before stretching for few realisations";
+    let long_name = "kappa_tfc refitted to resampled means, before stretching for few realisations";
     let variable = Variable { dimensions: &[fit, &resample], units: "1", long_name };
     Ok(archive.write("/fit/kappa_tfc_resampled", &variable, &values)?)
 }

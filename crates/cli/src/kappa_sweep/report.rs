@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
-use gfmd_sweep::{Area, Extrapolation, Key, Plan, Study};
+use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Study};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
@@ -53,8 +53,13 @@ pub struct FitReport {
     pub kappa_tfc: f64,
     pub kappa_tfc_standard_error: Option<f64>,
     pub ci95: Option<[f64; 2]>,
+    pub systematic: f64,
+    pub total_ci95: Option<[f64; 2]>,
+    pub alternatives: Vec<Alternative>,
     pub uncertainty: String,
     pub terms: Vec<TermReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge: Option<EdgeReport>,
     pub chi_squared: f64,
     pub degrees_of_freedom: usize,
     pub checks: Vec<Check>,
@@ -94,6 +99,17 @@ pub struct TermReport {
     pub levels: usize,
 }
 
+/// The continuum error as (factor + slope eps_c) times the measured edge.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EdgeReport {
+    pub factor: f64,
+    pub factor_ci95: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope_ci95: Option<[f64; 2]>,
+}
+
 /// Limits of comparison theories at vanishing load, for surfaces.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct TheoryReport {
@@ -120,17 +136,26 @@ impl FitReport {
             kappa_tfc: fit.kappa_tfc.value,
             kappa_tfc_standard_error: fit.kappa_tfc.standard_error,
             ci95: fit.kappa_tfc.ci95,
+            systematic: extrapolation.systematic(),
+            total_ci95: extrapolation.total_ci95(),
+            alternatives: extrapolation.alternatives.clone(),
             uncertainty: fit.uncertainty.to_string(),
             terms: terms.collect(),
+            edge: fit.edge.map(|edge| EdgeReport {
+                factor: edge.factor.value,
+                factor_ci95: edge.factor.ci95,
+                slope: edge.slope.map(|slope| slope.value),
+                slope_ci95: edge.slope.and_then(|slope| slope.ci95),
+            }),
             chi_squared: fit.chi_squared.max(0.0),
             degrees_of_freedom: fit.degrees_of_freedom,
-            // The levels of eps_c have their surfaces in common. Along eps_t and eps_f the scatter between surfaces would
-            // pass for an exponent.
+            // The levels of eps_c have their surfaces in common. Along eps_t the scatter between surfaces would pass for an
+            // exponent.
             checks: (fit.richardson.iter())
-                .filter(|three| three.axis == Axis::Continuum)
+                .filter(|three| three.axis != Axis::Thermodynamic)
                 .map(|three| Check {
                     axis: three.axis.letter(),
-                    eps_inv: three.data.map(|index| 1.0 / extrapolation.data[index].eps_c),
+                    eps_inv: three.data.map(|index| 1.0 / extrapolation.data[index].eps(three.axis)),
                     kappa: three.limit.map(|limit| limit.kappa),
                     exponent: three.limit.map(|limit| limit.exponent),
                 })
@@ -209,6 +234,16 @@ impl fmt::Display for Report {
                     if term.exponent_fitted { "" } else { " (fixed)" }
                 )?;
             }
+            if let Some(edge) = fit.edge {
+                write!(f, "  edge: {} of the perimeter", Interval(edge.factor, edge.factor_ci95))?;
+                match edge.slope {
+                    Some(slope) => writeln!(f, ", plus {} eps_c", Interval(slope, edge.slope_ci95))?,
+                    None => writeln!(f)?,
+                }
+            }
+            for other in &fit.alternatives {
+                writeln!(f, "  other form: {:.4} {}", other.kappa_tfc, other.form.meaning())?;
+            }
             for check in &fit.checks {
                 writeln!(f, "  check: {check}")?;
             }
@@ -220,6 +255,13 @@ impl fmt::Display for Report {
         let result = &self.fit;
         writeln!(f, "\nResult: H = {}, p* = {}: {}", result.hurst, result.p_star, Headline(result))?;
         writeln!(f, "95 % interval: {}", result.uncertainty)?;
+        if let Some([low, high]) = result.total_ci95 {
+            writeln!(
+                f,
+                "With the error of the form, {:.4} (the farthest of the other forms): [{low:.4}, {high:.4}]",
+                result.systematic
+            )?;
+        }
         writeln!(
             f,
             "Theory at vanishing load, surfaces: Persson {:.4}, Bush-Gibson-Thomas {:.4}",

@@ -1,5 +1,6 @@
 //! The HDF5 file of a path.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
@@ -49,13 +50,13 @@ impl<'a> PathFile<'a> {
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
-    pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Vec<f64>> {
+    pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
         let shears = state.traction().outer_iter().take(self.shears.len());
         let normal = [contiguous(&state.pressure()).into_owned(), contiguous(&state.gap()).into_owned()];
-        normal.into_iter().chain(shears.map(|shear| contiguous(&shear).into_owned())).collect()
+        normal.into_iter().chain(shears.map(|shear| contiguous(&shear).into_owned())).map(Into::into).collect()
     }
 
-    pub(super) fn write(&mut self, waypoint: usize, fields: &[Vec<f64>]) -> Result<(), Failure> {
+    pub(super) fn write(&mut self, waypoint: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         for (name, field) in ["pressure", "gap"].iter().chain(self.shears).zip(fields) {
             self.archive.write_slab(&format!("/fields/{name}"), waypoint, field)?;
         }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::StepRecord;
 use crate::convergence::NotConverged;
 use crate::memory::peak_bytes;
+use crate::scan::Scan;
 use crate::session::list_files;
 
 /// The problem whose path is followed.
@@ -19,6 +20,8 @@ pub struct Head {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,

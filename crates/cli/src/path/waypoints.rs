@@ -5,9 +5,13 @@ use gfmd_contact::{Drive, Load};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::memory;
 
-/// The largest number of steps of a path, whose records take less than a gigabyte.
+/// The largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;
+
+/// The bytes of a step: its drive, its record, and its text.
+const STEP_BYTES: u64 = 4096;
 
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -43,19 +47,19 @@ pub(super) struct WaypointArgs {
 impl WaypointArgs {
     /// Returns the drive of every step, or the flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<Vec<Drive>, Failure> {
-        let (flag, values, under_load) = if !self.pressure.is_empty() {
-            ("--pressure", self.pressure.clone(), true)
-        } else if !self.p_star.is_empty() {
-            ("--p-star", self.p_star.iter().map(|p| p * unit_pressure).collect(), true)
-        } else {
-            ("--displacement", self.displacement.clone(), false)
+        let flag = self.flag();
+        let (values, under_load): (Vec<f64>, bool) = match flag {
+            "--pressure" => (self.pressure.clone(), true),
+            "--p-star" => (self.p_star.iter().map(|p| p * unit_pressure).collect(), true),
+            _ => (self.displacement.clone(), false),
         };
         let allowed = if hard { "positive and finite" } else { "finite" };
         if let Some(bad) = values.iter().find(|value| !(value.is_finite() && (!hard || **value > 0.0))) {
             return Err(Failure::value(flag, bad, allowed));
         }
-        if let Some(bad) = self.lateral.iter().chain([&self.direction]).find(|value| !value.is_finite()) {
-            return Err(Failure::value("--lateral", bad, "finite"));
+        let all = self.lateral.iter().map(|value| ("--lateral", value)).chain([("--direction", &self.direction)]);
+        if let Some((flag, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(Failure::value(flag, bad, "finite"));
         }
         let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
         let count = values.len().max(lateral.len());
@@ -69,6 +73,7 @@ impl WaypointArgs {
             let found = format!("{steps}, in all {made} for {count} waypoints");
             return Err(Failure::value("--steps", found, format!("at most {MOST_STEPS} in all")));
         }
+        memory::check_count("--steps", "steps", made + 1, STEP_BYTES)?;
         let along = self.along();
         let at = |list: &[f64], leg: usize, share: f64| match list {
             [only] => *only,
@@ -81,6 +86,15 @@ impl WaypointArgs {
         };
         let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
         Ok(inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect())
+    }
+
+    /// The flag of the loads or approaches.
+    pub(super) fn flag(&self) -> &'static str {
+        match (self.pressure.is_empty(), self.p_star.is_empty()) {
+            (false, _) => "--pressure",
+            (_, false) => "--p-star",
+            _ => "--displacement",
+        }
     }
 
     /// The unit vector of the lateral displacement.

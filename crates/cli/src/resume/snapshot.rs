@@ -1,5 +1,6 @@
 //! Files of variables: the checksum of the head, the number of finished parts, the variables, a checksum of all.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use gfmd_contact::Visit;
@@ -16,37 +17,55 @@ fn checksum(bytes: &[u8]) -> String {
     sum.text()
 }
 
-/// A visitor that copies variables into the bytes of a file.
-pub(super) struct Writer(Vec<u8>);
+/// A visitor that copies variables to a file, or to memory.
+pub(super) struct Writer<W> {
+    sink: W,
+    sum: Checksum,
+    failed: io::Result<()>,
+}
 
-impl Writer {
-    pub(super) fn new(head: &[u8], parts: usize) -> Self {
-        let mut writer = Self(checksum(head).into_bytes());
+impl<W: Write> Writer<W> {
+    pub(super) fn new(sink: W, head: &[u8], parts: usize) -> Self {
+        let mut writer = Self { sink, sum: Checksum::default(), failed: Ok(()) };
+        writer.bytes(checksum(head).as_bytes());
         writer.count(&mut (parts as u64));
         writer
     }
 
-    pub(super) fn finish(mut self) -> Vec<u8> {
-        let sum = checksum(&self.0);
-        self.0.extend(sum.as_bytes());
-        self.0
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.sum.bytes(bytes);
+        if self.failed.is_ok() {
+            self.failed = self.sink.write_all(bytes);
+        }
+    }
+
+    /// Writes the checksum. Returns the error of the first write that failed, if any did.
+    pub(super) fn finish(mut self) -> io::Result<W> {
+        self.failed?;
+        self.sink.write_all(self.sum.text().as_bytes())?;
+        Ok(self.sink)
     }
 }
 
-impl Visit for Writer {
+impl<W: Write> Visit for Writer<W> {
     fn number(&mut self, x: &mut f64) {
-        self.0.extend(x.to_le_bytes());
+        self.bytes(&x.to_le_bytes());
     }
 
     fn count(&mut self, n: &mut u64) {
-        self.0.extend(n.to_le_bytes());
+        self.bytes(&n.to_le_bytes());
     }
 
     fn field(&mut self, x: &mut [f64]) {
-        self.0.reserve(8 * x.len());
-        x.iter().for_each(|x| self.0.extend(x.to_le_bytes()));
+        for piece in x.chunks(PIECE) {
+            let bytes: Vec<u8> = piece.iter().flat_map(|x| x.to_le_bytes()).collect();
+            self.bytes(&bytes);
+        }
     }
 }
+
+/// The numbers that are written at a time.
+const PIECE: usize = 1 << 12;
 
 /// A file of variables, as a visitor that puts them back.
 pub(crate) struct Stored {

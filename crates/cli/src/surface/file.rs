@@ -1,9 +1,9 @@
-//! The file of a surface: a NumPy array, or HDF5.
+//! The file of a surface: a NumPy array, X3P, or HDF5.
 
 use std::path::Path;
 
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous, npy};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, X3p, axes, contiguous, npy};
 use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
@@ -18,6 +18,7 @@ pub(super) struct Target {
 
 enum Format {
     Npy,
+    X3p,
     Hdf5,
 }
 
@@ -25,8 +26,9 @@ impl Target {
     pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
         let format = match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("npy") => Format::Npy,
+            Some("x3p") => Format::X3p,
             Some("h5" | "hdf5") => Format::Hdf5,
-            _ => return Err(Failure::value("--out", path.display(), "NAME.npy or NAME.h5")),
+            _ => return Err(Failure::value("--out", path.display(), "NAME.npy, NAME.x3p or NAME.h5")),
         };
         let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
         Ok(Self { output, format })
@@ -45,7 +47,34 @@ impl Target {
             // A profile is a one-dimensional array.
             Format::Npy if grid.is_line() => npy::write(&self.output, heights.index_axis(Axis(1), 0).into_dyn())?,
             Format::Npy => npy::write(&self.output, heights.view().into_dyn())?,
+            Format::X3p => self.write_x3p(heights, grid, report, provenance)?,
             Format::Hdf5 => self.write_hdf5(heights, grid, spectrum, report, provenance)?,
+        }
+        Ok(())
+    }
+
+    fn write_x3p(
+        &self,
+        heights: &Array2<f64>,
+        grid: &Grid,
+        report: &Report,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let creator = format!("{} {}", provenance.program, provenance.version);
+        let comment = match report.scan.as_ref().and_then(|scan| scan.conversion.as_ref()) {
+            Some(conversion) => format!("{}; {conversion}", report.source),
+            None => report.source.clone(),
+        };
+        let x3p = X3p {
+            heights,
+            lengths: grid.lengths(),
+            unit: report.unit.as_deref(),
+            date: &provenance.created,
+            creator: &creator,
+            comment: &comment,
+        };
+        if let Some(note) = x3p.write(&self.output)? {
+            tracing::info!("{}: {note}", self.output.path().display());
         }
         Ok(())
     }
@@ -66,6 +95,7 @@ impl Target {
             Variable { dimensions, units: &unit, long_name: "height of the rigid surface, peaks towards the body" };
         archive.write("/surface/height", &height, &contiguous(heights))?;
         archive.attribute("/surface", "source", report.source.as_str())?;
+        report.scan.iter().try_for_each(|scan| scan.write(&mut archive, "/surface"))?;
         for (name, value, power, meaning) in report.scalars() {
             let units = report.unit_of(power);
             let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };

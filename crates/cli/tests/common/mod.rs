@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the program with `arguments` in `folder`.
+/// Runs the program with `arguments` in `folder`, under the emulator that `GFMD_EMULATOR` names, if any.
 pub(crate) fn gfmd(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gfmd")).current_dir(folder).args(arguments).output().expect("the program starts")
+    let emulator = std::env::var("GFMD_EMULATOR").unwrap_or_default();
+    let mut words: Vec<&str> = emulator.split_whitespace().chain([env!("CARGO_BIN_EXE_gfmd")]).collect();
+    Command::new(words.remove(0)).args(words).current_dir(folder).args(arguments).output().expect("the program starts")
 }
 
 /// Returns the JSON of the program; fails if the program does.

@@ -71,7 +71,9 @@ impl Reader {
 
     /// All values of a variable, row-major; the library converts numbers of another type to `T`.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, FileError> {
-        self.dataset(path)?.read_raw().map_err(|error| FileError::read(&self.path, path, &error))
+        let dataset = self.dataset(path)?;
+        let values = check_stored(&dataset).and_then(|()| dataset.read_raw());
+        values.map_err(|error| FileError::read(&self.path, path, &error))
     }
 
     /// Entry `index` along the first dimension of a variable.
@@ -138,6 +140,20 @@ impl Reader {
             FileError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) }
         })
     }
+}
+
+/// Returns an error if a large dataset has more values than the bytes stored for it can hold: nothing is to be allocated for
+/// what only a shape declares. Deflate makes at most 1032 bytes from one.
+fn check_stored(dataset: &Dataset) -> Result<(), hdf5::Error> {
+    const LARGEST_RATIO: u64 = 1032;
+    let needed = (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64);
+    let stored = dataset.storage_size();
+    if needed > 1 << 20 && needed > stored.saturating_mul(LARGEST_RATIO) {
+        return Err(
+            format!("the shape is {:?}, {needed} bytes; the file has {stored} bytes for it", dataset.shape()).into()
+        );
+    }
+    Ok(())
 }
 
 /// The largest number of datasets that a search returns.

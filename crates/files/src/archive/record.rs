@@ -11,8 +11,11 @@ use hdf5_sys::h5p::H5P_DEFAULT;
 use hdf5_sys::h5s::H5S_ALL;
 use hdf5_sys::h5t::hvl_t;
 
-/// Largest number of bytes of all records together, and of numbers or characters of a field. Records describe others.
+/// Largest number of bytes of all records together, and of characters of a field. Records describe others.
 const MOST: usize = 1 << 20;
+
+/// Largest number of numbers of a field that are kept.
+const MOST_NUMBERS: usize = 1 << 12;
 
 /// A field of a compound value.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +94,7 @@ unsafe fn decode(at: *const u8, kind: &TypeDescriptor) -> Field {
             }
             // SAFETY: as above; it is copied at once.
             let text = unsafe { CStr::from_ptr(text) };
-            Field::Text(text.to_string_lossy().chars().take(MOST).collect())
+            Field::Text(String::from_utf8_lossy(&text.to_bytes()[..text.count_bytes().min(MOST)]).into_owned())
         }
         TypeDescriptor::FixedAscii(length) | TypeDescriptor::FixedUnicode(length) => {
             // SAFETY: the value has so many bytes.
@@ -102,7 +105,7 @@ unsafe fn decode(at: *const u8, kind: &TypeDescriptor) -> Field {
         TypeDescriptor::VarLenArray(element) => {
             // SAFETY: the value is a number of elements and a pointer to them.
             let array = unsafe { at.cast::<hvl_t>().read_unaligned() };
-            let count = if array.p.is_null() { 0 } else { array.len.min(MOST) };
+            let count = if array.p.is_null() { 0 } else { array.len.min(MOST_NUMBERS) };
             // SAFETY: so many elements lie there.
             unsafe { numbers(array.p.cast(), element, count) }
         }

@@ -86,8 +86,7 @@ fn plain_matrices_have_no_size() {
 
 #[test]
 fn points_without_a_height_are_named_and_counted() {
-    let expected = "FILE: 2 of 6 points are undefined, the first at [x, y] = [1, 1]; every point must have a \
-                    height: fill them (harmonic or nearest)";
+    let expected = "FILE: 2 of 6 points are undefined, the first at [x, y] = [1, 1]; every point must have a height";
     assert_eq!(refusal("1 2 3\n4 NaN nan\n"), expected);
     for text in ["1,2,3\n4,,\n", "1,2,3,\n4,,,\n", "1;2;3\n4; BAD; -\n", "1 2 3\n4 -- na\n"] {
         assert_eq!(refusal(text), expected, "{text:?}");

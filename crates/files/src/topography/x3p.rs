@@ -5,6 +5,8 @@
 //! authors. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y axis
 //! points up.
 
+mod write;
+
 use std::io::Read;
 
 use roxmltree::Node;
@@ -13,6 +15,8 @@ use super::bytes::{Grid, Layout, Order, Sample, clip, count, positive};
 use super::file::File;
 use super::format::{Channel, Contents, Format, Map};
 use super::zipped::{Zip, xml};
+
+pub use write::X3p;
 
 pub(super) const FORMAT: Format = Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open };
 

@@ -24,13 +24,16 @@ pub(super) fn xml<'a>(name: &str, text: &'a str) -> Result<Document<'a>, String>
     Document::parse(text).map_err(|error| format!("the entry {name}: {error}"))
 }
 
-/// A zip archive in memory.
-pub(super) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>);
+/// A zip archive in memory, and its number of bytes.
+pub(super) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>, usize);
 
 impl<'a> Zip<'a> {
     pub(super) fn open(file: &'a File) -> Result<Self, String> {
-        let archive = ZipArchive::new(Cursor::new(file.bytes()?));
-        archive.map(Self).map_err(|error| format!("the zip archive is damaged: {error}"))
+        let bytes = file.bytes()?;
+        let archive = ZipArchive::new(Cursor::new(bytes));
+        archive
+            .map(|archive| Self(archive, bytes.len()))
+            .map_err(|error| format!("the zip archive is damaged: {error}"))
     }
 
     /// True if the file is a zip archive with all these entries.
@@ -44,11 +47,13 @@ impl<'a> Zip<'a> {
         self.0.file_names().filter_map(Result::ok).map(|name| name.into_owned()).collect()
     }
 
-    /// The bytes of an entry as a stream, and their compressed number; the checksum is verified at the end.
+    /// The bytes of an entry as a stream, and their compressed number, which cannot exceed that of the archive whatever the
+    /// entry declares; the checksum is verified at the end.
     pub(super) fn stream(&mut self, name: &str) -> Result<(impl Read, usize), String> {
+        let size = self.1;
         let entry = self.0.by_name(name).map_err(|error| format!("the entry {name}: {error}"))?;
         let compressed = entry.compressed_size();
-        Ok((entry, usize::try_from(compressed).unwrap_or(usize::MAX)))
+        Ok((entry, usize::try_from(compressed).unwrap_or(usize::MAX).min(size)))
     }
 
     /// Decompresses an entry of at most `most` bytes, whatever size the archive declares; its checksum is verified.

@@ -17,7 +17,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     increment.transforms.compliance(&traction, &mut displacement);
     let Increment { contact, drive, stuck, pressure, .. } = &*increment;
     let n = pressure.len();
-    let (clearance, rms_height) = (contact.surface.clearance(), contact.surface.rms_height());
+    let (clearance, length_scale) = (contact.surface.clearance(), contact.surface.length_scale(drive.load));
     let components = lateral / n;
     let uz = &displacement[lateral..];
 
@@ -53,12 +53,13 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         &higher_each,
     );
     let residual = FrictionResidual {
-        complementarity: if mean_pressure > 0.0 {
-            (closed / (mean_pressure * n as f64 * rms_height)).abs()
-        } else {
-            0.0
+        complementarity: match drive.load {
+            _ if mean_pressure > 0.0 => (closed / (mean_pressure * n as f64 * length_scale)).abs(),
+            // An approach beyond first touch needs a pressure, however small.
+            Load::Approach(approach) => f64::from(approach > 0.0),
+            Load::MeanPressure(_) => 0.0,
         },
-        penetration: below / rms_height,
+        penetration: below / length_scale,
         load,
         friction: limits.mismatch(&traction[..lateral], &slip),
         excess: if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 },
@@ -84,7 +85,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         dissipated: dissipated / n as f64,
         residual,
         effort: Effort { iterations: 0, transform_pairs: increment.pairs() },
-        surface: Arc::clone(&contact.surface),
-        contact_modulus: contact.response.contact_modulus(),
+        surface: Arc::clone(&contact.given),
+        contact_modulus: contact.contact_modulus,
     }
 }

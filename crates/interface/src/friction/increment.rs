@@ -82,7 +82,7 @@ impl<'a> Increment<'a> {
     pub(super) fn press(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Result<Minimum, RelaxError> {
         let target = Target {
             mean: if let Load::MeanPressure(mean) = self.drive.load { Some(mean) } else { None },
-            gradient_scale: self.contact.surface.rms_height(),
+            gradient_scale: self.contact.surface.length_scale(self.drive.load),
             budget: *budget,
         };
         ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)

@@ -75,6 +75,24 @@ impl FrictionResidual {
 }
 
 impl FrictionState {
+    /// The state with all lengths and stresses multiplied by these powers of two.
+    pub(super) fn times(mut self, length: f64, stress: f64) -> Self {
+        let Self { displacement, traction, gap, slip, .. } = &mut self;
+        displacement.mapv_inplace(|u| u * length);
+        traction.mapv_inplace(|t| t * stress);
+        gap.mapv_inplace(|g| g * length);
+        slip.mapv_inplace(|s| s * length);
+        Self {
+            mean_pressure: self.mean_pressure * stress,
+            mean_shear: self.mean_shear.map(|t| t * stress),
+            approach: self.approach * length,
+            lateral: self.lateral.map(|u| u * length),
+            elastic_energy: self.elastic_energy * stress * length,
+            dissipated: self.dissipated * stress * length,
+            ..self
+        }
+    }
+
     /// The index of the normal component.
     fn z(&self) -> usize {
         self.traction.len_of(Axis(0)) - 1

@@ -6,28 +6,40 @@ import math
 from typing import Any, Optional
 
 from . import _gfmd
-from ._check import number, optional, word
+from ._check import number, optional, shown, word
 from ._errors import InputError
 from ._record import Record
 
+_BASES = ("bonded", "sliding", "free", "half-space")
+
 
 class Body(Record):
-    """An elastic body: a half-space, or a slab bonded to a rigid base.
+    """An elastic body: a half-space, or a slab on a base.
 
     Args:
         young: Young's modulus E, stress; 1 by default.
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         height: height of the slab, length; None or infinity for a half-space.
-        base: what a slab stands on: "bonded".
+        base: what a slab stands on: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free" (a
+            plate), or "half-space" (a coating on an elastic half-space). Contacts know "bonded" only; `gfmd.green` all.
+        base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
+        base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.
 
     Raises:
         InputError: a value out of its range.
 
     Example:
         >>> gfmd.Body(young=70e9, poisson=0.33).e_star
-        78554595444.84906
+        78554595443.83347
     """
+
+    young: float
+    poisson: float
+    e_star: float
+    height: Optional[float]
+    base: str
+    _given: tuple[float, float, Optional[float], Optional[float]]
 
     def __init__(
         self,
@@ -37,18 +49,13 @@ class Body(Record):
         e_star: Optional[float] = None,
         height: Optional[float] = None,
         base: str = "bonded",
+        base_young: Optional[float] = None,
+        base_poisson: Optional[float] = None,
     ) -> None:
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
-        if word("base", base) != "bonded":
-            raise InputError(f"base is {base!r}; it must be 'bonded'")
-        nu = number("poisson", poisson)
-        if not -1.0 < nu <= 0.5:
-            raise InputError(f"poisson is {nu}; it must be above -1 and at most 0.5")
-        modulus, contact = optional("young", young), optional("e_star", e_star)
-        for name, value in (("young", modulus), ("e_star", contact)):
-            if value is not None and not 0.0 < value < math.inf:
-                raise InputError(f"{name} is {value}; it must be positive and finite")
+        nu = _ratio("poisson", poisson)
+        modulus, contact = _modulus("young", young), _modulus("e_star", e_star)
         thickness = optional("height", height)
         if thickness is not None and not thickness > 0.0:
             raise InputError(f"height is {thickness}; it must be positive, or None for a half-space")
@@ -58,34 +65,83 @@ class Body(Record):
             contact_modulus = modulus / ((1.0 - nu) * (1.0 + nu))
         else:
             contact_modulus = contact
-        super().__init__({
+        values = {
             "young": contact_modulus * (1.0 - nu * nu) if modulus is None else modulus,
             "poisson": nu,
             "e_star": contact_modulus,
             "height": thickness,
-            "base": "bonded",
-        })
+            "base": word("base", base),
+        }
+        super().__init__({**values, **_below(base, thickness, base_young, base_poisson)})
         object.__setattr__(self, "_given", (modulus or 1.0, nu, contact, thickness))
-
-    _given: tuple[float, float, Optional[float], Optional[float]]
 
     def __reduce__(self) -> tuple[Any, ...]:
         modulus, nu, contact, thickness = self._given
-        return _body, (None if contact is not None else modulus, nu, contact, thickness)
+        below = self._values.get("base_young"), self._values.get("base_poisson")
+        return _body, (None if contact is not None else modulus, nu, contact, thickness, self.base, *below)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Body) and other._given == self._given
+        return isinstance(other, Body) and other.__reduce__()[1] == self.__reduce__()[1]
 
     def __hash__(self) -> int:
-        return hash(self._given)
+        return hash(self.__reduce__()[1])
 
 
-def _body(young: Optional[float], poisson: float, e_star: Optional[float], height: Optional[float]) -> Body:
-    return Body(young, poisson, e_star=e_star, height=height)
+def _modulus(name: str, value: object) -> Optional[float]:
+    found = optional(name, value)
+    if found is not None and not 0.0 < found < math.inf:
+        raise InputError(f"{name} is {found}; it must be positive and finite")
+    return found
+
+
+def _ratio(name: str, value: object) -> float:
+    found = number(name, value)
+    if not -1.0 < found <= 0.5:
+        raise InputError(f"{name} is {found}; it must be above -1 and at most 0.5")
+    return found
+
+
+def _below(base: str, height: Optional[float], young: object, poisson: object) -> dict[str, float]:
+    """The properties of an elastic base."""
+    if base not in _BASES:
+        raise InputError(f"base is {base!r}; it must be one of {', '.join(map(repr, _BASES))}")
+    if height is None and base != "bonded":
+        raise InputError(f"base is {base!r}; it must be 'bonded' for a half-space, which has no base")
+    if base != "half-space":
+        for name, value in (("base_young", young), ("base_poisson", poisson)):
+            if value is not None:
+                raise InputError(f"{name} is {value!r}; it must be left out unless base is 'half-space'")
+        return {}
+    modulus = _modulus("base_young", young)
+    if modulus is None or poisson is None:
+        raise InputError(f"{'base_young' if modulus is None else 'base_poisson'} is missing; it is needed if base is 'half-space'")
+    return {"base_young": modulus, "base_poisson": _ratio("base_poisson", poisson)}
+
+
+def _body(
+    young: Optional[float],
+    poisson: float,
+    e_star: Optional[float],
+    height: Optional[float],
+    base: str = "bonded",
+    base_young: Optional[float] = None,
+    base_poisson: Optional[float] = None,
+) -> Body:
+    return Body(young, poisson, e_star=e_star, height=height, base=base, base_young=base_young, base_poisson=base_poisson)
 
 
 class Law(Record):
-    """A law of what acts across the gap: its `name`, and its parameters. `gfmd.law` makes one."""
+    """A law of what acts across the gap: its `name`, and its parameters as attributes. `gfmd.law` makes one.
+
+    Raises:
+        InputError: as `gfmd.law`.
+
+    Example:
+        >>> gfmd.law("dugdale", gamma=1e-4, range=2e-3).parameters
+        {'gamma': 0.0001, 'range': 0.002}
+    """
+
+    name: str
 
     def __init__(self, name: str, parameters: dict[str, float]) -> None:
         _gfmd.check_law(name, list(parameters.items()))
@@ -93,7 +149,7 @@ class Law(Record):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """The parameters by name."""
+        """The parameters by name, in the units of `gfmd.law`."""
         return {name: value for name, value in self._values.items() if name != "name"}
 
     @property
@@ -113,8 +169,10 @@ class Law(Record):
 def law(name: str, /, **parameters: float) -> Law:
     """A law of adhesion or cohesion by its name and its parameters.
 
-    Names: hard-wall; morse, exponential, dugdale (gamma, range); harmonic-cosine (gamma, curvature); xu-needleman, bsg,
-    c3d, npb, npc (phi_n, phi_t, delta_n, delta_t). gamma and phi are stress * length, range and delta length.
+    Args:
+        name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`, `curvature`);
+            "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first also `r`).
+        parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without unit.
 
     Raises:
         InputError: an unknown name or parameter, a missing one, a value out of its range.
@@ -133,10 +191,18 @@ def as_law(value: object) -> Law:
         return Law(value, {})
     if isinstance(value, Law):
         return value
-    raise InputError(f"law is {value!r}; it must be made by gfmd.law, or a name")
+    raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
+
+
+def as_any_body(value: object) -> Body:
+    if not isinstance(value, Body):
+        raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
+    return value
 
 
 def as_body(value: object) -> Body:
-    if isinstance(value, Body):
-        return value
-    raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
+    """A body that a contact can have."""
+    given = as_any_body(value)
+    if given.base != "bonded":
+        raise InputError(f"the base of the body is {given.base!r}; it must be 'bonded' here")
+    return given

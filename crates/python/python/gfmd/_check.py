@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Iterable
 from typing import Any, Optional
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _gfmd
 from ._errors import InputError
 
 Array = npt.NDArray[np.float64]
 
 
-def _shown(value: object) -> str:
-    text = repr(value).replace("\n", " ")
+def shown(value: object) -> str:
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -33,7 +35,7 @@ def number(name: str, value: object) -> float:
                 return float(value)
         except (TypeError, ValueError, OverflowError):
             pass
-    raise InputError(f"{name} is {_shown(value)}; it must be a number")
+    raise InputError(f"{name} is {shown(value)}; it must be a number")
 
 
 def optional(name: str, value: object) -> Optional[float]:
@@ -49,13 +51,43 @@ def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int
         except (TypeError, ValueError, OverflowError):
             pass
     limits = f"between {least} and {most}" if most < 2**63 - 1 else f"at least {least}"
-    raise InputError(f"{name} is {_shown(value)}; it must be a whole number, {limits}")
+    raise InputError(f"{name} is {shown(value)}; it must be a whole number, {limits}")
 
 
 def word(name: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"{name} is {_shown(value)}; it must be a text")
-    return value
+    """A text that UTF-8 can hold, which excludes halves of surrogate pairs."""
+    try:
+        if isinstance(value, str):
+            value.encode()
+            return value
+    except UnicodeEncodeError:
+        pass
+    raise InputError(f"{name} is {shown(value)}; it must be a text")
+
+
+def path(name: str, value: Any) -> str:
+    """The path of a file."""
+    try:
+        return word(name, os.fsdecode(value))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {shown(value)}; it must be the path of a file") from error
+
+
+def flag(name: str, value: object) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} is {shown(value)}; it must be True or False")
+    return bool(value)
+
+
+def texts(name: str, value: Any) -> list[str]:
+    """One text, or several."""
+    entries = [value] if isinstance(value, str) else value
+    if not isinstance(entries, Iterable) or isinstance(entries, bytes):
+        raise InputError(f"{name} is {shown(value)}; it must be texts")
+    found = [word(name, entry) for entry in entries]
+    if not found:
+        raise InputError(f"{name} is empty; it must have at least one text")
+    return found
 
 
 def numbers(name: str, value: Any) -> list[float]:
@@ -65,25 +97,22 @@ def numbers(name: str, value: Any) -> list[float]:
     try:
         entries = list(value)
     except Exception as error:
-        raise InputError(f"{name} is {_shown(value)}; it must be numbers") from error
+        raise InputError(f"{name} is {shown(value)}; it must be numbers") from error
     found = [number(name, entry) for entry in entries]
     if not found:
         raise InputError(f"{name} is empty; it must have at least one number")
     return found
 
 
-def heights(value: Any) -> Array:
-    """A copy of heights as [x, y], row-major, that nobody writes to."""
+def heights(value: Any) -> tuple[Array, int]:
+    """A copy of heights as [x, y], row-major, NaN where they are undefined, and the number of such points."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"
     if isinstance(value, (str, bytes)):
-        raise InputError(f"heights is the text {_shown(value)}; it must be {wanted} (gfmd.read reads files)")
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        missing = int(np.ma.getmaskarray(value).sum())
-        raise InputError(f"heights has {missing} masked points of {value.size}; every point needs a height")
+        raise InputError(f"heights is the text {shown(value)}; it must be {wanted} (gfmd.read reads files)")
     try:
-        given = np.asarray(value)
+        given = np.ma.asarray(value) if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
     except Exception as error:
-        raise InputError(f"heights is {_shown(value)}; it must be {wanted}") from error
+        raise InputError(f"heights is {shown(value)}; it must be {wanted}") from error
     if given.dtype.kind not in "fiu":
         raise InputError(f"heights has the type {given.dtype}; it must be {wanted}")
     if given.ndim == 1:
@@ -96,12 +125,28 @@ def heights(value: Any) -> Array:
     if nx < 2 or ny < 1:
         raise InputError(f"heights has the shape [{nx}, {ny}]; it must have at least 2 points along each axis")
     with np.errstate(all="ignore"):
-        copy = np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
-    wrong = ~np.isfinite(copy)
-    if wrong.any():
-        i, j = (int(k) for k in np.argwhere(wrong)[0])
-        raise InputError(f"heights has {int(wrong.sum())} points that are not finite, the first ({copy[i, j]}) at [{i}, {j}]; every point needs a height")
-    return frozen(copy)
+        copy = np.array(np.ma.getdata(given), dtype=np.float64, order="C", copy=True, subok=False)
+    if isinstance(given, np.ma.MaskedArray):
+        copy[np.ma.getmaskarray(given)] = np.nan
+    if np.isfinite(copy).all():
+        return copy, 0
+    if np.isinf(copy).any():
+        i, j = (int(k) for k in np.argwhere(np.isinf(copy))[0])
+        raise InputError(f"heights has {int(np.isinf(copy).sum())} infinite points, the first at [{i}, {j}]; every height must be finite")
+    return copy, int(np.isnan(copy).sum())
+
+
+def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float], fill: Optional[str]) -> Array:
+    """The heights with their undefined points filled."""
+    how = None if fill is None else word("fill", fill)
+    if how is not None and how not in ("harmonic", "nearest"):
+        raise InputError(f"fill is {how!r}; it must be 'harmonic', 'nearest' or None")
+    if not undefined:
+        return found
+    if how is None:
+        i, j = (int(k) for k in np.argwhere(np.isnan(found))[0])
+        raise InputError(f"{name} has {undefined} undefined points of {found.size}, the first at [{i}, {j}]; every point needs a height: fill='harmonic' or 'nearest' gives one")
+    return _gfmd.fill(found, lengths, how)
 
 
 def frozen(array: Array) -> Array:
@@ -114,10 +159,10 @@ def size(value: Any, shape: tuple[int, ...]) -> tuple[float, float]:
     nx, ny = shape
     given = [] if value is None else numbers("size", value)
     if len(given) > 2:
-        raise InputError(f"size is {_shown(value)}; it must be L or (Lx, Ly)")
+        raise InputError(f"size is {shown(value)}; it must be L or (Lx, Ly)")
     along_x = given[0] if given else 1.0
     along_y = given[1] if len(given) == 2 else (1.0 if ny == 1 else along_x * ny / nx)
     for length in (along_x, along_y):
         if not (0.0 < length < math.inf):
-            raise InputError(f"size is {_shown(value)}; lengths must be positive and finite")
+            raise InputError(f"size is {shown(value)}; lengths must be positive and finite")
     return along_x, along_y

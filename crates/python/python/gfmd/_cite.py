@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from . import _gfmd
+from ._below import FieldsBelow, Green, Punch
+from ._check import shown
+from ._contact import Contact, Contacts
+from ._errors import InputError
+from ._kappa import KappaSweep
+from ._path import Path
 
 _PROGRAM = f"gfmd {_gfmd.VERSION}, contact mechanics of rough surfaces by Green's function molecular dynamics (CITATION.cff)."
+_METHOD = "Campañá and Müser, Phys. Rev. B 74 (2006) 075420: Green's function molecular dynamics."
+_AREA = "Yastrebov, Anciaux and Molinari, Tribol. Int. 114 (2017) 161: area corrected for its perimeter."
+_LIMIT = "Prodanov, Dapp and Müser, Tribol. Lett. 53 (2014) 433: the three limits of kappa."
+_CONJUGATE = "Polonsky and Keer, Wear 231 (1999) 206: constrained conjugate gradients."
 _SOLVERS = {
-    "cg": "Polonsky and Keer, Wear 231 (1999) 206: constrained conjugate gradients.",
+    "auto": _CONJUGATE,
+    "cg": _CONJUGATE,
+    "projected-cg": _CONJUGATE,
+    "preconditioned-cg": _CONJUGATE,
     "fire": "Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201: FIRE.",
     "fire2": "Guénolé et al., Comput. Mater. Sci. 175 (2020) 109584: FIRE 2.0.",
 }
@@ -20,20 +34,38 @@ _LAWS = {
 
 
 def cite(*results: Any) -> str:
-    """The text to cite for the methods of these results, a line each.
+    """Returns what to cite for the methods of these results, a line each.
+
+    Args:
+        results: contacts, paths, punches, fields below a surface, sweeps.
+
+    Raises:
+        InputError: something else.
 
     Example:
-        >>> print(gfmd.cite(c))
+        >>> "Polonsky" in gfmd.cite(c)
+        True
     """
-    lines = [_PROGRAM]
-    for result in results:
-        for one in result if hasattr(result, "_contacts") else [result]:
-            settings: Any = getattr(one, "_settings", None)
-            law: Any = getattr(one, "law", None)
-            if settings is not None:
-                lines.append("Campañá and Müser, Phys. Rev. B 74 (2006) 075420: Green's function molecular dynamics.")
-                lines.append("Yastrebov, Anciaux and Molinari, Tribol. Int. 114 (2017) 161: area corrected for its perimeter.")
-                lines.append(_SOLVERS.get(settings[0], ""))
-            if hasattr(law, "name"):
-                lines.append(_LAWS.get(law.name, ""))
+    lines = [_PROGRAM, *(line for result in results for line in _of(result))]
     return "\n".join(dict.fromkeys(line for line in lines if line))
+
+
+def _of(result: Any) -> Iterator[str]:
+    if isinstance(result, Contacts):
+        for contact in result:
+            yield from _of(contact)
+    elif isinstance(result, Contact):
+        yield _METHOD
+        yield _AREA
+        wall = result.law.name == "hard-wall"
+        yield _SOLVERS.get(result._settings[0], "") if wall or result._settings[0] != "auto" else ""
+        yield _LAWS.get(result.law.name, "")
+    elif isinstance(result, Path):
+        yield _METHOD
+        yield _LAWS.get(result.law, "")
+    elif isinstance(result, KappaSweep):
+        yield from (_METHOD, _LIMIT, _AREA, _CONJUGATE)
+    elif isinstance(result, (Punch, FieldsBelow, Green)):
+        yield _METHOD
+    else:
+        raise InputError(f"the result is {shown(result)}; it must be one of this package")

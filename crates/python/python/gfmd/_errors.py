@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import warnings
 from typing import Any
 
@@ -18,7 +20,10 @@ class InputError(Error, ValueError):
 
 
 class NotConverged(Error):
-    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None."""
+    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None.
+
+    `state.not_converged` of a path or a punch tells the criteria that are not met, the residual against the iterations, and advice.
+    """
 
     def __init__(self, text: str, state: Any = None) -> None:
         super().__init__(text)
@@ -70,5 +75,9 @@ def interrupted(text: str) -> Interrupted:
 
 
 def warned(lines: str) -> None:
+    """Warns at the line that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
+        level, frame = level + 1, frame.f_back
     for line in lines.splitlines():
-        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=3)
+        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=level)

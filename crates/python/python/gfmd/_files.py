@@ -9,7 +9,7 @@ from typing import Any, Union
 
 import numpy as np
 
-from . import _gfmd
+from . import _check, _gfmd
 from ._body import Body, Law
 from ._contact import Contact, Contacts
 from ._errors import InputError
@@ -19,14 +19,6 @@ from ._surface import _surface
 _COUNTS = ("contact_nodes", "boundary_links", "iterations")
 _FLAGS = ("converged", "passed_instability")
 _RESIDUALS = ("complementarity", "penetration", "negative_pressure", "load")
-
-
-def path_of(path: Any) -> str:
-    try:
-        name = os.fspath(path)
-    except TypeError as error:
-        raise InputError(f"path is {path!r}; it must be the name of a file") from error
-    return os.fsdecode(name)
 
 
 def _toml(values: dict[str, Any]) -> str:
@@ -40,7 +32,7 @@ def _toml(values: dict[str, Any]) -> str:
     return "\n".join(rows)
 
 
-def save(path: Any, contacts: Sequence[Contact]) -> None:
+def save(name: Any, contacts: Sequence[Contact]) -> None:
     if not contacts:
         raise InputError("there are no contacts to write")
     first = contacts[0]
@@ -58,11 +50,14 @@ def save(path: Any, contacts: Sequence[Contact]) -> None:
     }
     loads = [(_toml(contact._values), contact.pressure, contact.displacement_z, contact.gap) for contact in contacts]
     given = (surface.heights, surface.size, surface.unit, surface.description)
-    _gfmd.save(path_of(path), given, loads, _gfmd.json_to_toml(json.dumps(config)))
+    _gfmd.save(_check.path("path", name), given, loads, _gfmd.json_to_toml(json.dumps(config)))
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
-    """The contact, or the contacts of several loads, of a file of `gfmd contact --out`, `Contact.save` or `Contacts.save`.
+    """Returns the contact, or the contacts of several loads, of a file of `gfmd contact --out`, `Contact.save` or `Contacts.save`.
+
+    Args:
+        path: the name of the HDF5 file.
 
     Raises:
         InputError: not such a file.
@@ -72,9 +67,9 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         >>> gfmd.load("c.h5").area_fraction == c.area_fraction
         True
     """
-    name = path_of(path)
+    name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    heights, size, unit, _ = _gfmd.read(f"{name}:/surface/height")
+    heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
     length = config.get("length", [])
     if len(length) == 2:
         size = (length[0], length[1])

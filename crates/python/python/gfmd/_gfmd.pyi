@@ -1,34 +1,55 @@
 from collections.abc import Callable
-from typing import Any, Optional
+from typing import Any, Optional, final
 
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "GIT_COMMIT",
+    "Problem",
+    "State",
+    "VERSION",
+    "check_law",
+    "detrend",
+    "fill",
+    "json_to_toml",
+    "periodise",
+    "program",
+    "read",
+    "read_array",
+    "read_text",
+    "run",
+    "save",
+    "self_affine",
+    "solvers",
+    "statistics",
+    "toml_to_json",
+]
 VERSION: str
 GIT_COMMIT: str
 
 _Array = npt.NDArray[np.float64]
 _Tick = Optional[Callable[[int, float], None]]
 
-class State: ...
+@final
+class State:
+    fields: tuple[_Array, _Array, _Array]
 
+@final
 class Problem:
-    e_star: float
-    rms_gradient: float
-    rms_height: float
-    def __init__(
-        self,
+    def __new__(
+        cls,
         heights: _Array,
         lengths: tuple[float, float],
         body: tuple[float, float, Optional[float], Optional[float]],
         law: tuple[str, list[tuple[str, float]]],
         solver: str,
         threads: int,
-    ) -> None: ...
+    ) -> Problem: ...
     def solve(
         self, control: str, value: float, tolerance: float, max_iterations: int, start: Optional[State], threads: int, tick: _Tick
-    ) -> tuple[State, str, _Array, _Array, _Array, Optional[tuple[str, str]], Optional[BaseException]]: ...
-    def resume(self, pressure: _Array, approach: float) -> State: ...
+    ) -> tuple[State, str, Optional[tuple[str, str]], Optional[BaseException]]: ...
+    def recall(self, pressure: _Array, displacement: _Array, gap: _Array, approach: float) -> State: ...
 
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
 def solvers() -> list[str]: ...
@@ -49,7 +70,8 @@ def self_affine(
     roll_off_shape: str,
     amplitudes: str,
 ) -> tuple[_Array, tuple[float, float], str]: ...
-def read(name: str) -> tuple[_Array, Optional[tuple[float, float]], Optional[str], str]: ...
+def read(name: str, channel: Optional[str] = None) -> tuple[_Array, Optional[tuple[float, float]], Optional[str], str, str]: ...
+def fill(heights: _Array, lengths: tuple[float, float], how: str) -> _Array: ...
 def detrend(heights: _Array, trend: str) -> _Array: ...
 def periodise(heights: _Array, lengths: tuple[float, float], way: str) -> tuple[_Array, tuple[float, float]]: ...
 def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...

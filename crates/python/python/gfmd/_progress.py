@@ -8,17 +8,27 @@ import time
 from types import TracebackType
 from typing import Any, Optional
 
+from ._check import flag
+
 _PATIENCE = 1.0
 _shown: Optional[bool] = None
 
 
 def progress(shown: Optional[bool]) -> None:
-    """Turns progress bars on or off for this process; None shows them on terminals and in notebooks only.
+    """Turns progress bars on or off for this process.
 
-    Example: `gfmd.progress(False)`
+    Args:
+        shown: True or False; None, the default at the start, shows them on terminals and in notebooks only.
+
+    Raises:
+        InputError: another value.
+
+    Example:
+        >>> gfmd.progress(False)
+        >>> gfmd.progress(None)
     """
     global _shown
-    _shown = shown
+    _shown = None if shown is None else flag("shown", shown)
 
 
 def _wanted() -> bool:

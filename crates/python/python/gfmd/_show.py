@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._surface import Surface
 
 
-def _needed(module: str, use: str) -> Any:
+def needed(module: str, use: str) -> Any:
     import importlib
 
     try:
@@ -31,7 +31,7 @@ def _needed(module: str, use: str) -> Any:
 def axes(ax: Any) -> Any:
     if ax is not None:
         return ax
-    return _needed("matplotlib.pyplot", "plot").subplots()[1]
+    return needed("matplotlib.pyplot", "plot").subplots()[1]
 
 
 _QUANTITIES = {"height": "length", "gap": "length", "displacement_z": "length", "pressure": "stress"}
@@ -65,12 +65,31 @@ def area(contacts: Sequence[Contact], ax: Any) -> Any:
     return ax
 
 
-def dataset(contacts: Sequence[Contact]) -> Any:
-    xarray = _needed("xarray", "to_xarray")
-    surface = contacts[0].surface
+def kappa(points: Sequence[Any], fit: Any, ax: Any) -> Any:
+    ax = axes(ax)
+    points = [point for point in points if point["p_star"] == fit["p_star"]]
+    errors = [np.nan if point["kappa_sem"] is None else point["kappa_sem"] for point in points]
+    ax.errorbar([point["n"] for point in points], [point["kappa"] for point in points], errors, fmt="o", label=f"$p^* = {fit['p_star']:g}$")
+    ax.axhline(fit["kappa_tfc"], color="k", label=r"limit $\kappa_\mathrm{TFC}$")
+    if fit["total_ci95"] is not None:
+        ax.axhspan(*fit["total_ci95"], color="k", alpha=0.15, label="95 %, with the error of the form")
+    ax.set_xscale("log", base=2)
+    ax.set_xlabel("points along a side")
+    ax.set_ylabel(r"$\kappa$")
+    ax.legend()
+    return ax
+
+
+def coordinates(surface: Surface) -> dict[str, Any]:
     (lx, ly), (nx, ny) = surface.size, surface.n
     length = surface.unit or "length"
-    coordinates = {"x": ("x", np.arange(nx) * lx / nx, {"units": length}), "y": ("y", np.arange(ny) * ly / ny, {"units": length})}
+    return {"x": ("x", np.arange(nx) * lx / nx, {"units": length}), "y": ("y", np.arange(ny) * ly / ny, {"units": length})}
+
+
+def dataset(contacts: Sequence[Contact]) -> Any:
+    xarray = needed("xarray", "to_xarray")
+    surface = contacts[0].surface
+    length = surface.unit or "length"
     variables: dict[str, Any] = {"height": (("x", "y"), surface.heights, {"units": length})}
     for name in ("pressure", "displacement_z", "gap"):
         units = "stress" if name == "pressure" else length
@@ -81,7 +100,7 @@ def dataset(contacts: Sequence[Contact]) -> Any:
                 variables[f"residual_{part}"] = ("load", [contact["residual"][part] for contact in contacts])
         else:
             variables[name] = ("load", [contact[name] for contact in contacts])
-    return xarray.Dataset(variables, coordinates)
+    return xarray.Dataset(variables, coordinates(surface))
 
 
 def _png(values: Array) -> bytes:
@@ -100,8 +119,29 @@ def _png(values: Array) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 
-def map_html(values: Array, caption: str) -> str:
-    if values.shape[1] == 1:
+_MOST_MAPS = 6
+
+
+def maps_html(fields: Sequence[Array], caption: str) -> str:
+    """Small maps side by side, of at most six of the fields; of profiles, the caption alone."""
+    if not fields or fields[0].shape[1] == 1:
         return f"<p>{html.escape(caption)}</p>"
-    image = base64.b64encode(_png(values)).decode()
-    return f'<figure><img width="128" src="data:image/png;base64,{image}"><figcaption>{html.escape(caption)}</figcaption></figure>'
+    kept = [fields[round(k)] for k in np.linspace(0, len(fields) - 1, min(len(fields), _MOST_MAPS))]
+    images = "".join(f'<img width="128" src="data:image/png;base64,{base64.b64encode(_png(field)).decode()}"> ' for field in kept)
+    return f"<figure>{images}<figcaption>{html.escape(caption)}</figcaption></figure>"
+
+
+def table_html(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
+    names = "".join(f"<th>{html.escape(name)}</th>" for name in head)
+    return f"<table><tr>{names}</tr>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
+
+
+def grid(surface: Surface, fields: dict[str, Array]) -> Any:
+    """Fields as point data of a pyvista.ImageData, x fastest as VTK has it."""
+    pyvista = needed("pyvista", "to_pyvista")
+    (lx, ly), (nx, ny) = surface.size, surface.n
+    image = pyvista.ImageData(dimensions=(nx, ny, 1), spacing=(lx / nx, ly / ny, 1.0))
+    for name, values in fields.items():
+        image.point_data[name] = values.flatten(order="F")
+    return image

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy.typing as npt
 
@@ -16,7 +16,57 @@ Size = Union[float, tuple[float, float], None]
 
 
 class Statistics(Record):
-    """The numbers of a surface by the names of `gfmd surface --json`; lengths in the unit of the heights."""
+    """The numbers of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
+
+    Attributes:
+        n, length: points and lengths along x and y.
+        mean, rms_height, lowest, highest, peak_to_valley: of the heights, length; rms_height is about the mean.
+        rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by differences,
+            rms_gradient_inside without the periodic seam.
+        rms_curvature, rms_laplacian: 1/length.
+        m0, m2, m4: moments of the spectrum, length², 1, 1/length²; nayak: m0 m4/m2².
+        hurst, hurst_error: fitted Hurst exponent and its standard error, over the wavelengths hurst_range.
+        longest_wavelength, shortest_wavelength: cut-offs found in the spectrum, length.
+        seam: along x and y, rms step across the edge of the cell over that inside.
+
+    Example:
+        >>> round(s.statistics().nayak, 1)
+        6.4
+    """
+
+    n: list[int]
+    length: list[float]
+    mean: float
+    rms_height: float
+    lowest: float
+    highest: float
+    peak_to_valley: float
+    rms_gradient: float
+    rms_gradient_central: float
+    rms_gradient_forward: float
+    rms_gradient_inside: float
+    rms_curvature: float
+    rms_laplacian: float
+    m0: float
+    m2: float
+    m4: float
+    nayak: float
+    hurst: float
+    hurst_error: float
+    hurst_range: list[float]
+    longest_wavelength: float
+    shortest_wavelength: float
+    seam: list[float]
+
+
+class _Origin(NamedTuple):
+    """Where heights come from: in words, and what their file says."""
+
+    description: str
+    file: dict[str, Any]
+
+    def after(self, step: str) -> _Origin:
+        return self._replace(description=f"{self.description}, {step}")
 
 
 class Surface:
@@ -31,48 +81,54 @@ class Surface:
         size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x, and
             the points are as far apart along y.
         unit: the unit of heights and lengths, such as "m"; only told, never converted.
+        fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points) or
+            "nearest"; None refuses them.
 
     Raises:
-        InputError: another shape or type, NaN, masked points, a size that is not positive.
+        InputError: another shape or type, undefined or infinite points, a size that is not positive.
 
     Example:
         >>> gfmd.Surface([[0, 1], [1, 0]], size=(1e-4, 1e-4), unit="m")
+        Surface of 2 x 2 points on 0.0001 x 0.0001 m (array)
+        >>> gfmd.contact(gfmd.Surface(np.cos(np.arange(64) * np.pi / 32)), gfmd.Body(), p_star=0.1).gap.shape
+        (64, 1)
+        >>> gfmd.Surface([[0, 1], [np.nan, 0]], fill="nearest").undefined
+        1
     """
 
-    __slots__ = ("_description", "_heights", "_statistics", "_size", "_unit")
+    __slots__ = ("__weakref__", "_heights", "_origin", "_size", "_statistics", "_unit")
     _heights: Array
     _size: tuple[float, float]
     _unit: Optional[str]
-    _description: str
+    _origin: _Origin
     _statistics: Optional[Statistics]
 
-    def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None) -> None:
+    def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None) -> None:
         description = "array"
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
-            topography: Any = heights
-            lengths, points = topography.physical_sizes, topography.nb_grid_pts
-            heights = topography.heights()
-            if size is None and lengths is not None and len(lengths) == len(points):
-                size = tuple(float(length) for length in lengths) if len(lengths) > 1 else float(lengths[0])  # type: ignore[assignment]
-            unit = getattr(topography, "unit", None) if unit is None else unit
+            heights, lengths, told = _taken_over(heights)
+            size = lengths if size is None else size
+            unit = told if unit is None else unit
             description = "SurfaceTopography"
-        copy = _check.heights(heights)
-        shape = (int(copy.shape[0]), int(copy.shape[1]))
-        self._set(copy, _check.size(size, shape), None if unit is None else word("unit", unit), description)
+        copy, undefined = _check.heights(heights)
+        cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])))
+        copy = _check.whole("heights", copy, undefined, cell, fill)
+        origin = _Origin(_filled(description, undefined, fill), {"undefined": undefined})
+        self._set(copy, cell, None if unit is None else word("unit", unit), origin)
 
-    def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], description: str) -> None:
-        for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("description", description), ("statistics", None)):
+    def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin) -> None:
+        for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("origin", origin), ("statistics", None)):
             object.__setattr__(self, "_" + name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("a Surface cannot be changed; its methods return new ones")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _surface, (self._heights, self._size, self._unit, self._description)
+        return _surface, (self._heights, self._size, self._unit, self._origin)
 
     @property
     def heights(self) -> Array:
-        """Heights [x, y], read-only; a profile is [n, 1]."""
+        """Heights [x, y], length, read-only; a profile is [n, 1]."""
         return self._heights
 
     @property
@@ -82,7 +138,7 @@ class Surface:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Lengths of the cell along x and y, n times the spacing. The second of a profile means nothing."""
+        """Lengths of the cell along x and y, n times the spacing, in the unit of the heights. The second of a profile means nothing."""
         return self._size
 
     @property
@@ -93,16 +149,41 @@ class Surface:
     @property
     def description(self) -> str:
         """The origin of the heights, and how they were prepared."""
-        return self._description
+        return self._origin.description
+
+    @property
+    def undefined(self) -> int:
+        """The number of points that had no height and were filled."""
+        return int(self._origin.file.get("undefined", 0))
+
+    @property
+    def format(self) -> Optional[str]:
+        """The name of the format of the file, the origin of the heights; None without a file."""
+        return self._origin.file.get("format")
+
+    @property
+    def channel(self) -> Optional[str]:
+        """The name of the channel of the file that the heights are; None if the origin has no name."""
+        return self._origin.file.get("channel")
+
+    @property
+    def channels(self) -> list[str]:
+        """The names of all height maps in the file, for `gfmd.read(name, channel)`; their numbers where they have no names."""
+        return list(self._origin.file.get("channels", []))
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What the file says of instrument and measurement, by name."""
+        return dict(self._origin.file.get("details", {}))
 
     @property
     def rms_gradient(self) -> float:
-        """Root mean square of the full gradient, from the spectrum."""
+        """Root mean square of the full gradient, from the spectrum; without unit."""
         return float(self.statistics().rms_gradient)
 
     @property
     def rms_height(self) -> float:
-        """Root mean square of the heights about their mean."""
+        """Root mean square of the heights about their mean, length."""
         return float(self.statistics().rms_height)
 
     def statistics(self, *, fit_range: Optional[tuple[float, float]] = None) -> Statistics:
@@ -116,7 +197,7 @@ class Surface:
             InputError: a range without enough waves.
 
         Example:
-            >>> gfmd.self_affine(n=64, rms_gradient=0.3).statistics().rms_gradient
+            >>> round(gfmd.self_affine(n=64, rms_gradient=0.3).statistics().rms_gradient, 12)
             0.3
         """
         if fit_range is None and self._statistics is not None:
@@ -133,7 +214,7 @@ class Surface:
         return found
 
     def detrend(self, trend: str = "plane") -> Surface:
-        """A surface without its trend.
+        """Returns a surface without its trend.
 
         Args:
             trend: "mean", "plane" (least squares), "slope" (the mean slope, which joins opposite edges on average) or
@@ -143,59 +224,98 @@ class Surface:
             InputError: another name; fewer points than the trend has numbers.
 
         Example:
-            >>> flat = gfmd.read("scan.txt").detrend("plane")
+            >>> tilted = gfmd.Surface(s.heights + 0.1 * np.arange(64)[:, np.newaxis])
+            >>> tilted.detrend("plane").rms_height < tilted.rms_height
+            True
         """
         heights = _gfmd.detrend(self._heights, word("trend", trend))
-        return _surface(heights, self._size, self._unit, f"{self._description}, {trend} removed")
+        return _surface(heights, self._size, self._unit, self._origin.after(f"{trend} removed"))
 
     def periodise(self, way: str = "mirror") -> Surface:
-        """One period of a surface that is not periodic: "mirror" joins mirror images (four times the points), "as-is" nothing.
+        """Returns one period of a surface that is not periodic.
+
+        Args:
+            way: "mirror" joins mirror images (four times the points, a profile twice); "as-is" changes nothing.
 
         Raises:
             InputError: another name.
 
         Example:
-            >>> cell = gfmd.read("scan.txt").detrend("plane").periodise()
+            >>> s.periodise().n
+            (128, 128)
         """
         heights, size = _gfmd.periodise(self._heights, self._size, word("way", way))
-        return _surface(heights, size, self._unit, f"{self._description}, {way}")
+        return _surface(heights, size, self._unit, self._origin.after(way))
 
     def flip(self) -> Surface:
-        """A surface turned over: valleys become peaks. For scans whose peaks point away from the body.
+        """Returns the surface turned over: valleys become peaks. For scans whose peaks point away from the body.
 
         Example:
-            >>> turned = surface.flip()
+            >>> np.array_equal(s.flip().heights, -s.heights)
+            True
         """
-        return _surface(-self._heights, self._size, self._unit, f"{self._description}, turned over")
+        return _surface(-self._heights, self._size, self._unit, self._origin.after("turned over"))
 
     def plot(self, ax: Any = None) -> Any:
-        """A map of the heights, or the profile, with matplotlib. Returns the axes.
+        """Draws a map of the heights, or the profile, with matplotlib. Returns the axes.
 
         Args:
             ax: the axes to draw into; new ones by default.
 
+        Raises:
+            Error: no matplotlib.
+
         Example:
-            >>> gfmd.self_affine(n=64).plot()
+            >>> ax = s.plot()
         """
         from . import _show
 
         return _show.field(self._heights, self, "height", ax)
 
+    def to_pyvista(self) -> Any:
+        """Returns a pyvista.ImageData of the heights [x, y] as point data; `.warp_by_scalar()` makes a relief.
+
+        Raises:
+            Error: no pyvista.
+
+        Example:
+            >>> s.to_pyvista().dimensions  # doctest: +SKIP
+            (64, 64, 1)
+        """
+        from . import _show
+
+        return _show.grid(self, {"height": self._heights})
+
     def __repr__(self) -> str:
         nx, ny = self.n
         points, cell = (f"{nx} points", f"{self._size[0]:g}") if ny == 1 else (f"{nx} x {ny} points", f"{self._size[0]:g} x {self._size[1]:g}")
-        return f"Surface of {points} on {cell} {self._unit or 'length units'} ({self._description})"
+        return f"Surface of {points} on {cell} {self._unit or 'length units'} ({self.description})"
 
     def _repr_html_(self) -> str:
         from . import _show
 
-        return _show.map_html(self._heights, repr(self))
+        return _show.maps_html([self._heights], repr(self))
 
 
-def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], description: str) -> Surface:
+def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin | str) -> Surface:
     made = object.__new__(Surface)
-    made._set(heights, (float(size[0]), float(size[1])), unit, description)
+    made._set(heights, (float(size[0]), float(size[1])), unit, _Origin(origin, {}) if isinstance(origin, str) else origin)
     return made
+
+
+def _filled(description: str, undefined: int, fill: Optional[str]) -> str:
+    return f"{description}, {undefined} points filled ({fill})" if undefined else description
+
+
+def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
+    """Heights, size and unit of a SurfaceTopography object."""
+    for name, wanted in (("is_uniform", True), ("is_domain_decomposed", False)):
+        if getattr(topography, name, wanted) is not wanted:
+            words = "not at equal distances" if wanted else "spread over several processes"
+            raise InputError(f"heights is a {type(topography).__name__} whose points are {words}; they must be a whole regular grid")
+    lengths = topography.physical_sizes
+    size = None if lengths is None else tuple(float(length) for length in lengths)
+    return topography.heights(), size, getattr(topography, "unit", None)  # type: ignore[return-value]
 
 
 def as_surface(value: Any) -> Surface:
@@ -225,22 +345,27 @@ def self_affine(
     Args:
         n: points along a side, or (nx, ny); 256 by default, or as `eps_c_inv` says.
         hurst: Hurst exponent, 0 to 1.
-        rms_gradient: root mean square of the full gradient, 0.1 by default; or `rms_height`, length.
+        rms_gradient: root mean square of the full gradient, 0.1 by default; or
+        rms_height: root mean square of the heights, length.
         seed: name of the realisation: one seed gives one surface on any grid.
         size: lengths of the cell, L or (Lx, Ly); 1 by default.
+        unit: the unit of heights and lengths, such as "m"; only told, never converted.
         eps_t_inv: cell over longest wavelength, at least 1; 2 by default.
         eps_f_inv: longest over shortest wavelength; by default 4 points are left for the shortest.
         eps_c_inv: points per shortest wavelength, at least 2, in place of `n`.
         dim: 3 for a surface, 2 for a profile.
         method: "psd", or "sra", "rmd" (subdivision, not periodic).
-        roll_off: wavelength beyond which the spectrum is flat, length; its `roll_off_shape` is "plateau" or "smooth".
+        roll_off: wavelength beyond which the spectrum is flat, length.
+        roll_off_shape: "plateau" or "smooth".
         amplitudes: "gaussian", or "fixed" (random phases only).
 
     Raises:
         InputError: a value out of its range, values that do not go together.
 
     Example:
-        >>> gfmd.self_affine(n=256, hurst=0.8, rms_gradient=0.1, seed=1)
+        >>> s = gfmd.self_affine(n=64, hurst=0.8, rms_gradient=0.1, seed=1)
+        >>> s.heights.shape, round(s.rms_gradient, 12)
+        ((64, 64), 0.1)
     """
     if rms_gradient is not None and rms_height is not None:
         raise InputError("rms_gradient and rms_height are both given; give one of the two")
@@ -269,25 +394,36 @@ def self_affine(
     return _surface(heights, lengths, None if unit is None else word("unit", unit), description)
 
 
-def read(name: Union[str, "os.PathLike[str]"], *, size: Size = None, unit: Optional[str] = None) -> Surface:
-    """A surface from a file: every format that `gfmd surface --surface` reads.
+def read(
+    name: Union[str, "os.PathLike[str]"],
+    channel: Union[str, int, None] = None,
+    *,
+    fill: Optional[str] = None,
+    size: Size = None,
+    unit: Optional[str] = None,
+) -> Surface:
+    """Reads a surface from a file: every format that `gfmd surface --surface` reads, told by the contents of the file.
 
     Args:
-        name: a .npy file, "FILE.h5:/dataset", or a text matrix with or without an instrument's header.
+        name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
+        channel: name or number, from 0, of the height map in the file; the default of the file if not given.
+        fill: heights for undefined points, "harmonic" or "nearest", as of `Surface`; None refuses them.
         size: lengths of the cell; those of the file by default, or 1.
         unit: unit of heights and lengths; that of the file by default.
 
     Raises:
-        InputError: a file that cannot be read or has points without a height.
+        InputError: a file that cannot be read, a channel that it does not have, undefined points.
 
     Example:
-        >>> scan = gfmd.read("scan.txt").detrend("plane")
+        >>> np.savetxt("scan.txt", [[0.0, 1.0, 0.5], [0.5, 0.0, 1.0]])
+        >>> gfmd.read("scan.txt", size=(3e-6, 2e-6), unit="m")
+        Surface of 3 x 2 points on 3e-06 x 2e-06 m (scan.txt)
     """
-    try:
-        path = word("name", os.fspath(name))
-    except TypeError as error:
-        raise InputError(f"name is {name!r}; it must be the path of a file") from error
-    heights, lengths, told, description = _gfmd.read(path)
-    given = lengths if size is None else size
-    shape = (int(heights.shape[0]), int(heights.shape[1]))
-    return _surface(heights, _check.size(given, shape), told if unit is None else word("unit", unit), description)
+    path = _check.path("name", name)
+    asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
+    heights, lengths, told, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
+    said = parsed(file)
+    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])))
+    heights = _check.whole(path, heights, said["undefined"], cell, fill)
+    origin = _Origin(_filled(description, said["undefined"], fill), said)
+    return _surface(heights, cell, told if unit is None else word("unit", unit), origin)

@@ -1,0 +1,128 @@
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_response::unit_of;
+
+use crate::{Drive, Load, Refusal, RigidSurface};
+
+/// The units in which a contact is solved, in the units of its input.
+///
+/// Solvers form squares and products of their variables, which the largest and the smallest numbers do not survive.
+/// Moduli, lengths along the surface and heights that are far from 1 are therefore measured in units of their own size.
+/// All units are powers of two: no digit is lost. In ordinary units they are 1, and nothing is converted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    modulus: f64,
+    lateral: f64,
+    normal: f64,
+}
+
+/// The least magnitude of a mean pressure. Pressures of a billionth of it still have all digits.
+const LEAST: f64 = 1e-290;
+
+impl Default for Units {
+    fn default() -> Self {
+        Self::ONE
+    }
+}
+
+impl Units {
+    /// The units of the input.
+    pub const ONE: Self = Self { modulus: 1.0, lateral: 1.0, normal: 1.0 };
+
+    /// The units of a contact of `body` with `surface`.
+    ///
+    /// # Errors
+    /// A unit of stress, E* h_rms over the cell length, that is no normal number.
+    pub fn of(body: &Body, surface: &RigidSurface) -> Result<Self, Refusal> {
+        let modulus = body.material().contact_modulus();
+        let units = Self { modulus: unit_of(modulus), ..Self::of_surface(surface) };
+        let stress = modulus * (surface.rms_height() / longest(surface.grid()));
+        if units != Self::ONE && stress != 0.0 && !(LEAST..=1.0 / LEAST).contains(&stress) {
+            return Err(Refusal::Unit { found: stress });
+        }
+        Ok(units)
+    }
+
+    /// The units of lengths of a surface alone.
+    pub(crate) fn of_surface(surface: &RigidSurface) -> Self {
+        Self { modulus: 1.0, lateral: unit_of(longest(surface.grid())), normal: unit_of(surface.rms_height()) }
+    }
+
+    /// The unit of gradients.
+    pub(crate) fn gradient(&self) -> f64 {
+        self.normal / self.lateral
+    }
+
+    /// Returns true if nothing is converted.
+    pub fn are_one(&self) -> bool {
+        *self == Self::ONE
+    }
+
+    /// The unit of moduli.
+    pub fn modulus(&self) -> f64 {
+        self.modulus
+    }
+
+    /// The unit of heights, gaps and displacements.
+    pub fn length(&self) -> f64 {
+        self.normal
+    }
+
+    /// The unit of pressures and tractions.
+    pub fn stress(&self) -> f64 {
+        self.modulus * self.gradient()
+    }
+
+    /// The unit of stiffnesses.
+    pub fn stiffness(&self) -> f64 {
+        self.modulus / self.lateral
+    }
+
+    /// The unit of energies per area.
+    pub fn energy(&self) -> f64 {
+        self.stress() * self.normal
+    }
+
+    /// The body in these units.
+    pub fn body(&self, body: &Body) -> Body {
+        if self.are_one() { body.clone() } else { body.in_units(self.modulus, self.lateral) }
+    }
+
+    /// The grid in these units.
+    pub fn grid(&self, grid: &Grid) -> Grid {
+        let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
+        let ly = if grid.is_line() { ly } else { ly / self.lateral };
+        Grid::new([nx, ny], [lx / self.lateral, ly]).unwrap_or(*grid)
+    }
+
+    /// A rigid surface in these units.
+    pub fn surface(&self, surface: &Arc<RigidSurface>) -> Arc<RigidSurface> {
+        if self.are_one() { Arc::clone(surface) } else { surface.in_units(self).into() }
+    }
+
+    /// The drive in these units.
+    pub fn drive(&self, drive: Drive) -> Drive {
+        let load = match drive.load {
+            Load::MeanPressure(mean) => Load::MeanPressure(mean / self.stress()),
+            Load::Approach(approach) => Load::Approach(approach / self.normal),
+        };
+        Drive { load, lateral: drive.lateral.map(|u| u / self.normal) }
+    }
+
+    /// Checks that a mean pressure, in the units of the input, has all its digits.
+    ///
+    /// # Errors
+    /// A pressure other than zero that is too small, or infinite.
+    pub fn check_pressure(mean: f64) -> Result<(), Refusal> {
+        let good = mean == 0.0 || mean.is_nan() || (LEAST..=1.0 / LEAST).contains(&mean.abs());
+        if good { Ok(()) } else { Err(Refusal::Digits { what: "mean pressure", found: mean }) }
+    }
+}
+
+/// The longer side of the cell; the side of a profile.
+fn longest(grid: &Grid) -> f64 {
+    let sides = if grid.is_line() { 1 } else { 2 };
+    grid.lengths()[..sides].iter().copied().fold(0.0, f64::max)
+}

@@ -1,0 +1,60 @@
+//! States from kept fields.
+
+use gfmd_contact::{Load, Refusal};
+use gfmd_vector::sum;
+use ndarray::{Array2, ArrayRef2};
+
+use crate::certify::certify;
+use crate::{Interface, State};
+
+/// The fields of a state of u_z alone, as a file keeps them. They determine the state.
+#[derive(Clone, Copy, Debug)]
+pub struct Kept<'a> {
+    /// Pressure −t_z on the elastic surface, `[x, y]`, stress; attraction is negative.
+    pub pressure: &'a ArrayRef2<f64>,
+    /// Normal displacement of the elastic surface, `[x, y]`, length.
+    pub displacement_z: &'a ArrayRef2<f64>,
+    /// Distance between the surfaces, `[x, y]`, length.
+    pub gap: &'a ArrayRef2<f64>,
+    /// Rigid approach beyond first touch, length.
+    pub approach: f64,
+}
+
+impl Interface {
+    /// Returns the state with these fields. A search that starts from it takes the same steps, bit for bit, as one that
+    /// starts from the state whose fields were kept. Numbers and residuals are computed anew.
+    ///
+    /// # Errors
+    /// An interface of all components; fields of another size than the grid; numbers that are not finite.
+    pub fn recall(&self, kept: Kept<'_>) -> Result<State, Refusal> {
+        let Kept { pressure, displacement_z, gap, approach } = kept;
+        let [nx, ny] = self.elastic.grid().points();
+        let expected = nx * ny;
+        let of_other_size = [pressure, displacement_z, gap].map(|field| (field.dim(), field.len()));
+        if let Some((_, found)) = of_other_size.into_iter().find(|(shape, _)| *shape != (nx, ny)) {
+            return Err(Refusal::Start { found, expected });
+        }
+        if self.elastic.components() != 1 {
+            return Err(Refusal::Start { found: expected, expected: expected * self.elastic.components() });
+        }
+        let n = expected as f64;
+        let pressures: Vec<f64> = pressure.iter().copied().collect();
+        let mean = sum(expected, &|range| pressures[range].iter().sum()) / n;
+        let frame = self.frame(Load::MeanPressure(mean).into())?;
+        // In the frame of a load, the elastic surface moves in place of the rigid one.
+        let position: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
+        if let Some(value) = position.iter().find(|w| !w.is_finite()) {
+            return Err(Refusal::NotFinite { what: "displacement of the start", found: *value });
+        }
+        let state = certify(self, &frame, &position);
+        // The sum above is rounded. What touches the wall is told by the gap that was kept.
+        let held = |gap: f64, pressure: f64| {
+            let touches = self.law.has_wall() && gap <= 0.0;
+            if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }
+        };
+        let wall_pressure = Array2::from_shape_fn((nx, ny), |at| held(gap[at], pressure[at]));
+        let mut displacement = state.displacement;
+        displacement.index_axis_mut(ndarray::Axis(0), 0).assign(displacement_z);
+        Ok(State { displacement, gap: gap.to_owned(), wall_pressure, approach, ..state })
+    }
+}

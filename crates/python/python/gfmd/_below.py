@@ -1,0 +1,315 @@
+"""Flat punches, fields below a surface, and the elasticity of one wave vector."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+from collections.abc import Sequence
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _command
+from ._body import Body, as_any_body, as_body
+from ._check import Array, integer, number, numbers, texts, word
+from ._command import flags
+from ._contact import Contact
+from ._errors import InputError
+from ._record import Record
+
+_QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
+
+
+class Punch(Record):
+    """A flat punch on a body. `components` are x, y, z (x, z of a strip).
+
+    Attributes:
+        displacement, traction: on the elastic surface [x, y, component], length and stress; a strip has [x, 1, component].
+        under_punch: 1 under the punch, else 0 [x, y].
+        mean_pressure, max_pressure: stress; mean_traction: by component, stress.
+        elastic_energy: per area, stress * length.
+        punch_width, effective_width, depth, height: length; the height is infinite for a half-space.
+        contact_nodes, n, length, young, poisson, contact, nodes, dim, components: the problem.
+        residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
+        warnings: a Record for each warning of the computation: `code`, `text`.
+        refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
+
+    Example:
+        >>> punch.displacement.shape, punch.components
+        ((32, 32, 3), ['x', 'y', 'z'])
+    """
+
+    displacement: Array
+    traction: Array
+    under_punch: Array
+    mean_pressure: float
+    max_pressure: float
+    mean_traction: list[float]
+    elastic_energy: float
+    punch_width: float
+    effective_width: float
+    depth: float
+    height: float
+    contact_nodes: int
+    n: list[int]
+    length: list[float]
+    young: float
+    poisson: float
+    contact: str
+    nodes: str
+    dim: int
+    components: list[str]
+    residual: float
+    converged: bool
+    iterations: int
+    transform_pairs: int
+    seconds: float
+    warnings: list[Record]
+
+    def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
+        """Returns displacement, strain and stress below the punch; see `gfmd.interior`.
+
+        Args:
+            depths: depths below the surface, length.
+            options: the rest as of `gfmd.interior`.
+
+        Raises:
+            InputError: as `gfmd.interior`.
+
+        Example:
+            >>> punch.interior(depths=[0.1]).stress.shape
+            (1, 32, 32, 6)
+        """
+        return interior(self, depths, **options)
+
+    def _repr_html_(self) -> str:
+        from . import _show
+
+        shown = _show.maps_html([-self.traction[..., -1]], "normal pressure") if "traction" in self else ""
+        return shown + super()._repr_html_()
+
+
+class FieldsBelow(Record):
+    """Fields below a surface, those that were asked for.
+
+    Attributes:
+        displacement: [depth, x, y, component], length.
+        strain, stress: [depth, x, y, tensor] with xx, yy, zz, yz, xz, xy (xx, yy, zz, xz below a line); engineering shear
+            strains; stress.
+        von_mises: [depth, x, y], stress.
+        energy_density: [depth, x, y], stress.
+        levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
+        n, length: points and lengths along x and y.
+        warnings: a Record for each warning of the computation: `code`, `text`.
+
+    On a slice (along=), the axis across it is missing; below a line, y is.
+
+    Example:
+        >>> gfmd.interior(punch, depths=[0.0, 0.1], along="y=0.5", quantities=["von-mises"]).von_mises.shape
+        (2, 32)
+    """
+
+    displacement: Array
+    strain: Array
+    stress: Array
+    von_mises: Array
+    energy_density: Array
+    levels: list[Record]
+    n: list[int]
+    length: list[float]
+    warnings: list[Record]
+
+
+class Green(Record):
+    """The elasticity of one wave vector: traction = K u with u = exp(+i q r). Entries that are infinite are NaN.
+
+    Attributes:
+        stiffness: complex [component, component], stress/length. compliance: its inverse, length/stress.
+        normal_compliance, normal_stiffness: without friction, length/stress and stress/length.
+        displacement_transfer: complex [component, component], displacement inside over that of the surface.
+        stress_transfer: complex [tensor, component], stress/length. stress_components: the names of its rows.
+        warnings: none.
+        q: wave vector, rad/length. components: x, y, z, or x, z in 2-D.
+
+    Example:
+        >>> gfmd.green(gfmd.Body(), qx=3.0).stiffness.shape
+        (3, 3)
+    """
+
+    stiffness: np.typing.NDArray[np.complex128]
+    compliance: np.typing.NDArray[np.complex128]
+    normal_compliance: float
+    normal_stiffness: float
+    displacement_transfer: np.typing.NDArray[np.complex128]
+    stress_transfer: np.typing.NDArray[np.complex128]
+    stress_components: list[str]
+    q: list[float]
+    components: list[str]
+    warnings: list[Record]
+
+
+def punch(
+    body: Optional[Body] = None,
+    *,
+    length: float = 1.27,
+    n: int = 128,
+    dim: int = 3,
+    punch_fraction: float = 0.25,
+    depth: float = 0.005,
+    contact: str = "sticking",
+    nodes: str = "strict",
+    solver: str = "auto",
+    tolerance: float = 1e-8,
+    max_iterations: int = 100_000,
+    refine: int = 1,
+    threads: Optional[int] = None,
+) -> Punch:
+    """Presses a flat rigid punch on a body: all components of displacement and traction.
+
+    Args:
+        body: the body; by default that of `gfmd punch` (E = 70, Poisson's ratio 0.33, height = length).
+        length: side of the cell, length.
+        n: points along a side.
+        dim: 3 for a square punch, 2 for a strip.
+        punch_fraction: width of the punch over that of the cell.
+        depth: depth to which it is pressed, length.
+        contact: "sticking" or "frictionless".
+        nodes: "strict" leaves out the points on its edge, "inclusive" takes them in.
+        solver: "auto", "cg", "verlet", "verlet-critical" or "fire".
+        tolerance: largest residual, 1e-15 to 0.1.
+        max_iterations: iterations after which the search is given up.
+        refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
+        threads: number of threads; all cores by default.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Punch as far as it came.
+
+    Example:
+        >>> punch = gfmd.punch(n=32, nodes="inclusive")
+        >>> round(punch.mean_pressure, 3)
+        0.115
+    """
+    words = []
+    if body is not None:
+        given = as_body(body)
+        words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height))
+    words += flags(
+        length=number("length", length),
+        n=integer("n", n),
+        dim=integer("dim", dim, 2, 3),
+        punch_fraction=number("punch_fraction", punch_fraction),
+        depth=number("depth", depth),
+        contact=word("contact", contact),
+        nodes=word("nodes", nodes),
+        solver=word("solver", solver),
+        tol=number("tolerance", tolerance),
+        max_iter=integer("max_iterations", max_iterations),
+        refine=integer("refine", refine, 1, 8),
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "punch.h5")
+        values, failure = _command.run("punch", [*words, f"--out={file}"], threads)
+        fields = _command.fields(file, ("displacement", "traction", "under_punch"))
+    if values["height"] == "inf":
+        values["height"] = math.inf
+    return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+
+
+def interior(
+    source: Union[Contact, Punch],
+    depths: Optional[Sequence[float]] = None,
+    *,
+    levels: Optional[int] = None,
+    deepest: Optional[float] = None,
+    quantities: Sequence[str] = _QUANTITIES,
+    along: Optional[str] = None,
+    threads: Optional[int] = None,
+) -> FieldsBelow:
+    """Displacement, strain and stress below the surface of a contact or a punch.
+
+    Args:
+        source: a contact (the lateral displacement of a surface without friction is added) or a punch.
+        depths: depths below the surface, length; or
+        levels: number of depths at equal distances, from the surface to the base or to the `deepest`.
+        deepest: depth of the lowest level, length.
+        quantities: of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
+        along: "y=Y" or "x=X", the nearest row of points only.
+        threads: number of threads; all cores by default.
+
+    Raises:
+        InputError: depths outside the body, an unknown quantity.
+        Interrupted: nothing is kept.
+
+    Example:
+        >>> below = gfmd.interior(punch, depths=[0.1, 0.2])
+        >>> below.stress.shape, len(below.levels)
+        ((2, 32, 32, 6), 2)
+    """
+    if (depths is None) == (levels is None):
+        raise InputError("the depths must be given by one of depths, levels")
+    words = flags(
+        depths=None if depths is None else numbers("depths", depths),
+        levels=None if levels is None else integer("levels", levels, 1),
+        deepest=None if deepest is None else number("deepest", deepest),
+        quantities=texts("quantities", quantities),
+        slice=None if along is None else word("along", along),
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        words += _source(source, folder)
+        file = os.path.join(folder, "below.h5")
+        values, failure = _command.run("body", [*words, f"--out={file}"], threads)
+        fields = _command.fields(file, ("displacement", "strain", "stress", "von_mises", "energy_density"))
+    del values["surface"]
+    return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+
+
+def _source(source: Union[Contact, Punch], folder: str) -> list[str]:
+    """The flags of the displacement of a surface, which goes through a file bit by bit."""
+    if isinstance(source, Contact):
+        given = os.path.join(folder, "contact.h5")
+        source.save(given)
+        return [f"--surface={given}", *_command.body_flags(source.body)]
+    if isinstance(source, Punch):
+        given = os.path.join(folder, "punch.npy")
+        shown = source.displacement
+        np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
+        elastic = flags(young=source.young, poisson=source.poisson, height=_command.height_flag(source.height))
+        return [f"--surface={given}", *flags(length=source.length[0]), *elastic]
+    raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
+
+
+def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None) -> Green:
+    """The elasticity of one wave vector: `stiffness`, `compliance` (complex matrices), `normal_compliance`.
+
+    Args:
+        body: the body, on any base.
+        qx, qy: wave vector, rad/length.
+        dim: 3, or 2 for plane strain.
+        z: height above the base, length; or
+        depth: depth below the surface, length, at which `displacement_transfer` and `stress_transfer` are wanted.
+
+    Raises:
+        InputError: a value out of its range.
+
+    Example:
+        >>> gfmd.green(gfmd.Body(), qx=3.0, qy=4.0).normal_compliance
+        0.4
+        >>> coating = gfmd.Body(height=0.1, base="half-space", base_young=10.0, base_poisson=0.2)
+        >>> round(gfmd.green(coating, qx=3.0, depth=0.1).normal_compliance, 4)
+        0.1627
+    """
+    given = as_any_body(body)
+    if z is not None and depth is not None:
+        raise InputError("z and depth are both given; give one of the two")
+    words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height), base=given.base)
+    words += flags(base_young=given.get("base_young"), base_poisson=given.get("base_poisson"))
+    words += flags(qx=number("qx", qx), qy=number("qy", qy), dim=integer("dim", dim, 2, 3))
+    words += flags(z=None if z is None else number("z", z), depth=None if depth is None else number("depth", depth))
+    values, _ = _command.run("green", words)
+    for name in ("stiffness", "compliance", "displacement_transfer", "stress_transfer"):
+        if values.get(name) is not None:
+            pairs = np.array(values[name], dtype=np.float64)
+            values[name] = pairs[..., 0] + 1j * pairs[..., 1]
+    return Green({name: math.nan if value is None else value for name, value in values.items()})

@@ -1,0 +1,161 @@
+"""Kappa sweeps."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _command, _gfmd
+from ._check import flag, path
+from ._errors import Error, InputError, Interrupted, NotConverged
+from ._record import Record
+
+
+class KappaSweep(Record):
+    """A kappa sweep.
+
+    Attributes:
+        points: a Record for each discretisation and load: `dim`, `hurst`, `eps_t_inv`, `eps_f_inv`, `eps_c_inv`, `n`,
+            `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; none has a unit.
+        fit: the extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the error of the form), `terms` (`axis`, `coefficient`, `exponent` ...) and so on.
+        fits: those of all Hurst exponents, loads and ways to count area.
+        theory: limits of theories: `persson`, `bush_gibson_thomas`.
+        seconds: wall time.
+        warnings: a Record for each warning of the computation: `code`, `text`.
+
+    Example:
+        >>> k.points[0].kappa > k.theory.persson
+        True
+    """
+
+    points: list[Record]
+    fit: Record
+    fits: list[Record]
+    theory: Record
+    seconds: float
+    warnings: list[Record]
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the points [point].
+
+        Raises:
+            Error: no xarray.
+
+        Example:
+            >>> k.to_xarray().kappa.dims
+            ('point',)
+        """
+        from . import _show
+
+        names = dict.fromkeys(name for point in self.points for name in point)
+        columns = {name: ("point", [np.nan if point.get(name) is None else point[name] for point in self.points]) for name in names}
+        return _show.needed("xarray", "to_xarray").Dataset(columns)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib. Returns the axes.
+
+        Args:
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            Error: no matplotlib.
+
+        Example:
+            >>> ax = k.plot()
+        """
+        from . import _show
+
+        return _show.kappa(self.points, self.fit, ax)
+
+    def __repr__(self) -> str:
+        def number(value: Any) -> str:
+            return "-" if value is None else f"{value:.4f}"
+
+        head = f"{'H':>5} {'1/eps_t':>8} {'1/eps_f':>8} {'1/eps_c':>8} {'n':>6} {'p_star':>8} {'kappa':>8} {'+-':>8}"
+        rows = [
+            f"{p.hurst:>5g} {p.eps_t_inv:>8g} {p.eps_f_inv:>8g} {p.eps_c_inv:>8g} {p.n:>6} {p.p_star:>8g} {number(p.kappa):>8} {number(p.kappa_sem):>8}"
+            for p in self.points
+        ]
+        total = self.fit.total_ci95
+        interval = "" if total is None else " (95 %, with the error of the form: {:.4f} to {:.4f})".format(*total)
+        return "\n".join(["KappaSweep", head, *rows, f"kappa_tfc = {self.fit.kappa_tfc:.4f}{interval}"])
+
+
+def kappa_sweep(
+    config: Union[str, "os.PathLike[str]", Mapping[str, Any]] = "default",
+    *,
+    out: Union[str, "os.PathLike[str]", None] = None,
+    resume: bool = False,
+    threads: Optional[int] = None,
+) -> KappaSweep:
+    """Many contacts, one kappa in the thermodynamic, fractal and continuum limit, with its uncertainty.
+
+    Args:
+        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents.
+        out: the HDF5 file to keep, with figures beside it; nothing is kept by default.
+        resume: continue a sweep to `out` that was interrupted.
+        threads: number of threads; all cores by default.
+
+    Raises:
+        InputError: an unusable configuration; nothing was computed.
+        NotConverged: a contact of the sweep did not converge.
+        Interrupted: finished runs are kept in a journal beside `out`; `.state.out` is the file to resume to, in a new
+            folder if `out` was not given, and `.state.runs` the number of finished runs.
+
+    Example:
+        >>> k = gfmd.kappa_sweep("smoke")
+        >>> round(k.fit.kappa_tfc, 2), len(k.fit.ci95)
+        (1.76, 2)
+    """
+    folder = tempfile.mkdtemp(prefix="gfmd-")
+    file = os.path.join(folder, "kappa.h5")
+    kept = None
+    try:
+        file = file if out is None else path("out", out)
+        words = [*_config(config, folder), f"--out={file}", *(["--resume"] if flag("resume", resume) else [])]
+        values, failure = _command.run("kappa-sweep", words, threads)
+        return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}), failure)
+    except (KeyboardInterrupt, NotConverged) as error:
+        if isinstance(getattr(error, "state", None), KappaSweep):
+            raise
+        journal = Path(f"{file}.journal")
+        runs = max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
+        kept = file if runs else None
+        told = str(error).split("; finished runs are in ")[0] or "interrupted"
+        if runs:
+            told += f"; {runs} finished runs are kept: gfmd.kappa_sweep(..., out={kept!r}, resume=True) continues"
+        kind = NotConverged if isinstance(error, NotConverged) else Interrupted
+        raise kind(told, Record({"out": kept, "runs": runs})) from error
+    finally:
+        if kept is None or out is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _config(config: Any, folder: str) -> list[str]:
+    """The flags of a configuration."""
+    if isinstance(config, Mapping):
+        file = os.path.join(folder, "sweep.toml")
+        try:
+            Path(file).write_text(_gfmd.json_to_toml(json.dumps(dict(config), default=_plain)), encoding="utf-8")
+        except (TypeError, ValueError, RecursionError) as error:
+            if isinstance(error, Error):
+                raise
+            raise InputError(f"config has a value that TOML has not: {error}") from error
+        return [f"--config={file}"]
+    if isinstance(config, str) and not config.endswith(".toml"):
+        return [f"--preset={config}"]
+    return [f"--config={path('config', config)}"]
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of NumPy as those of Python."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__}")

@@ -1,0 +1,232 @@
+"""Contacts along a path: loading and unloading, adhesion, friction."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _command
+from ._body import Body, Law, as_body, as_law
+from ._check import Array, integer, number, numbers
+from ._command import flags
+from ._errors import InputError
+from ._record import Record
+from ._surface import Surface, as_surface
+
+
+class Path(Record):
+    """A contact along a path.
+
+    Attributes:
+        steps: a Record of arrays over the steps: `mean_pressure`, `mean_shear` [step, 2] (stress), `p_star`, `displacement`
+            (the approach), `lateral` [step, 2], `mean_gap` (length), `area_fraction`, `stick_fraction`, `elastic_energy`,
+            `interface_energy`, `dissipated`, `dissipated_error` (stress * length), `passed_instability`,
+            `lowest_curvature`, `extra_solves`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
+        pressure, gap: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
+        shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
+        dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
+        sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
+            `friction_coefficient`.
+        lowest_mean_pressure: stress; negative if the surfaces were pulled.
+        parted_at: the step at which the surfaces parted under their load, or None.
+        warnings: a Record for each warning of the computation: `code`, `text`.
+        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the effort.
+
+    Example:
+        >>> loop.steps.mean_pressure.shape, loop.pressure.shape
+        ((9,), (3, 32, 32))
+    """
+
+    steps: Record
+    pressure: Array
+    gap: Array
+    shear_x: Array
+    shear_y: Array
+    dissipated: Optional[float]
+    dissipated_error: Optional[float]
+    sliding: list[Record]
+    lowest_mean_pressure: float
+    parted_at: Optional[int]
+    surface: Surface
+    n: list[int]
+    length: list[float]
+    unit: Optional[str]
+    rms_gradient: float
+    rms_height: float
+    e_star: float
+    law: str
+    direction: list[float]
+    extra_solves: int
+    warnings: list[Record]
+
+    def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
+        """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
+
+        Args:
+            x, y: names of arrays in `steps`.
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            InputError: another name. Error: no matplotlib.
+
+        Example:
+            >>> ax = loop.plot("displacement", "area_fraction")
+        """
+        from . import _show
+
+        for name in (x, y):
+            if name not in self.steps:
+                raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(self.steps)}")
+        ax = _show.axes(ax)
+        ax.plot(self.steps[x], self.steps[y], ".-")
+        ax.set_xlabel(x.replace("_", " "))
+        ax.set_ylabel(y.replace("_", " "))
+        return ax
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, x, y].
+
+        Raises:
+            Error: no xarray.
+
+        Example:
+            >>> loop.to_xarray().mean_pressure.dims
+            ('step',)
+        """
+        from . import _show
+
+        variables = {name: (("step", "axis")[: values.ndim], values) for name, values in self.steps.items()}
+        for name in ("pressure", "gap", "shear_x", "shear_y"):
+            if name in self:
+                variables[name] = (("waypoint", "x", "y"), self[name])
+        return _show.needed("xarray", "to_xarray").Dataset(variables, _show.coordinates(self.surface))
+
+    def _repr_html_(self) -> str:
+        from . import _show
+
+        reached = [field for field in self.get("pressure", ()) if np.isfinite(field).all()]
+        return (_show.maps_html(reached, "pressure at the waypoints") if reached else "") + super()._repr_html_()
+
+
+def path(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    mean_pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    lateral: Any = None,
+    direction: float = 0.0,
+    law: Law | str | None = None,
+    friction: Optional[float] = None,
+    shear_strength: Optional[float] = None,
+    steps: int = 20,
+    tolerance: float = 1e-8,
+    max_iterations: int = 100_000,
+    energy_tolerance: Optional[float] = None,
+    energy_solves: Optional[int] = None,
+    threads: Optional[int] = None,
+) -> Path:
+    """Follows a contact along a path of loads, approaches and lateral displacements, each step from the last.
+
+    Args:
+        surface, body: as of `contact`.
+        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence;
+            negative ones pull.
+        lateral: lateral displacements of the rigid surface at the waypoints, length.
+        direction: their direction, degrees from x.
+        law: as of `contact`.
+        friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
+        shear_strength: strength of the interface (Tresca), stress, in place of a law.
+        steps: steps from one waypoint to the next.
+        tolerance, max_iterations: of each step, as of `contact`.
+        energy_tolerance, energy_solves: accuracy of the dissipated energy, see docs/interface.md.
+        threads: number of threads; all cores by default.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Path so far.
+
+    Example:
+        >>> adhesion = gfmd.law("exponential", gamma=1e-4, range=1.2e-3)
+        >>> loop = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=adhesion, approach=[-0.004, 0.004, -0.007], steps=4)
+        >>> loop.lowest_mean_pressure < 0
+        True
+    """
+    made, elastic, given = as_surface(surface), as_body(body), as_law(law)
+    drive = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
+    found = {name: numbers(name, value) for name, value in drive.items() if value is not None}
+    if len(found) != 1:
+        raise InputError(f"the path is given by {', '.join(found) or 'none'}; it must be given by one of mean_pressure, p_star, approach")
+    if sum(value is not None for value in (law, friction, shear_strength)) > 1:
+        raise InputError("law, friction and shear_strength are given together; give one of the three")
+    words = flags(
+        pressure=found.get("mean_pressure"),
+        p_star=found.get("p_star"),
+        displacement=found.get("approach"),
+        lateral=None if lateral is None else numbers("lateral", lateral),
+        direction=number("direction", direction),
+        steps=integer("steps", steps, 1, 2**32 - 1),
+        tol=number("tolerance", tolerance),
+        max_iter=integer("max_iterations", max_iterations),
+        energy_tol=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
+        energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
+        friction=None if friction is None else number("friction", friction),
+        shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
+    )
+    if law is not None:
+        words += flags(law=given.name)
+        words += [f"--param={name}={value!r}" for name, value in given.parameters.items()]
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "path.h5")
+        words = [*_command.surface_flags(made, folder), *_command.body_flags(elastic), *words, f"--out={file}"]
+        values, failure = _command.run("path", words, threads)
+        fields = _command.fields(file, ("pressure", "gap", "shear_x", "shear_y"))
+    parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
+    rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
+    told = {name: _command.records(value) for name, value in values.items()}
+    result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), **fields})
+    return _command.ended(result, failure)
+
+
+def friction(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    coefficient: Optional[float] = None,
+    shear_strength: Optional[float] = None,
+    mean_pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    lateral: Any = (0.0,),
+    **options: Any,
+) -> Path:
+    """Pushes a contact with friction sideways: a `path` behind a hard wall, with all components of displacement.
+
+    Args:
+        surface, body: as of `contact`.
+        coefficient: Coulomb's coefficient of friction; or
+        shear_strength: strength of the interface (Tresca), stress.
+        mean_pressure, p_star, approach: waypoints, as of `path`.
+        lateral: lateral displacements of the rigid surface at the waypoints, length.
+        options: the rest as of `path`.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Path so far.
+
+    Example:
+        >>> pushed = gfmd.friction(gfmd.self_affine(n=32), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.01], steps=4)
+        >>> round(pushed.sliding[0].friction_coefficient, 2)
+        0.3
+    """
+    if (coefficient is None) == (shear_strength is None):
+        raise InputError("friction must be given by one of coefficient, shear_strength")
+    loads = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
+    return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **options)

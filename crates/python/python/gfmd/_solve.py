@@ -1,0 +1,188 @@
+"""Contacts of a rigid rough surface with an elastic body, brought to rest under given loads."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Optional
+from weakref import WeakKeyDictionary
+
+import numpy.typing as npt
+
+from . import _gfmd
+from ._body import Body, Law, as_body, as_law
+from ._check import integer, number, numbers, word
+from ._contact import Contact, Contacts
+from ._errors import InputError, Interrupted, NotConverged
+from ._progress import Progress
+from ._record import Residual, parsed, without_null
+from ._surface import Surface, as_surface
+
+
+# A problem for each surface that is in use.
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str], Any]] = WeakKeyDictionary()
+
+
+class _Setup:
+    """A surface against a body, checked, with the numbers of the solve."""
+
+    def __init__(self, surface: Any, body: Any, law: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
+        self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
+        self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
+        if self.solver not in _gfmd.solvers():
+            raise InputError(f"solver is {solver!r}; it must be one of {', '.join(_gfmd.solvers())}")
+        if not 1e-15 <= self.tolerance <= 0.1:
+            raise InputError(f"tolerance is {self.tolerance}; it must be between 1e-15 and 0.1")
+        self.max_iterations = integer("max_iterations", max_iterations)
+        self.threads = 0 if threads is None else integer("threads", threads, 0, 4096)
+        if start is not None and not isinstance(start, Contact):
+            raise InputError(f"start is {type(start).__name__}; it must be a contact")
+        self.problem = self._problem()
+        self.start = None if start is None else self._state(start)
+
+    def _problem(self) -> Any:
+        """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
+        asked = (self.body, self.law, self.solver)
+        last = _LAST.get(self.surface)
+        if last is None or last[0] != asked:
+            heights, size, given = self.surface.heights, self.surface.size, self.body._given
+            last = asked, _gfmd.Problem(heights, size, given, self.law._native, self.solver, self.threads)
+            _LAST[self.surface] = last
+        return last[1]
+
+    def _state(self, start: Contact) -> Any:
+        if start.surface.n != self.surface.n:
+            raise InputError(f"start has {list(start.surface.n)} points; the surface has {list(self.surface.n)}")
+        if (start.law["name"] == "hard-wall") != (self.law["name"] == "hard-wall"):
+            raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
+        if start._state is not None:
+            return start._state
+        return self.problem.recall(start.pressure, start.displacement_z, start.gap, start.approach)
+
+    def check(self, control: str, value: float) -> None:
+        pulls = self.law["name"] != "hard-wall"
+        if not math.isfinite(value) or not (pulls or value > 0.0):
+            raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
+
+    def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
+        state, record, failure, raised = self.problem.solve(
+            control, value, self.tolerance, self.max_iterations, start, self.threads, progress.tick
+        )
+        values = parsed(record)
+        values["residual"] = Residual(without_null(values["residual"]))
+        parts = (self.surface, self.body, self.law)
+        pressure, displacement, gap = state.fields
+        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance), state)
+        if isinstance(raised, KeyboardInterrupt):
+            raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
+        if raised is not None:
+            raise raised
+        if failure is not None:
+            raise NotConverged(failure[1], contact)
+        progress.piece()
+        return contact
+
+
+def _control(given: dict[str, Any]) -> tuple[str, Any]:
+    found = [(name, value) for name, value in given.items() if value is not None]
+    if len(found) != 1:
+        names = ", ".join(name for name, _ in found) or "none"
+        raise InputError(f"the load is given by {names}; it must be given by one of mean_pressure, p_star, approach")
+    return found[0]
+
+
+def contact(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    mean_pressure: Optional[float] = None,
+    p_star: Optional[float] = None,
+    approach: Optional[float] = None,
+    law: Law | str | None = None,
+    solver: str = "auto",
+    tolerance: float = 1e-8,
+    max_iterations: int = 100_000,
+    threads: Optional[int] = None,
+    start: Optional[Contact] = None,
+) -> Contact:
+    """Presses a rigid surface on an elastic body: the contact at rest under one load.
+
+    Args:
+        surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
+        body: the elastic body.
+        mean_pressure: mean pressure over the whole surface, stress; never a force; or
+        p_star: mean pressure over E* times the rms gradient; or
+        approach: rigid approach beyond first touch, length.
+        law: what acts across the gap (`gfmd.law`); a hard wall by default.
+        solver: a name of docs/solvers.md.
+        tolerance: largest residual, 1e-15 to 0.1.
+        max_iterations: iterations after which the search is given up.
+        threads: number of threads; all cores by default. Results do not depend on it.
+        start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one from
+            a file.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came.
+        Interrupted: Ctrl-C; `.state` as above.
+
+    Example:
+        >>> c = gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(young=70e9, poisson=0.33), p_star=0.05)
+        >>> round(c.area_fraction, 3), c.pressure.shape
+        (0.128, (64, 64))
+    """
+    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
+    value = number(control, given)
+    setup = _Setup(surface, body, law, solver, tolerance, max_iterations, threads, start)
+    setup.check(control, value)
+    with Progress("contact") as progress:
+        return setup.solve(control, value, setup.start, progress)
+
+
+def contacts(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    mean_pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    law: Law | str | None = None,
+    solver: str = "auto",
+    tolerance: float = 1e-8,
+    max_iterations: int = 100_000,
+    threads: Optional[int] = None,
+    start: Optional[Contact] = None,
+) -> Contacts:
+    """Contacts under several loads, one after the other, each started from the last.
+
+    Args:
+        surface, body: as of `contact`.
+        mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
+        law, solver, tolerance, max_iterations, threads, start: as of `contact`.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Contacts so far, of which the last has not converged.
+
+    Example:
+        >>> cs = gfmd.contacts(gfmd.self_affine(n=64), gfmd.Body(), p_star=[0.01, 0.05, 0.2])
+        >>> [c.converged for c in cs], cs.kappa.shape
+        ([True, True, True], (3,))
+    """
+    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
+    values = numbers(control, given)
+    setup = _Setup(surface, body, law, solver, tolerance, max_iterations, threads, start)
+    for value in values:
+        setup.check(control, value)
+    done: list[Contact] = []
+    state = setup.start
+    with Progress("contacts", len(values)) as progress:
+        for index, value in enumerate(values):
+            try:
+                done.append(setup.solve(control, value, state, progress))
+            except (NotConverged, Interrupted) as error:
+                kept = [*done, error.state] if error.state is not None else done
+                raise type(error)(f"load {index}: {error}", Contacts(kept)) from error
+            except KeyboardInterrupt as error:  # between two solves
+                raise Interrupted(f"load {index}: interrupted", Contacts(done)) from error
+            state = done[-1]._state
+    return Contacts(done)

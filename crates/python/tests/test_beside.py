@@ -1,0 +1,169 @@
+"""Beside other packages: SurfaceTopography, xarray, matplotlib, pyvista, notebooks, progress bars; and files of instruments."""
+
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import gfmd
+import numpy as np
+import pytest
+
+BODY = gfmd.Body(young=1.0, poisson=0.3)
+SMALL = gfmd.self_affine(n=32)
+FILES = Path(__file__).parents[2] / "files" / "tests" / "data"
+
+
+def test_objects_like_topographies_are_taken_as_they_are():
+    class Topography:
+        physical_sizes = (2.0, 3.0)
+        nb_grid_pts = (8, 12)
+        unit = "µm"
+
+        def heights(self):
+            return np.arange(96.0).reshape(8, 12)
+
+    surface = gfmd.Surface(Topography())
+    assert surface.size == (2.0, 3.0) and surface.unit == "µm" and surface.n == (8, 12)
+    assert gfmd.contact(Topography(), BODY, p_star=0.05).surface.size == (2.0, 3.0)
+
+
+def test_topographies_are_taken_as_they_are():
+    package = pytest.importorskip("SurfaceTopography")
+    heights = np.array(SMALL.heights)
+    surface = gfmd.Surface(package.Topography(heights, (2.0, 2.0), unit="µm", periodic=True))
+    assert np.array_equal(surface.heights, heights) and surface.size == (2.0, 2.0) and surface.unit == "µm"
+    flat = package.Topography(heights, (2.0, 2.0)).detrend("center")
+    assert gfmd.contact(flat, BODY, p_star=0.05).surface.size == (2.0, 2.0)
+    line = gfmd.Surface(package.UniformLineScan(heights[0], 3.0, unit="nm"))
+    assert line.n == (32, 1) and line.size[0] == 3.0 and line.unit == "nm"
+    # The rms gradient is that of another package but for the seam of finite differences.
+    smooth = gfmd.self_affine(n=128, eps_f_inv=4)
+    other = package.Topography(np.array(smooth.heights), (1.0, 1.0), periodic=True).rms_gradient()
+    assert abs(smooth.rms_gradient / other - 1.0) < 0.03
+
+
+def test_topographies_that_are_no_whole_grid_are_refused():
+    package = pytest.importorskip("SurfaceTopography")
+    holed = package.Topography(np.ma.array(np.array(SMALL.heights), mask=SMALL.heights > 0.01), (1.0, 1.0))
+    holes = int((SMALL.heights > 0.01).sum())
+    assert holes > 0
+    with pytest.raises(gfmd.InputError, match=f"heights has {holes} undefined points of 1024"):
+        gfmd.Surface(holed)
+    filled = gfmd.Surface(holed, fill="harmonic")
+    assert filled.undefined == holes and filled.heights[SMALL.heights > 0.01].max() <= 0.01
+    with pytest.raises(gfmd.InputError, match="not at equal distances"):
+        gfmd.Surface(package.NonuniformLineScan([0.0, 1.0, 3.0], [0.0, 1.0, 0.0]))
+
+
+def test_undefined_points_are_refused_or_filled():
+    heights = np.array(SMALL.heights)
+    heights[3:5, 7] = np.nan
+    with pytest.raises(gfmd.InputError, match=r"heights has 2 undefined points of 1024, the first at \[3, 7\]; .* fill='harmonic'"):
+        gfmd.Surface(heights)
+    for fill in ("harmonic", "nearest"):
+        surface = gfmd.Surface(heights, fill=fill)
+        assert surface.undefined == 2 and np.isfinite(surface.heights).all() and fill in repr(surface)
+        kept = np.isfinite(heights)
+        assert np.array_equal(surface.heights[kept], heights[kept])
+    with pytest.raises(gfmd.InputError, match="fill is 'best'"):
+        gfmd.Surface(heights, fill="best")
+    heights[0, 0] = np.inf
+    with pytest.raises(gfmd.InputError, match="1 infinite points"):
+        gfmd.Surface(heights, fill="nearest")
+    with pytest.raises(gfmd.InputError):
+        gfmd.Surface(np.full((4, 4), np.nan), fill="nearest")
+
+
+def test_channels_of_a_file_are_read_by_name_and_number():
+    first, named = (gfmd.read(FILES / "two.npz", channel) for channel in (0, 1))
+    assert len(first.channels) == 2 and first.channels == named.channels and named.channel == named.channels[1]
+    assert np.array_equal(gfmd.read(FILES / "two.npz", named.channels[1]).heights, named.heights)
+    assert first.format and isinstance(first.details, dict)
+    with pytest.raises(gfmd.InputError, match="two.npz"):
+        gfmd.read(FILES / "two.npz", "no such channel")
+    with pytest.raises(gfmd.InputError, match="channel is -1"):
+        gfmd.read(FILES / "two.npz", -1)
+    with pytest.raises(gfmd.InputError, match="undefined points"):
+        gfmd.read(FILES / "holes.nc")
+    filled = gfmd.read(FILES / "holes.nc", fill="nearest")
+    assert filled.undefined > 0 and np.isfinite(filled.heights).all()
+    assert filled.flip().undefined == filled.undefined and filled.flip().format == filled.format
+
+
+def test_figures_and_notebooks():
+    matplotlib = pytest.importorskip("matplotlib")
+    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
+    loop = gfmd.path(SMALL, BODY, p_star=[0.01, 0.05], steps=2)
+    for drawn in (SMALL.plot(), contacts.plot(), contacts[0].plot(), contacts[0].plot("gap"), gfmd.self_affine(n=32, dim=2).plot(), loop.plot()):
+        assert isinstance(drawn, matplotlib.axes.Axes)
+        matplotlib.pyplot.close(drawn.figure)
+    for shown in (SMALL, contacts, contacts[0], loop, gfmd.punch(n=16)):
+        text = shown._repr_html_()
+        assert "data:image/png;base64" in text and text.count("<table>") == text.count("</table>")
+    line = gfmd.contact(gfmd.self_affine(n=32, dim=2), BODY, p_star=0.05)
+    assert "<table>" in line._repr_html_() and "png" not in line._repr_html_()
+
+
+def test_the_small_map_is_a_picture():
+    from gfmd._show import _png
+
+    data = _png(np.array(SMALL.heights))
+    assert data.startswith(b"\x89PNG") and struct.unpack(">II", data[16:24]) == (32, 32)
+    pillow = pytest.importorskip("PIL.Image")
+    import io
+
+    picture = np.asarray(pillow.open(io.BytesIO(data)), dtype=float)
+    heights = SMALL.heights
+    wanted = 255 * (heights - heights.min()) / (heights.max() - heights.min())
+    assert np.abs(picture[::-1].T - wanted).max() < 1.01  # x to the right, y upwards
+
+
+def test_xarray():
+    pytest.importorskip("xarray")
+    contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
+    data = contacts.to_xarray()
+    assert data.pressure.dims == ("load", "x", "y") and float(data.area_fraction[1]) == contacts[1].area_fraction
+    assert float(data.x[1]) == 1 / 32 and data.height.attrs["units"] == "length"
+    assert contacts[0].to_xarray().gap.shape == (32, 32)
+    loop = gfmd.friction(SMALL, BODY, coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=2).to_xarray()
+    assert loop.shear_x.dims == ("waypoint", "x", "y") and loop.lateral.dims == ("step", "axis")
+
+
+def test_pyvista():
+    pytest.importorskip("pyvista")
+    contact = gfmd.contact(gfmd.self_affine(n=(32, 16), size=(1.0, 2.0)), BODY, p_star=0.05)
+    grid = contact.to_pyvista()
+    assert grid.dimensions == (32, 16, 1) and grid.spacing[:2] == (1 / 32, 2 / 16)
+    at = grid.find_closest_point((3 / 32, 5 * 2 / 16, 0.0))
+    assert grid.point_data["gap"][at] == contact.gap[3, 5] and grid.point_data["height"][at] == contact.surface.heights[3, 5]
+    assert contact.surface.to_pyvista().dimensions == (32, 16, 1)
+
+
+@pytest.mark.parametrize("call", ["s.plot()", "c.to_xarray()", "c.to_pyvista()"])
+def test_packages_that_are_not_installed_are_named(call):
+    code = (
+        "import sys\nfor name in ('matplotlib', 'xarray', 'pyvista'):\n    sys.modules[name] = None\n"
+        "import gfmd\ns = gfmd.self_affine(n=16)\nc = gfmd.contact(s, gfmd.Body(), p_star=0.1)\n"
+        f"try:\n    {call}\nexcept gfmd.Error as error:\n    print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "needs" in done.stdout and "pip install" in done.stdout, done.stderr
+
+
+LONG = "gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(), p_star=0.02, solver='verlet-critical', tolerance=1e-15, max_iterations=10**9)"
+
+
+@pytest.mark.parametrize("shown, tqdm, wanted", [("True", True, "contact"), ("True", False, "contact: 0 of 1, iteration"), ("False", True, ""), ("None", True, "")])
+def test_progress_is_shown_after_a_second(shown, tqdm, wanted):
+    if tqdm:
+        pytest.importorskip("tqdm")
+    code = (
+        f"import gfmd, os, signal, threading, time\nimport sys\n{'' if tqdm else 'sys.modules[chr(116) + chr(113) + chr(100) + chr(109)] = None'}\n"
+        f"signal.signal(signal.SIGINT, signal.default_int_handler)\ngfmd.progress({shown})\n"
+        f"threading.Timer(2.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        f"try:\n    {LONG}\nexcept gfmd.Interrupted:\n    pass\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (wanted in done.stderr if wanted else not done.stderr) and done.stdout == ""

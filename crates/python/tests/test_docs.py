@@ -1,0 +1,138 @@
+"""Every public name is documented, with units, errors and an example that runs; the types agree with the code."""
+
+import doctest
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import gfmd
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).parents[1]
+ERRORS = (gfmd.Error, gfmd.Interrupted)
+
+
+def public():
+    """Names and objects: functions, classes, and the methods and properties that they define."""
+    for name in gfmd.__all__:
+        thing = getattr(gfmd, name)
+        if isinstance(thing, str):
+            continue
+        yield name, thing
+        if isinstance(thing, type):
+            yield from ((f"{name}.{key}", value) for key, value in vars(thing).items() if not key.startswith("_"))
+
+
+NAMES = dict(public())
+CALLED = {name: thing for name, thing in NAMES.items() if inspect.isfunction(thing)}
+RESULTS = {name: thing for name, thing in NAMES.items() if isinstance(thing, type) and issubclass(thing, gfmd.Record)}
+
+
+@pytest.fixture(scope="module")
+def words(tmp_path_factory):
+    """The names that the examples use."""
+    surface = gfmd.self_affine(n=64)
+    contacts = gfmd.contacts(surface, gfmd.Body(), p_star=[0.01, 0.05])
+    law = gfmd.law("exponential", gamma=1e-4, range=1.2e-3)
+    return {
+        "gfmd": gfmd,
+        "np": np,
+        "s": surface,
+        "c": contacts[1],
+        "cs": contacts,
+        "punch": gfmd.punch(n=32),
+        "loop": gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=law, approach=[-0.004, 0.004, -0.007], steps=4),
+        "k": gfmd.kappa_sweep({"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}}),
+    }
+
+
+def test_there_is_something_to_document():
+    assert len(CALLED) > 30 and len(RESULTS) > 8
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_is_documented(name):
+    text = inspect.getdoc(NAMES[name])
+    assert text and text[0].isupper() and text.splitlines()[0].endswith("."), text
+    if not (isinstance(NAMES[name], property) or isinstance(NAMES[name], type) and issubclass(NAMES[name], ERRORS)):
+        assert ">>> " in text, "an example"
+    if isinstance(NAMES[name], property):
+        assert any(word in text for word in ("[x, y]", "length", "stress", "without unit", "points", "unit", "origin", "of the file", "in the file", "by name")), "shape or unit"
+
+
+@pytest.mark.parametrize("name", CALLED)
+def test_arguments_and_errors_are_documented(name):
+    text, parameters = inspect.getdoc(CALLED[name]), [key for key in inspect.signature(CALLED[name]).parameters if key != "self"]
+    told = text.split("Args:")[1].split("Raises:")[0] if "Args:" in text else ""
+    for key in parameters:
+        assert f"{key}:" in told or f"{key}," in told or f"`{key}`" in told, key
+    if parameters:
+        assert "Raises:" in text
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_example_runs(name, words, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("xarray")
+    monkeypatch.chdir(tmp_path)
+    text = inspect.getdoc(NAMES[name])
+    test = doctest.DocTestParser().get_doctest(text, dict(words), name, None, None)
+    runner = doctest.DocTestRunner(verbose=False, optionflags=doctest.ELLIPSIS)
+    heard = []
+    runner.run(test, out=heard.append)
+    assert not heard, "".join(heard)
+
+
+def test_the_module_and_the_page_of_the_package_run(words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runner = doctest.DocTestRunner(verbose=False)
+    runner.run(doctest.DocTestParser().get_doctest(gfmd.__doc__, {}, "gfmd", None, None))
+    assert runner.summarize(verbose=False).failed == 0
+    pytest.importorskip("matplotlib")
+    for page in (FOLDER / "README.md", FOLDER.parents[1] / "docs" / "python.md"):
+        blocks = page.read_text(encoding="utf-8").split("```python\n")[1:]
+        assert blocks, page
+        for block in blocks:
+            exec(block.split("```")[0], {})
+
+
+def test_results_have_the_attributes_that_are_documented(words):
+    adhesive = gfmd.contact(words["s"], gfmd.Body(), approach=0.001, law=gfmd.law("morse", gamma=1e-4, range=5e-3))
+    rubbed = gfmd.friction(gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1)
+    examples = [
+        (gfmd.Contact, [words["c"], adhesive]),
+        (gfmd.Path, [words["loop"], rubbed]),
+        (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
+        (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
+        (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
+        (gfmd.KappaSweep, [words["k"]]),
+        (gfmd.Statistics, [words["s"].statistics()]),
+        (gfmd.Body, [gfmd.Body()]),
+        (gfmd.Residual, [words["c"].residual]),
+    ]
+    for kind, results in examples:
+        typed = {key for key in kind.__annotations__ if not key.startswith("_")}
+        found = {key for result in results for key in result} | {key for key in typed if all(hasattr(result, key) for result in results)}
+        extra = {"refinement"} if kind is gfmd.Punch else set()
+        assert found == typed | extra, (kind, found ^ typed)
+        text = inspect.getdoc(kind)
+        for key in found:
+            assert any(f"{key}{end}" in text for end in (":", ",", "`", " ", ".")), (kind, key)
+
+
+def checked(*words):
+    done = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, cwd=FOLDER)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_package_and_the_examples_are_typed():
+    pytest.importorskip("mypy")
+    words = ["--strict", "--ignore-missing-imports", "--allow-untyped-calls"]
+    checked("mypy", *words, FOLDER / "python" / "gfmd", *sorted((FOLDER / "examples").glob("*.py")))
+
+
+def test_the_native_half_has_the_types_of_its_stub():
+    pytest.importorskip("mypy")
+    checked("mypy.stubtest", "gfmd._gfmd")

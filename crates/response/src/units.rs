@@ -1,0 +1,62 @@
+use gfmd_field::{Grid, Mode};
+use gfmd_green::Body;
+
+/// Sizes from the inverse of this number to this number are ordinary; 2¹⁰⁰ is about 10³⁰.
+const ORDINARY: f64 = (1_u128 << 100) as f64;
+
+/// The unit for numbers of the size of `number`: the power of two below it, or 1 for an ordinary number, from 1e-30 to
+/// 1e30, and for zero.
+pub fn unit_of(number: f64) -> f64 {
+    if !number.is_finite() || number == 0.0 || (1.0 / ORDINARY..=ORDINARY).contains(&number) {
+        return 1.0;
+    }
+    // The exponent bits alone; a subnormal number has none.
+    f64::from_bits(number.to_bits() & (0x7ff << 52)).max(f64::MIN_POSITIVE)
+}
+
+/// A body whose stiffnesses are computed in units of its own size, since determinants are products of several.
+pub(crate) struct Scaled {
+    pub(crate) body: Body,
+    length: f64,
+    /// The unit of stiffnesses.
+    pub(crate) stiffness: f64,
+}
+
+impl Scaled {
+    pub(crate) fn new(body: &Body, grid: &Grid) -> Self {
+        let sides = if grid.is_line() { 1 } else { 2 };
+        let length = unit_of(grid.lengths()[..sides].iter().copied().fold(0.0, f64::max));
+        let stress = unit_of(body.material().contact_modulus());
+        Self { body: body.in_units(stress, length), length, stiffness: stress / length }
+    }
+
+    pub(crate) fn mode(&self, mode: &Mode) -> Mode {
+        Mode { wavevector: mode.wavevector.map(|q| q * self.length), ..*mode }
+    }
+
+    pub(crate) fn grid(&self, grid: &Grid) -> Grid {
+        let [lx, ly] = grid.lengths();
+        let ly = if grid.is_line() { ly } else { ly / self.length };
+        Grid::new(grid.points(), [lx / self.length, ly]).unwrap_or(*grid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_powers_of_two_of_the_size_of_the_number() {
+        for exponent in (-308..=308).step_by(7) {
+            let number = 3.7 * 10.0_f64.powi(exponent.min(307));
+            let unit = unit_of(number);
+            assert_eq!(unit.to_bits() & ((1 << 52) - 1), 0, "{number:e}: {unit:e} is no power of two");
+            if exponent.abs() < 30 {
+                assert_eq!(unit, 1.0);
+            } else if exponent.abs() > 30 {
+                assert!((1.0..2.0).contains(&(number / unit)), "{number:e}: {unit:e}");
+            }
+        }
+        assert_eq!([0.0, f64::INFINITY, 5e-324].map(unit_of), [1.0, 1.0, f64::MIN_POSITIVE]);
+    }
+}

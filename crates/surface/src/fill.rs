@@ -1,0 +1,55 @@
+//! Heights of undefined points from those around them.
+
+mod harmonic;
+mod nearest;
+
+use ndarray::Array2;
+
+use crate::SurfaceError;
+use crate::error::positive;
+use crate::names::named;
+
+/// A way to give heights to undefined points, which are NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fill {
+    /// The solution of Laplace's equation with the defined heights as boundary values: the sum over neighbours of
+    /// (h − h′)/d² is zero at every undefined point, with no neighbours beyond the edges. It has no new maxima or minima
+    /// and the smallest rms gradient. The relative residual is below 10⁻⁹.
+    Harmonic,
+    /// The height of the nearest defined point; of several, that with the lowest x, then the lowest y.
+    Nearest,
+}
+
+named! { Fill, "fill":
+    Harmonic = "harmonic", "the solution of Laplace's equation between the defined points";
+    Nearest = "nearest", "the height of the nearest defined point";
+}
+
+/// Returns the heights with undefined points (NaN) filled; defined heights stay as they are. `spacing` is that of the
+/// grid, since distances depend on its ratio. The scan is not taken as periodic. The result has the same bits for any
+/// number of threads.
+///
+/// # Errors
+/// Heights that are infinite; no defined point; a spacing that is not positive; equations that were not solved.
+pub fn fill(heights: &Array2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array2<f64>, SurfaceError> {
+    let mut infinite = heights.indexed_iter().filter(|(_, height)| height.is_infinite());
+    if let Some(((i, j), &value)) = infinite.next() {
+        let count = 1 + infinite.count();
+        return Err(SurfaceError::NotFinite { count, points: heights.len(), first: [i, j], value });
+    }
+    for step in spacing {
+        positive("grid spacing", step)?;
+    }
+    let undefined = heights.iter().filter(|height| height.is_nan()).count();
+    if undefined == heights.len() {
+        return Err(SurfaceError::Undefined { points: heights.len() });
+    }
+    if undefined == 0 {
+        return Ok(heights.as_standard_layout().into_owned());
+    }
+    let heights = heights.as_standard_layout().into_owned();
+    match how {
+        Fill::Harmonic => harmonic::fill(heights, spacing),
+        Fill::Nearest => Ok(nearest::fill(&heights, spacing)),
+    }
+}
