@@ -360,8 +360,8 @@ mod tests {
             assert!(message.starts_with(words), "{message:?} is not {words:?}");
         };
         says("--hurst 1.5", "--hurst: the Hurst exponent is 1.5; it must be between 0 and 1");
-        says("--eps-t-inv 0.5", "--eps-t-inv is 0.5; it must be at least 1 and finite");
-        says("--eps-f-inv nan", "--eps-f-inv is NaN; it must be at least 1 and finite");
+        says("--eps-t-inv 0.5", "--eps-t-inv is 0.5; it must be between 1 and 2147483648");
+        says("--eps-f-inv nan", "--eps-f-inv is NaN; it must be between 1 and 2147483648");
         says(
             "--n 64 --eps-f-inv 32",
             "--n is 64; with --eps-t-inv 2 and --eps-f-inv 32 the shortest wavelength has 1 points, and it must have",
