@@ -232,7 +232,8 @@ fn killed_at_random_moments() {
     for case in cases(folder.path()) {
         let kills = long().unwrap_or(2);
         let (mut killed, mut resumed, mut parts, mut done) = (0, 0, 0, 0);
-        while done < kills {
+        // On a machine whose load has changed, the first kills may come too late.
+        while done < kills || (killed == 0 && done < 50) {
             // A run is killed once to four times before it may end.
             for _ in 0..1 + (4.0 * random.share()) as usize {
                 let mut child = case.start(folder.path(), "k.h5");
