@@ -96,7 +96,7 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     };
     refused("surface.hurst = [0.5, 0.8, 0.5]", &["surface.hurst is [0.5, 0.8, 0.5]", "different"]);
     refused("surface.hurst = [nan]", &["surface.hurst", "NaN"]);
-    refused("surface.rms_gradient = nan", &["surface.rms_gradient is NaN", "positive"]);
+    refused("surface.rms_gradient = nan", &["surface.rms_gradient is NaN", "1e100"]);
     refused("loads.p_star = [0.02, nan]", &["loads.p_star", "NaN"]);
     refused("loads.p_star = [0.02, 0.02]", &["loads.p_star", "ascending"]);
     refused("points.eps_c_inv = [nan]", &["points", "eps_c", "NaN"]);
@@ -106,6 +106,9 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     refused("fit.alpha_t = 0.0", &["fit.alpha_t is 0.0", "\"free\"", "\"none\""]);
     refused("fit.alpha_f = nan", &["fit.alpha_f is NaN"]);
     refused("fit.alpha_c = \"loose\"", &["\"loose\"", "a number or \"free\" or \"none\""]);
+    refused("fit.alpha_t = \"edge\"", &["fit.alpha_t is \"edge\"", "from 0.01 to 16"]);
+    refused("surface.hurst = [0.5, 1.0]", &["fit.alpha_f is \"self-affine\"", "1 - H"]);
+    refused("surface.dim = 2", &["fit.alpha_c is \"edge\"", "no perimeter"]);
     refused("fit.p_star = 0.3", &["fit.p_star is 0.3", "loads.p_star"]);
     refused("solver.tol = 1e-20", &["solver.tol is 1e-20", "between 1e-15 and 0.1"]);
     refused("solver.method = \"newton\"", &["solver.method is \"newton\"", "auto, cg"]);
