@@ -7,6 +7,7 @@
 //! Beside them: short ways to pose a contact problem.
 
 mod analytic;
+mod bounded;
 mod check;
 mod damping;
 mod exact;
@@ -29,7 +30,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 8] = [
+pub const TOPICS: [Topic; 9] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -37,6 +38,7 @@ pub const TOPICS: [Topic; 8] = [
     Topic { name: "damping", title: "Damping of the dynamics", checks: damping::checks },
     Topic { name: "analytic", title: "Contacts with a closed form", checks: analytic::checks },
     Topic { name: "exact", title: "Contacts that other programs solved", checks: exact::checks },
+    Topic { name: "bounded", title: "Free boundaries and hardness", checks: bounded::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
 ];
 

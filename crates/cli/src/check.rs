@@ -53,7 +53,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    fn of(reader: &Reader) -> Option<Self> {
+    pub(crate) fn of(reader: &Reader) -> Option<Self> {
         let has = |group: &str| !reader.names(group).is_empty();
         [("/loads", Self::Contact), ("/path", Self::Path), ("/punch", Self::Punch), ("/runs", Self::KappaSweep)]
             .into_iter()
@@ -61,7 +61,7 @@ impl Kind {
             .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
     }
 
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Contact => "contact",
             Self::Path => "path",

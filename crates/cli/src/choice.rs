@@ -1,7 +1,7 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use gfmd_contact::Solver;
+use gfmd_contact::{Boundary, Solver};
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 use serde::Serializer;
 
@@ -37,6 +37,7 @@ macro_rules! choices {
 
 choices! {
     Amplitudes: Self::ALL;
+    Boundary: &Self::ALL;
     Fill: Self::ALL;
     Periodisation: Self::ALL;
     RollOffShape: Self::ALL;

@@ -3,6 +3,7 @@
 mod check;
 mod figures;
 mod file;
+mod page;
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
+use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
 use gfmd_files::{Output, contiguous};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
@@ -19,12 +20,13 @@ use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use serde::Serialize;
 
+use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
-use crate::load::{LoadRecord, Recorded, ResidualRecord};
+use crate::load::{LoadRecord, Recorded};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
@@ -35,6 +37,7 @@ use crate::source::{SourceArgs, Surface};
 
 pub(crate) use check::{again, check};
 pub use file::ContactFile;
+pub(crate) use page::page;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -43,7 +46,7 @@ pub use file::ContactFile;
   gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
-  gfmd contact --surface scan.txt --detrend plane --periodise mirror --e-star 1e9 --p-star 0.02 --plots scan")]
+  gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
@@ -54,6 +57,14 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
+    /// The surroundings of the surface
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[serde(serialize_with = "by_name")]
+    boundary: Boundary,
+    /// Largest pressure that the surfaces carry, stress; where it is reached they are pressed into each other
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hardness: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
     solver: SolverArgs,
@@ -119,6 +130,9 @@ pub struct Report {
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
+    pub boundary: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<f64>,
     pub loads: Vec<LoadRecord>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_converged: Option<NotConverged>,
@@ -164,8 +178,21 @@ impl Prepared {
                 return Err(Failure::value(flag, bad, allowed));
             }
         }
-        let surface = args.source.surface(session)?;
-        let fields = if args.law.law == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
+        if let (Boundary::Free, true) = (args.boundary, pulls) {
+            return Err(Failure::value("--boundary", args.boundary, "periodic with --law"));
+        }
+        if let (Some(hardness), true) = (args.hardness, pulls) {
+            return Err(Failure::value("--hardness", hardness, "absent with --law"));
+        }
+        if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
+            return Err(Failure::value("--hardness", hardness, "positive and finite"));
+        }
+        let surface = args.source.bounded(args.boundary, session)?;
+        let fields = match (args.law.law, args.boundary) {
+            (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => Held::HARD_WALL,
+            (Kind::HardWall, _) => Held::FREE,
+            _ => Held::LAW,
+        };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
@@ -179,11 +206,19 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let refuse = |refusal: Refusal| Failure::input(&args.source.name(), refusal);
+        let refuse = |refusal: Refusal| match refusal {
+            Refusal::Body(_) => Failure::input("--boundary free", refusal),
+            _ => Failure::input(&args.source.name(), refusal),
+        };
         let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::new(body, grid, heights).map_err(refuse)?;
+            let contact = Contact::bounded(args.boundary, body, grid, heights);
+            let contact = match args.hardness {
+                Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
+                None => contact,
+            };
+            let contact = contact.map_err(refuse)?;
             return self.press(&contact, contact.surface(), args, session);
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
@@ -219,6 +254,8 @@ impl Prepared {
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
             e_star: self.body.material().contact_modulus(),
+            boundary: self.surface.boundary.name(),
+            hardness: args.hardness,
             loads: Vec::new(),
             not_converged: None,
             peak_bytes: 0,
@@ -276,7 +313,9 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
         let budget = args.solver.budget();
         let with_law = args.law.law != Kind::HardWall;
         let provenance = session.provenance(config);
-        let create = |output| ContactFile::create(output, &provenance, surface, controls.len(), with_law);
+        let create = |output| {
+            ContactFile::create(output, &provenance, surface, controls.len(), with_law, args.hardness.is_some())
+        };
         let mut file = output.as_ref().map(create).transpose()?;
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
@@ -301,8 +340,16 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
             let Watching { history, failed, .. } = watch;
             failed.map_or(Ok(()), Err)?;
             let why = if let Err(SolveError::NotConverged { why, .. }) = &solved { Some(*why) } else { None };
-            let (mut state, stopped) = reached(solved)?;
+            let (mut state, stopped) = match reached(solved) {
+                // Numbers that this load alone makes too large; the loads before it stay.
+                Err(refused) if index > 0 => {
+                    failure = Some(Failure::Computation(refused.to_string()).at(&format!("load {index}")));
+                    break;
+                }
+                other => other?,
+            };
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
+            let record = record.bounded(surface.boundary, &surface.grid);
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             record.check(index)?;
             report.loads.push(record);
@@ -406,11 +453,20 @@ impl fmt::Display for Report {
             write!(f, "{scan}")?;
         }
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
+        let (kind, free) = if self.boundary == Boundary::Free.name() {
+            ("differences", "; free boundaries: a patch on an unbounded half-space")
+        } else {
+            ("spectral", "")
+        };
         writeln!(
             f,
-            "rms gradient {:.6} (spectral), rms height {:.6e} {unit}, E* = {:.6e}\n",
+            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
             self.rms_gradient, self.rms_height, self.e_star
         )?;
+        if let Some(hardness) = self.hardness {
+            let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
+            writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
+        }
         writeln!(
             f,
             "{:>11} {:>11} {:>11} {:>9} {:>9} {:>7} {:>11} {:>11} {:>7} {:>8} {:>9}",
@@ -427,10 +483,8 @@ impl fmt::Display for Report {
             "residual"
         )?;
         for load in &self.loads {
-            let ResidualRecord { complementarity, penetration, negative_pressure, load: residual_load } = load.residual;
             let equilibrium = load.law.map_or(0.0, |law| law.residual_equilibrium);
-            let worst =
-                gfmd_relax::worst([complementarity, penetration, negative_pressure, residual_load, equilibrium]);
+            let worst = gfmd_relax::worst([load.residual.worst(), equilibrium]);
             writeln!(
                 f,
                 "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",

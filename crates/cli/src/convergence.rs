@@ -3,7 +3,7 @@
 use std::fmt;
 
 use gfmd_contact::{Fields, Why};
-use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_files::{Archive, Dimension, Reader, Variable};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -164,6 +164,32 @@ impl NotConverged {
             self.criteria.iter().map(|c| format!("{}: {:e} above {:e}\n", c.name, c.value, c.allowed)).collect();
         archive.attribute("/not_converged", "criteria", criteria.concat())?;
         Ok(())
+    }
+}
+
+/// The failure that a file has in `/not_converged`, as [`NotConverged::write`] writes it: its texts, and samples of iterations
+/// and residuals; `None` if it has none.
+pub(crate) struct StoredFailure {
+    pub(crate) part: f64,
+    pub(crate) why: String,
+    pub(crate) criteria: String,
+    pub(crate) advice: String,
+    pub(crate) history: Vec<(f64, f64)>,
+}
+
+impl StoredFailure {
+    pub(crate) fn read(reader: &Reader) -> Option<Self> {
+        let group = "/not_converged";
+        let why = reader.text(group, "why").ok()?;
+        let text = |name| reader.text(group, name).unwrap_or_default();
+        let samples = |name| reader.values::<f64>(&format!("{group}/{name}")).unwrap_or_default();
+        Some(Self {
+            part: reader.number(group, "part").unwrap_or(f64::NAN),
+            why,
+            criteria: text("criteria"),
+            advice: text("advice"),
+            history: samples("iteration").into_iter().zip(samples("residual")).collect(),
+        })
     }
 }
 

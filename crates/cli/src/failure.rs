@@ -130,16 +130,17 @@ impl From<Refusal> for Failure {
             | Refusal::Slight { what: "mean pressure", .. }
             | Refusal::Rounding { what: "mean pressure", .. } => "--pressure",
             Refusal::Digits { .. } | Refusal::Unit { .. } => "--young",
+            Refusal::NotFinite { what: "lateral displacement", .. }
+            | Refusal::Rounding { what: "shear traction", .. } => "--lateral",
             Refusal::Approach { .. }
             | Refusal::NoApproach
             | Refusal::NotPressed { .. }
             | Refusal::NotFinite { what: "approach", .. }
             | Refusal::Slight { .. }
             | Refusal::Rounding { .. } => "--displacement",
-            Refusal::NotFinite { what: "lateral displacement", .. } => "--lateral",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",
             Refusal::Law(_) => "--param",
-            Refusal::Search(_) => return Self::Computation(refusal.to_string()),
+            Refusal::Search(_) | Refusal::Overflow => return Self::Computation(refusal.to_string()),
             _ => "--surface",
         };
         Self::input(flag, refusal)

@@ -50,21 +50,28 @@ pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
 /// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
-/// Draws a map of the pressure, or its profile for a line contact.
-pub(crate) fn draw_pressure(
-    stem: &Path,
-    grid: &Grid,
-    pressure: &Array2<f64>,
-    modulus: f64,
-    unit: &str,
-) -> Result<Vec<PathBuf>, Failure> {
-    let values: Vec<f64> = pressure.iter().map(|p| p / modulus).collect();
+/// A figure of a field: a map, or the profile of a line contact.
+pub(crate) enum Drawn<'a> {
+    Chart(Chart),
+    Map(Map<'a>),
+}
+
+impl Drawn<'_> {
+    pub(crate) fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
+        Ok(match self {
+            Self::Chart(chart) => chart.save(stem)?.to_vec(),
+            Self::Map(map) => map.save(stem)?.to_vec(),
+        })
+    }
+}
+
+/// The figure of a field; of a long profile the largest value of every few is drawn.
+pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let [lx, ly] = grid.lengths();
-    let label = "pressure *p*/*E*\\*";
     if grid.is_line() {
         let step = values.len().div_ceil(MOST_POINTS);
         let spacing = grid.spacing()[0];
-        let highest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        let highest = |part: &[f64]| part.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let line = values.chunks(step).enumerate().map(|(i, part)| ((i * step) as f64 * spacing, highest(part)));
         let panel = Panel {
             x: Axis::linear(&format!("*x* / {unit}")),
@@ -72,11 +79,31 @@ pub(crate) fn draw_pressure(
             series: vec![Series::line("", 0, line)],
             ..Panel::default()
         };
-        return Ok(Chart::new(vec![panel]).save(stem)?.to_vec());
+        return Drawn::Chart(Chart::new(vec![panel]));
     }
-    let mut map = Map::new(&values, grid.points(), [lx, ly], label);
+    let mut map = Map::new(values, grid.points(), [lx, ly], label);
     map.x = format!("*x* / {unit}");
     map.y = format!("*y* / {unit}");
-    map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
-    Ok(map.save(stem)?.to_vec())
+    Drawn::Map(map)
+}
+
+/// The figure of the pressure, from its values over E*.
+pub(crate) fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
+    let mut drawn = field(grid, values, "pressure *p*/*E*\\*", unit);
+    if let Drawn::Map(map) = &mut drawn {
+        map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
+    }
+    drawn
+}
+
+/// Draws a map of the pressure, or its profile for a line contact.
+pub(crate) fn draw_pressure(
+    stem: &Path,
+    grid: &Grid,
+    values: &Array2<f64>,
+    modulus: f64,
+    unit: &str,
+) -> Result<Vec<PathBuf>, Failure> {
+    let values: Vec<f64> = values.iter().map(|p| p / modulus).collect();
+    pressure(grid, &values, unit).save(stem)
 }

@@ -6,6 +6,8 @@ mod config;
 mod figures;
 mod file;
 mod journal;
+mod page;
+mod protocol;
 mod report;
 
 use std::error::Error;
@@ -20,6 +22,8 @@ use gfmd_files::Output;
 use gfmd_sweep::{Extrapolation, Keep, Plan, Preset, Pressed, Study, SweepError};
 
 pub(crate) use check::check;
+pub(crate) use page::page;
+pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report};
 
 use crate::failure::Failure;
@@ -34,7 +38,8 @@ use journal::{Finished, Journal, Size};
   gfmd kappa-sweep
   gfmd kappa-sweep --preset smoke --out smoke.h5
   gfmd kappa-sweep --preset thesis --dry-run
-  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume")]
+  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume
+  gfmd kappa-sweep --config other-fit.toml --runs-of sweep.h5 --out other-fit.h5")]
 pub struct Args {
     /// Sweep to compute, by name
     #[arg(long, default_value = Preset::Default.name(), value_parser = preset(), conflicts_with = "config")]
@@ -48,6 +53,9 @@ pub struct Args {
     /// Continue a sweep that was interrupted or killed
     #[arg(long)]
     pub resume: bool,
+    /// Take the contacts from this result, whose configuration may differ in the fit only, and analyse them anew
+    #[arg(long, value_name = "FILE.h5", conflicts_with = "resume")]
+    pub runs_of: Option<PathBuf>,
     /// Print every point, its memory and the expected time, and compute nothing
     #[arg(long)]
     pub dry_run: bool,
@@ -95,9 +103,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     if args.dry_run {
         return Ok(Outcome::Planned(PlanReport::new(&plan)?));
     }
+    let earlier = args.runs_of.as_deref().map(|path| check::earlier(path, &plan)).transpose()?;
     let output = Output::claim(&args.out).map_err(|error| Failure::input("--out", error))?;
     let size = Size { runs: plan.runs.len(), loads: plan.config.loads.p_star.len() };
-    let (journal, finished) = Journal::open(&output.beside(".journal"), &text, size, args.resume)?;
+    let (journal, mut finished) = Journal::open(&output.beside(".journal"), &text, size, args.resume)?;
+    finished.extend(earlier.into_iter().flatten().enumerate());
     let started = Instant::now();
     let keeper = Keeper::new(&plan, journal, finished, session);
     let study = Study::new(plan.clone(), &keeper);

@@ -37,6 +37,7 @@ pub mod path;
 pub mod program;
 pub mod progress;
 pub mod punch;
+pub mod report;
 pub mod resume;
 pub mod scan;
 pub mod session;

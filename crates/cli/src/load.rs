@@ -1,6 +1,7 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Effort, Fields, Residual, Solution};
+use gfmd_contact::{Boundary, Effort, Fields, Plastic, Residual, Solution};
+use gfmd_field::Grid;
 use gfmd_interface::State;
 use gfmd_measure::{Column, Scales, Summary};
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,14 @@ pub struct LoadRecord {
     pub converged: bool,
     pub residual: ResidualRecord,
     pub seconds: f64,
+    /// With free boundaries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
+    /// With a hardness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plastic_fraction: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plastic_volume: Option<f64>,
     #[serde(flatten)]
     pub law: Option<LawRecord>,
 }
@@ -53,12 +62,23 @@ pub struct ResidualRecord {
     pub penetration: f64,
     pub negative_pressure: f64,
     pub load: f64,
+    /// With a hardness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saturation: Option<f64>,
+}
+
+impl ResidualRecord {
+    /// The largest of the residuals; NaN if any is NaN.
+    pub fn worst(&self) -> f64 {
+        let Self { complementarity, penetration, negative_pressure, load, saturation } = *self;
+        gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation.unwrap_or(0.0)])
+    }
 }
 
 impl From<Residual> for ResidualRecord {
     fn from(residual: Residual) -> Self {
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
-        Self { complementarity, penetration, negative_pressure, load }
+        Self { complementarity, penetration, negative_pressure, load, saturation: None }
     }
 }
 
@@ -67,13 +87,23 @@ pub trait Recorded: Fields {
     /// The residuals of the state.
     fn residual_record(&self) -> ResidualRecord;
 
+    /// What gives way, if the contact has a hardness.
+    fn plastic(&self) -> Option<&Plastic> {
+        None
+    }
+
     /// The scalars of the law, if one acts across the gap.
     fn law_record(&self) -> Option<LawRecord>;
 }
 
 impl Recorded for Solution {
     fn residual_record(&self) -> ResidualRecord {
-        self.residual.into()
+        let saturation = self.plastic.as_ref().map(|plastic| plastic.saturation);
+        ResidualRecord { saturation, ..self.residual.into() }
+    }
+
+    fn plastic(&self) -> Option<&Plastic> {
+        self.plastic.as_ref()
     }
 
     fn law_record(&self) -> Option<LawRecord> {
@@ -84,7 +114,7 @@ impl Recorded for Solution {
 impl Recorded for State {
     fn residual_record(&self) -> ResidualRecord {
         let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
-        ResidualRecord { complementarity, penetration, negative_pressure: wall_tension, load }
+        ResidualRecord { complementarity, penetration, negative_pressure: wall_tension, load, saturation: None }
     }
 
     fn law_record(&self) -> Option<LawRecord> {
@@ -113,7 +143,16 @@ impl LoadRecord {
         let converged = state.worst() <= tolerance;
         let residual = state.residual_record();
         let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
-        Self { law: state.law_record(), ..wall }
+        let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
+        let plastic_volume = state.plastic().map(|plastic| plastic.volume);
+        Self { law: state.law_record(), plastic_fraction, plastic_volume, ..wall }
+    }
+
+    /// The record with the force, if the surface on `grid` does not repeat.
+    pub fn bounded(self, boundary: Boundary, grid: &Grid) -> Self {
+        let [x, y] = grid.lengths();
+        let force = (boundary == Boundary::Free).then_some(self.mean_pressure * x * y);
+        Self { force, ..self }
     }
 
     /// Refuses units in which a number of load `index` is not finite. With a law κ may be undefined.
@@ -162,6 +201,9 @@ impl LoadRecord {
             converged,
             residual,
             seconds,
+            force: None,
+            plastic_fraction: None,
+            plastic_volume: None,
             law: None,
         }
     }
@@ -226,6 +268,25 @@ pub const SCALARS: &[Column<LoadRecord>] = &[
     Column::new("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
 ];
 
+/// The force of a contact with free boundaries.
+pub const FORCE: Column<LoadRecord> =
+    Column::new("force", "stress*length^2", "force, of a line per length across it (stress*length)", |r| {
+        r.force.unwrap_or(f64::NAN)
+    });
+
+/// The scalars of a contact with a hardness.
+pub const PLASTIC_SCALARS: &[Column<LoadRecord>] = &[
+    Column::new("plastic_fraction", "1", "points whose pressure is the hardness over all points", |r| {
+        r.plastic_fraction.unwrap_or(f64::NAN)
+    }),
+    Column::new("plastic_volume", "length", "mean plastic depth over the whole surface", |r| {
+        r.plastic_volume.unwrap_or(f64::NAN)
+    }),
+    Column::new("residual_saturation", "1", "largest gap / h_rms where the pressure is the hardness", |r| {
+        r.residual.saturation.unwrap_or(f64::NAN)
+    }),
+];
+
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
@@ -277,8 +338,14 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
-pub fn columns(with_law: bool) -> Vec<Column<LoadRecord>> {
+pub fn columns(with_law: bool, boundary: Boundary, is_plastic: bool) -> Vec<Column<LoadRecord>> {
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain([&SECONDS]).copied().collect();
+    if boundary == Boundary::Free {
+        columns.push(FORCE);
+    }
+    if is_plastic {
+        columns.extend_from_slice(PLASTIC_SCALARS);
+    }
     if with_law {
         for column in &mut columns {
             if let Some((_, meaning)) = MEANINGS_WITH_LAW.iter().find(|(name, _)| *name == column.name) {
@@ -296,7 +363,7 @@ mod tests {
 
     #[test]
     fn a_law_has_the_same_names_with_meanings_of_its_own() {
-        let (wall, law) = (columns(false), columns(true));
+        let (wall, law) = (columns(false, Boundary::Periodic, false), columns(true, Boundary::Periodic, false));
         let meaning = |columns: &[Column<LoadRecord>], name: &str| {
             columns.iter().find(|column| column.name == name).map(|column| column.long_name)
         };

@@ -11,6 +11,8 @@ impl Held {
     pub const SURFACE: Self = Self(5);
     /// A contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
+    /// A contact with a hard wall and free boundaries.
+    pub const FREE: Self = Self(26);
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
     /// A path of u_z alone, with the states before and after a jump.

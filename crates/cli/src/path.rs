@@ -3,6 +3,7 @@
 mod check;
 mod figures;
 mod file;
+mod page;
 mod record;
 mod report;
 mod waypoints;
@@ -37,6 +38,7 @@ use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
 pub(crate) use self::check::{again, check};
+pub(crate) use self::page::page;
 pub use self::record::{ResidualRecord, StepRecord};
 pub use self::report::{Head, Report, Sliding};
 
@@ -271,6 +273,11 @@ impl Prepared {
             };
             let text = error.to_string();
             let (state, stopped) = match error {
+                // Numbers that this step alone makes too large; the steps before it stay.
+                SolveError::Refused(_) if index > 0 => {
+                    failure = Some(Failure::Computation(text).at(&format!("step {index}")));
+                    break;
+                }
                 SolveError::Refused(_) => return Err(Failure::Computation(text)),
                 SolveError::Detached { .. } => {
                     parted_at = Some(index);

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
-use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, surface};
+use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -46,6 +46,8 @@ pub enum Command {
     Law(Box<law::Args>),
     /// Recompute the numbers of a result file from its inputs, and compare
     Check(Box<check::Args>),
+    /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
+    Report(Box<report::Args>),
 }
 
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
@@ -126,6 +128,7 @@ impl Command {
             Self::Path(args) => conclude(path::run(args, session)?, session),
             Self::Law(args) => print(&law::run(args)?, session),
             Self::Check(args) => conclude(check::run(args, session)?, session),
+            Self::Report(args) => print(&report::run(args, session)?, session),
         }
     }
 }

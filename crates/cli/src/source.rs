@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
+use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
 use gfmd_surface::{Fill, Periodisation, Statistics};
@@ -78,6 +79,8 @@ pub struct Surface {
     pub unit: Option<String>,
     /// Statistics of the heights.
     pub statistics: Statistics,
+    /// The surroundings of the surface.
+    pub boundary: Boundary,
     /// The origin of the heights and the operations on them.
     pub description: String,
     /// What the file says, if the heights come from one.
@@ -87,9 +90,12 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The spectral rms gradient.
+    /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.
     pub fn rms_gradient(&self) -> f64 {
-        self.statistics.moments.rms_gradient()
+        match self.boundary {
+            Boundary::Periodic => self.statistics.moments.rms_gradient(),
+            Boundary::Free => self.statistics.rms_gradient_inside,
+        }
     }
 
     /// The unit of heights and lengths; `length` if it is unknown.
@@ -112,6 +118,7 @@ impl Surface {
         archive.write("/surface/height", &height, &contiguous(&self.heights))?;
         archive.attribute("/surface", "description", self.description.as_str())?;
         archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
+        archive.attribute("/surface", "boundary", self.boundary.name())?;
         archive.attribute("/surface", "height_sha256", self.checksum())?;
         let [length_x, length_y] = self.grid.lengths();
         archive.attribute("/surface", "length_x", length_x)?;
@@ -158,6 +165,17 @@ impl SourceArgs {
     /// # Errors
     /// A file that cannot be read or has points without a height; flags that do not fit.
     pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
+        self.bounded(Boundary::Periodic, session)
+    }
+
+    /// As [`surface`](Self::surface), with its surroundings.
+    ///
+    /// # Errors
+    /// As `surface`; and a mirrored surface that does not repeat.
+    pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
+        if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
+            return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
+        }
         let (heights, grid, mut description, scan) = match &self.surface {
             Some(file) => {
                 let Prepared { heights, grid, description, scan } = self.prepare(file)?;
@@ -171,7 +189,7 @@ impl SourceArgs {
         let name = self.name();
         self.check_sizes(&grid, &heights)?;
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
-        if self.surface.is_some() {
+        if self.surface.is_some() && boundary == Boundary::Periodic {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
             if ratio > ROUGH_SEAM {
@@ -186,7 +204,7 @@ impl SourceArgs {
         }
         let unit = scan.as_ref().and_then(|scan| scan.unit.clone());
         let origin = self.surface.as_deref().map(origin).transpose()?;
-        Ok(Surface { heights, grid, unit, statistics, description, scan, origin })
+        Ok(Surface { heights, grid, unit, statistics, boundary, description, scan, origin })
     }
 
     /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.

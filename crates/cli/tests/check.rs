@@ -4,26 +4,10 @@ mod common;
 
 use std::path::Path;
 
-use common::{gfmd, json};
+use common::{SWEEP, gfmd, json};
 use gfmd_files::Reader;
 use ndarray::Array2;
 use serde_json::Value;
-
-const SWEEP: &str = "
-[points]
-eps_t_inv = [1.0, 2.0]
-eps_f_inv = [4, 8]
-eps_c_inv = [4, 8]
-centre = [2, 4, 4]
-[loads]
-p_star = [0.02, 0.05]
-[statistics]
-realisations = 2
-[fit]
-p_star = 0.05
-alpha_c = 1
-resamples = 20
-";
 
 /// A surface whose opposite edges do not meet.
 fn write_inputs(folder: &Path) {
@@ -35,7 +19,7 @@ fn write_inputs(folder: &Path) {
 }
 
 /// Files by name, with the words that make them, and a variable that the recomputation must notice if it is changed.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("punch.h5", "punch --n 24 --contact sticking", "/fields/displacement"),
     ("line.h5", "punch --n 24 --dim 2 --contact frictionless --height inf", "/punch/mean_pressure"),
     ("wall.h5", "contact --n 48 --eps-f-inv 8 --p-star 0.02,0.1 --height 0.4 --poisson 0.3", "/fields/pressure"),
@@ -57,6 +41,8 @@ const FILES: [(&str, &str, &str); 9] = [
     ),
     ("sweep.h5", "kappa-sweep --config sweep.toml", "/fit/kappa_tfc"),
     ("below.h5", "body --surface punch.h5 --levels 5", "/fields/von_mises"),
+    ("patch.h5", "contact --surface h.npy --length 2 --boundary free --p-star 0.02,0.1", "/loads/force"),
+    ("hard.h5", "contact --n 48 --eps-f-inv 8 --hardness 0.1 --p-star 0.05,0.5", "/fields/plastic_depth"),
 ];
 
 fn make(folder: &Path, (name, words, _): (&str, &str, &str)) {
@@ -249,4 +235,18 @@ fn a_search_without_convergence_names_the_criterion_its_history_and_what_to_try(
         let (report, status) = check(folder.path(), &["n.h5"]);
         assert_eq!(status, Some(0), "an unfinished result is what it says: {report}");
     }
+}
+
+#[test]
+fn a_step_whose_numbers_overflow_leaves_those_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = "--law morse --param gamma=1e-4,range=0.01";
+    let words = format!("path --n 8 --eps-f-inv 2 {law} --steps 1 --displacement=0.001,1000 --json --out p.h5");
+    let output = gfmd(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && message.contains("error: step 1: the traction of the law"), "{message}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["steps"].as_array().unwrap().len(), 1, "{report}");
+    let (checked, status) = check(folder.path(), &["p.h5"]);
+    assert_eq!(status, Some(0), "{checked}");
 }

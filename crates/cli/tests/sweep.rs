@@ -78,6 +78,7 @@ fn a_limit_below_zero_has_no_place_on_logarithmic_axes() {
     let folder = tempfile::tempdir().unwrap();
     let config = "
         points = { eps_t_inv = [1, 2], eps_f_inv = [2, 4], eps_c_inv = [2, 4], centre = [1, 2, 2] }
+        loads = { p_star = [0.01, 0.02, 0.05] }
         statistics = { realisations = 2 }
         fit = { resamples = 50 }";
     std::fs::write(folder.path().join("sweep.toml"), config).unwrap();

@@ -2,17 +2,23 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
-use gfmd_response::{NormalResponse, NormalTransforms};
+use gfmd_response::{FreeCompliance, NormalResponse};
 use gfmd_vector::for_each;
 use ndarray::{ArrayRef2, ArrayView2};
 
-use crate::{Load, Refusal, RigidSurface, Solution, Units};
+use crate::compliance::Compliance;
+use crate::{Boundary, Load, Refusal, RigidSurface, Solution, Units};
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
 pub struct Contact {
-    /// The response of the body, in `units`.
+    /// The response of the body to periodic pressures, in `units`. With free boundaries it is an approximation, which
+    /// the preconditioner uses.
     pub(crate) response: Arc<NormalResponse>,
+    /// The compliance of the body with free boundaries, in `units`.
+    pub(crate) free: Option<Arc<FreeCompliance>>,
+    /// The largest pressure, in `units`.
+    pub(crate) hardness: Option<f64>,
     /// The rigid surface, in `units`.
     pub(crate) scaled: Arc<RigidSurface>,
     /// The rigid surface.
@@ -33,7 +39,24 @@ impl Contact {
         let units = Units::of(body, &surface)?;
         let response = NormalResponse::new(units.grid(grid), &units.body(body)).into();
         let scaled = units.surface(&surface);
-        Ok(Self { response, scaled, surface, contact_modulus: body.material().contact_modulus(), units })
+        let contact_modulus = body.material().contact_modulus();
+        Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units })
+    }
+
+    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against
+    /// points far away, and a mean pressure is the force over Lx Ly.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); and with free boundaries a body other than a half-space.
+    pub fn bounded(boundary: Boundary, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let mut contact = Self::new(body, grid, heights)?;
+        if boundary == Boundary::Free {
+            let Self { units, surface, scaled, free, .. } = &mut contact;
+            *free = Some(FreeCompliance::new(units.grid(grid), &units.body(body))?.into());
+            *surface = Arc::new(RigidSurface::clone(surface).alone());
+            *scaled = units.surface(surface);
+        }
+        Ok(contact)
     }
 
     /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one
@@ -46,7 +69,26 @@ impl Contact {
         let response = response.into();
         let surface = Self::rough(response.grid(), heights)?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
-        Ok(Self { response, scaled, surface, contact_modulus, units: Units::ONE })
+        Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units: Units::ONE })
+    }
+
+    /// The same contact with a `hardness`, the largest pressure that the surfaces can carry, in stress. Where the pressure
+    /// reaches it, they are pressed into each other by the [plastic depth](crate::Plastic).
+    ///
+    /// # Errors
+    /// A hardness that is not positive and finite.
+    pub fn with_hardness(self, hardness: f64) -> Result<Self, Refusal> {
+        if !(hardness > 0.0 && hardness.is_finite()) {
+            return Err(Refusal::Hardness { found: hardness });
+        }
+        Units::check_pressure(hardness)?;
+        let hardness = Some(hardness / self.units.stress());
+        Ok(Self { hardness, ..self })
+    }
+
+    /// The hardness, in stress.
+    pub fn hardness(&self) -> Option<f64> {
+        self.hardness.map(|hardness| hardness * self.units.stress())
     }
 
     fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
@@ -65,12 +107,18 @@ impl Contact {
         &self.units
     }
 
-    /// The response of the body, in [`units`](Self::units).
-    pub fn response(&self) -> &Arc<NormalResponse> {
-        &self.response
+    /// The boundary of the surface.
+    pub fn boundary(&self) -> Boundary {
+        if self.free.is_some() { Boundary::Free } else { Boundary::Periodic }
     }
 
-    /// E* times the spectral rms gradient of the surface, in stress: the unit of the reduced pressure p*
+    /// Smallest and largest stiffness of the waves of the surface, in stress/length, in [`units`](Self::units). With free
+    /// boundaries they are those of the periodic cell of the same size, about.
+    pub fn stiffness_range(&self) -> [f64; 2] {
+        self.response.stiffness_range()
+    }
+
+    /// E* times the rms gradient of the surface, in stress: the unit of the reduced pressure p*
     /// (theory.md, section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
         self.contact_modulus * self.surface.rms_gradient()
@@ -99,17 +147,28 @@ impl Contact {
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
         let response = &self.response;
         let n = pressure.len();
-        let mut transforms = NormalTransforms::of(response);
+        let mut compliance = Compliance::of(self);
         let mut displacement = vec![0.0; n];
-        transforms.convolve(response.compliance(), &pressure, &mut displacement);
-        let uniform =
-            response.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
+        compliance.apply(response.compliance(), &pressure, &mut displacement);
+        let uniform = self.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
         // u_z = −G p.
         for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
-        let mut solution =
-            Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, uniform, load);
-        solution.effort.transform_pairs = transforms.pairs();
+        let mut solution = Solution::of(
+            &self.scaled,
+            response.contact_modulus(),
+            pressure,
+            displacement,
+            uniform,
+            load,
+            self.hardness,
+        );
+        solution.effort.transform_pairs = compliance.pairs();
         solution
+    }
+
+    /// The compliance of the uniform mode that [`Compliance`] does not contain.
+    pub(crate) fn uniform_compliance(&self) -> f64 {
+        if self.free.is_some() { 0.0 } else { self.response.uniform_compliance() }
     }
 
     /// Checks that the contact can carry `load`.
@@ -117,11 +176,18 @@ impl Contact {
         match load {
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
-                let limit = (self.response.uniform_compliance() == 0.0).then_some(self.surface.mean_clearance());
+                if self.free.is_some() && self.surface.grid().is_line() {
+                    return Err(Refusal::LineApproach);
+                }
+                let is_fixed = self.free.is_none() && self.response.uniform_compliance() == 0.0;
+                let limit = is_fixed.then_some(self.surface.mean_clearance());
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
             }
-            Load::MeanPressure(found) => Units::check_pressure(found),
+            Load::MeanPressure(found) => match self.hardness() {
+                Some(hardness) if found >= hardness => Err(Refusal::BeyondHardness { found, hardness }),
+                _ => Units::check_pressure(found),
+            },
         }
     }
 

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, RelaxError, Target};
 use gfmd_relax::{Variables, Visit};
-use gfmd_response::NormalTransforms;
 
 use crate::attempt::{Attempt, Ended};
-use crate::pull_push::{Known, PullPush};
+use crate::compliance::Compliance;
+use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Contact, Load};
 
 /// The methods of conjugate gradients by name.
@@ -26,11 +26,16 @@ pub(crate) enum Gradients {
 const LONGER_PATIENCE: u64 = 5000;
 
 struct Dual<'a> {
+    /// Of the periodic modes, as the stiffness; both have no use with free boundaries.
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
     stiffness: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
-    transforms: NormalTransforms,
+    /// True if the approach is free, because the mean pressure is prescribed.
+    floating: bool,
+    /// The hardness, infinite without one.
+    upper: f64,
+    transforms: Compliance,
     extension: PullPush,
 }
 
@@ -47,25 +52,24 @@ const PATIENCE: u64 = 100;
 impl<'a> Dual<'a> {
     fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, .. } = contact;
-        let (compliance, stiffness, linear) = match load {
-            Load::MeanPressure(_) => {
-                (Cow::from(response.compliance()), Cow::from(response.stiffness()), Cow::from(surface.clearance()))
-            }
-            Load::Approach(approach) => {
-                let (mut compliance, mut stiffness) = (response.compliance().to_vec(), response.stiffness().to_vec());
-                let uniform = response.uniform_compliance();
-                compliance[0] = uniform;
-                stiffness[0] = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
-                let linear: Vec<f64> = surface.clearance().iter().map(|c| c - approach).collect();
-                (Cow::from(compliance), Cow::from(stiffness), Cow::from(linear))
-            }
+        let (mut compliance, mut stiffness) = (Cow::from(response.compliance()), Cow::from(response.stiffness()));
+        let linear = match load {
+            Load::MeanPressure(_) => Cow::from(surface.clearance()),
+            Load::Approach(approach) => surface.clearance().iter().map(|c| c - approach).collect(),
         };
+        if let (Load::Approach(_), None) = (load, &contact.free) {
+            let uniform = response.uniform_compliance();
+            compliance.to_mut()[0] = uniform;
+            stiffness.to_mut()[0] = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
+        }
         let points = response.grid().points();
         // The waves along the longer side.
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(load, Load::MeanPressure(_));
-        let extension = PullPush::new(points, floating, |periods| response.stiffness()[periods * stride]);
-        Self { compliance, stiffness, linear, transforms: NormalTransforms::of(response), extension }
+        let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
+        let extension = PullPush::new(points, floating, edges, |periods| response.stiffness()[periods * stride]);
+        let upper = contact.hardness.unwrap_or(f64::INFINITY);
+        Self { compliance, stiffness, linear, floating, upper, transforms: Compliance::of(contact), extension }
     }
 }
 
@@ -74,22 +78,26 @@ impl Quadratic for Dual<'_> {
         &self.linear
     }
 
+    fn upper(&self) -> f64 {
+        self.upper
+    }
+
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.transforms.convolve(&self.compliance, x, out);
+        self.transforms.apply(&self.compliance, x, out);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
-        self.transforms.quadratic_form(&self.compliance, direction) * direction.len() as f64
+        self.transforms.quadratic_form(&self.compliance, direction)
     }
 
     /// Applies Eᵀ K E with E the extension from the contact to the whole surface. The quadratic form of (G on the
     /// contact)⁻¹ is the minimum of ⟨u, K u⟩ over all displacements u with given values on the contact, and E
     /// approximates the u of this minimum.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
-        let known = Known { x, gradient, level: multiplier };
-        let Self { stiffness, transforms, extension, .. } = self;
+        let known = Known { x, gradient, level: multiplier, upper: self.upper };
+        let Self { stiffness, floating, transforms, extension, .. } = self;
         extension.prepare(known);
-        transforms.convolve_rows(stiffness, |i, row| extension.row(known, i, row), out);
+        transforms.stiffness(stiffness, *floating, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
     }
 
@@ -107,12 +115,19 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     let uniform = || vec![mean.unwrap_or(0.0); contact.scaled.clearance().len()];
     let mut pressure = attempt.start.take().unwrap_or_else(uniform);
+    if let Some(hardness) = contact.hardness {
+        pressure.iter_mut().for_each(|p| *p = p.min(hardness));
+    }
     let x = &mut pressure;
     let target = Target { mean, gradient_scale: attempt.length_scale(), budget: attempt.budget };
     let minimum = match gradients {
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
+        // Only this method heeds the hardness.
+        Gradients::Auto if contact.hardness.is_some() => {
+            PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?
+        }
         Gradients::Auto => {
             // The parts of the search: preconditioned, without the preconditioner, and preconditioned again.
             let mut part = 0;

@@ -81,7 +81,7 @@ impl FullContact {
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
         let load = Load::MeanPressure(layer.push);
         let modulus = self.response.contact_modulus();
-        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, 0.0, load);
+        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, 0.0, load, None);
         normal.effort = Effort { iterations: state.step, transform_pairs: transforms.pairs() };
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }

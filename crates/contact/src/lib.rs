@@ -30,11 +30,12 @@
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
+//! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
 //! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
+mod boundary;
 mod effort;
 mod equilibrium;
 mod fields;
@@ -49,6 +50,7 @@ mod contact;
 mod solution;
 
 mod attempt;
+mod compliance;
 mod dual;
 mod dynamics;
 mod full;
@@ -58,6 +60,7 @@ mod pull_push;
 mod resumable;
 mod solve;
 
+pub use boundary::{Boundary, UnknownBoundary};
 pub use contact::Contact;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
@@ -68,7 +71,7 @@ pub use load::{Drive, Load};
 pub use refusal::Refusal;
 pub use resumable::Resumable;
 pub use rigid_surface::RigidSurface;
-pub use solution::{Residual, Solution};
+pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
 pub use units::Units;

@@ -20,13 +20,14 @@ use rayon::prelude::*;
 pub(crate) struct PullPush {
     /// Number of points; a profile is one row.
     points: [usize; 2],
+    edges: Edges,
     /// Cells of 2×2 points, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
     /// One bit per point, row by row in whole words; set if the point keeps its own value.
     kept: Vec<AtomicU64>,
 }
 
-/// The known values: `gradient − level` where `x` > 0. A point with x = 0 also keeps its own value if it is negative
+/// The known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is negative
 /// and lower than the extended one, because the point is about to enter the contact; but this value is not extended to
 /// its neighbours.
 #[derive(Clone, Copy)]
@@ -34,6 +35,47 @@ pub(crate) struct Known<'a> {
     pub(crate) x: &'a [f64],
     pub(crate) gradient: &'a [f64],
     pub(crate) level: f64,
+    /// Points with this x, the largest, are as those with x = 0: their values are not known, and they keep theirs if it is
+    /// positive and higher than the extended one.
+    pub(crate) upper: f64,
+}
+
+/// What lies beyond the edges of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edges {
+    /// The opposite edge.
+    Joined,
+    /// The mirror image.
+    Mirrored,
+}
+
+impl Edges {
+    /// The cell before `cell`, of `cells`.
+    fn before(self, cell: usize, cells: usize) -> usize {
+        match self {
+            Self::Joined => (cell + cells - 1) % cells,
+            Self::Mirrored => cell.saturating_sub(1),
+        }
+    }
+
+    /// The cell behind `cell`, of `cells`.
+    fn after(self, cell: usize, cells: usize) -> usize {
+        match self {
+            Self::Joined => (cell + 1) % cells,
+            Self::Mirrored => (cell + 1).min(cells - 1),
+        }
+    }
+
+    /// The children to which `cell` contributes, with their parts: its own, and the nearest of its neighbours.
+    fn children(self, cell: usize, cells: usize) -> [(usize, f64); 4] {
+        let (before, after) = match self {
+            Self::Mirrored if cell == 0 => (0, self.after(cell, cells)),
+            _ => (2 * self.before(cell, cells) + 1, self.after(cell, cells)),
+        };
+        // The mirror image of the last cell is its own child.
+        let after = if self == Self::Mirrored && cell + 1 == cells { 2 * cell + 1 } else { 2 * after };
+        [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)]
+    }
 }
 
 struct Level {
@@ -62,7 +104,7 @@ impl PullPush {
     /// independently, and zero is the better value.
     ///
     /// If `floating`, constants are extended as constants; else values decay to zero away from the known points.
-    pub(crate) fn new([nx, ny]: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
+    pub(crate) fn new([nx, ny]: [usize; 2], floating: bool, edges: Edges, stiffness: impl Fn(usize) -> f64) -> Self {
         let points = if nx.min(ny) == 1 { [1, nx.max(ny)] } else { [nx, ny] };
         let mut levels = Vec::new();
         let mut below = points;
@@ -83,18 +125,19 @@ impl PullPush {
             top.full = 0.0;
         }
         let kept = (0..points[0] * points[1].div_ceil(BITS)).map(|_| AtomicU64::new(0)).collect();
-        Self { points, levels, kept }
+        Self { points, edges, levels, kept }
     }
 
     /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
+        let edges = self.edges;
         let Some(first) = self.levels.first_mut() else { return };
         let columns = self.points[1];
         first.pull(self.points, |i, weights, values| {
             let level = known.level;
             let points = row_of(known.x, i, columns).iter().zip(row_of(known.gradient, i, columns));
             for ((weight, value), (x, gradient)) in weights.iter_mut().zip(values).zip(points) {
-                *weight = f64::from(*x > 0.0);
+                *weight = f64::from((*x > 0.0) & (*x < known.upper));
                 *value = *weight * (gradient - level);
             }
         });
@@ -112,7 +155,7 @@ impl PullPush {
         downwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
             let full = below.full;
-            above.push(&mut below.value, columns, |i, value, pushed| {
+            above.push(edges, &mut below.value, columns, |i, value, pushed| {
                 for ((value, known), pushed) in value.iter_mut().zip(row_of(&below.known, i, columns)).zip(pushed) {
                     let weight = weight(*known, full);
                     *value = weight * *value + (1.0 - weight) * pushed;
@@ -125,7 +168,7 @@ impl PullPush {
     pub(crate) fn row(&self, known: Known, i: usize, out: &mut [f64]) {
         let columns = self.points[1];
         match self.levels.first() {
-            Some(first) => first.interpolate(i, out),
+            Some(first) => first.interpolate(self.edges, i, out),
             None => out.fill(0.0),
         }
         let points = row_of(known.x, i, columns).chunks(BITS).zip(row_of(known.gradient, i, columns).chunks(BITS));
@@ -133,7 +176,9 @@ impl PullPush {
             let mut bits = 0;
             for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
                 let own = gradient - known.level;
-                let keeps = (*x > 0.0) | ((own < 0.0) & (own < *out));
+                let full = *x >= known.upper;
+                let enters = if full { (own > 0.0) & (own > *out) } else { (own < 0.0) & (own < *out) };
+                let keeps = ((*x > 0.0) & !full) | enters;
                 *out = if keeps { own } else { *out };
                 bits |= u64::from(keeps) << j;
             }
@@ -143,12 +188,12 @@ impl PullPush {
 
     /// `t` ← Eᵀ t, with the map E of the last rows.
     pub(crate) fn transpose(&mut self, known: Known, t: &mut [f64]) {
-        let [height, columns] = self.points;
+        let ([height, columns], edges) = (self.points, self.edges);
         let Some(first) = self.levels.first_mut() else { return };
         let kept = |i: usize| words(&self.kept, i, columns);
         // Points that did not keep their own value pass their entry of t to the levels above.
         let handed = &*t;
-        first.push_transposed([height, columns], |i, line, part| {
+        first.push_transposed(edges, [height, columns], |i, line, part| {
             let values = line.chunks_mut(BITS).zip(row_of(handed, i, columns).chunks(BITS));
             for ((line, t), kept) in values.zip(kept(i)) {
                 let kept = kept.load(Ordering::Relaxed);
@@ -159,7 +204,7 @@ impl PullPush {
         });
         upwards(&mut self.levels, |above, below| {
             let columns = below.cells[1];
-            above.push_transposed(below.cells, |i, line, part| {
+            above.push_transposed(edges, below.cells, |i, line, part| {
                 let cells = row_of(&below.value, i, columns).iter().zip(row_of(&below.known, i, columns));
                 for (line, (image, known)) in line.iter_mut().zip(cells) {
                     *line += part * (1.0 - below.weight(*known)) * image;
@@ -181,7 +226,7 @@ impl PullPush {
             for ((t, (share, x)), kept) in t.chunks_mut(BITS).zip(points).zip(kept(i)) {
                 let kept = kept.load(Ordering::Relaxed);
                 for (j, (t, (share, x))) in t.iter_mut().zip(share.iter().zip(x)).enumerate() {
-                    *t = if kept >> j & 1 == 0 { 0.0 } else { *t + f64::from(*x > 0.0) * share };
+                    *t = if kept >> j & 1 == 0 { 0.0 } else { *t + f64::from((*x > 0.0) & (*x < known.upper)) * share };
                 }
             }
         });
@@ -239,9 +284,9 @@ impl Level {
     }
 
     /// Interpolates row i of the level below bilinearly.
-    fn interpolate(&self, i: usize, row: &mut [f64]) {
+    fn interpolate(&self, edges: Edges, i: usize, row: &mut [f64]) {
         let [height, width] = self.cells;
-        let beside = if i % 2 == 1 { (i / 2 + 1) % height } else { (i / 2 + height - 1) % height };
+        let beside = if i % 2 == 1 { edges.after(i / 2, height) } else { edges.before(i / 2, height) };
         let (near, far) = (row_of(&self.value, i / 2, width), row_of(&self.value, beside, width));
         let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
         let children = |near: &[f64], far: &[f64]| {
@@ -249,7 +294,7 @@ impl Level {
             [before, after].map(|other| 0.75 * own + 0.25 * other)
         };
         for b in [0, width - 1] {
-            let three = [(b + width - 1) % width, b, (b + 1) % width];
+            let three = [edges.before(b, width), b, edges.after(b, width)];
             let pair = children(&three.map(|b| near[b]), &three.map(|b| far[b]));
             row[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
         }
@@ -260,31 +305,30 @@ impl Level {
     }
 
     /// Interpolates the whole level below and calls `write(i, row, interpolated)` for each of its rows.
-    fn push(&self, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
+    fn push(&self, edges: Edges, below: &mut [f64], columns: usize, write: impl Fn(usize, &mut [f64], &[f64]) + Sync) {
         rows(below, columns).enumerate().for_each_init(
             || vec![0.0; columns],
             |pushed, (i, row)| {
-                self.interpolate(i, pushed);
+                self.interpolate(edges, i, pushed);
                 write(i, row, pushed);
             },
         );
     }
 
     /// The transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
-    fn push_transposed(&mut self, [below, columns]: [usize; 2], add: impl Fn(usize, &mut [f64], f64) + Sync) {
+    fn push_transposed(
+        &mut self,
+        edges: Edges,
+        [below, columns]: [usize; 2],
+        add: impl Fn(usize, &mut [f64], f64) + Sync,
+    ) {
         let [height, width] = self.cells;
-        // A cell contributes to its own children, and to the nearest children of its neighbours.
-        let children = |cell: usize, cells: usize| {
-            let before = 2 * ((cell + cells - 1) % cells) + 1;
-            let after = 2 * ((cell + 1) % cells);
-            [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)]
-        };
         rows(&mut self.value, width).enumerate().for_each_init(
             // With an odd number of columns the last child is missing and counts as zero.
             || vec![0.0; 2 * width],
             |line, (a, image)| {
                 line.fill(0.0);
-                for (i, part) in children(a, height).into_iter().filter(|child| child.0 < below) {
+                for (i, part) in edges.children(a, height).into_iter().filter(|child| child.0 < below) {
                     add(i, &mut line[..columns], part);
                 }
                 let pairs = line.as_chunks::<2>().0;
@@ -293,7 +337,7 @@ impl Level {
                     *image = self.trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
                 }
                 for b in [0, width - 1] {
-                    let along = children(b, width).map(|(j, part)| part * line[j]);
+                    let along = edges.children(b, width).map(|(j, part)| part * line[j]);
                     image[b] = self.trust * along.into_iter().sum::<f64>();
                 }
             },
@@ -354,9 +398,11 @@ mod tests {
     const SHAPES: [[usize; 2]; 9] = [[16, 16], [7, 12], [12, 7], [1, 9], [9, 1], [33, 2], [3, 3], [2, 2], [1, 2]];
 
     /// The extension for a half-space, whose stiffness is proportional to the wavenumber.
-    fn extension(points: [usize; 2], floating: bool) -> PullPush {
-        PullPush::new(points, floating, |periods| periods as f64)
+    fn extension(points: [usize; 2], floating: bool, edges: Edges) -> PullPush {
+        PullPush::new(points, floating, edges, |periods| periods as f64)
     }
+
+    const BOTH: [Edges; 2] = [Edges::Joined, Edges::Mirrored];
 
     /// All rows of E r.
     fn extend(extension: &mut PullPush, known: Known, out: &mut [f64]) {
@@ -378,17 +424,25 @@ mod tests {
 
     #[test]
     fn known_values_and_constants_are_kept() {
-        for points in SHAPES {
+        for (points, edges) in SHAPES.into_iter().flat_map(|points| BOTH.map(|edges| (points, edges))) {
             let (x, mut gradient) = field(points);
             let mut out = vec![f64::NAN; x.len()];
-            extend(&mut extension(points, true), Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+            extend(
+                &mut extension(points, true, edges),
+                Known { x: &x, gradient: &gradient, level: 0.2, upper: f64::INFINITY },
+                &mut out,
+            );
             for (k, out) in out.iter().enumerate() {
                 assert!(x[k] == 0.0 || *out == gradient[k] - 0.2, "{points:?} {k}");
                 assert!(x[k] > 0.0 || *out == gradient[k] - 0.2 || *out <= 0.8, "a mean of known values");
             }
             gradient.fill(0.7);
             if x.iter().any(|x| *x > 0.0) {
-                extend(&mut extension(points, true), Known { x: &x, gradient: &gradient, level: 0.2 }, &mut out);
+                extend(
+                    &mut extension(points, true, edges),
+                    Known { x: &x, gradient: &gradient, level: 0.2, upper: f64::INFINITY },
+                    &mut out,
+                );
                 assert!(out.iter().all(|out| (out - 0.5).abs() < 1e-15), "{points:?}");
             }
         }
@@ -397,10 +451,11 @@ mod tests {
     #[test]
     fn the_transpose_is_one() {
         for points in SHAPES {
-            for floating in [false, true] {
+            for (floating, edges) in [false, true].into_iter().flat_map(|floating| BOTH.map(|edges| (floating, edges)))
+            {
                 let (x, gradient) = field(points);
-                let known = Known { x: &x, gradient: &gradient, level: -0.1 };
-                let mut extension = extension(points, floating);
+                let known = Known { x: &x, gradient: &gradient, level: -0.1, upper: f64::INFINITY };
+                let mut extension = extension(points, floating, edges);
                 let mut extended = vec![0.0; x.len()];
                 extend(&mut extension, known, &mut extended);
                 let traction = noise(x.len(), 3.3);
@@ -423,7 +478,11 @@ mod tests {
         let far = 32 * 64 + 32;
         let value = |x: &[f64], gradient: &[f64], floating| {
             let mut out = vec![f64::NAN; 4096];
-            extend(&mut extension(points, floating), Known { x, gradient, level: 0.0 }, &mut out);
+            extend(
+                &mut extension(points, floating, Edges::Joined),
+                Known { x, gradient, level: 0.0, upper: f64::INFINITY },
+                &mut out,
+            );
             out[far]
         };
         assert_eq!(value(&x, &gradient, true), 0.0);
@@ -439,8 +498,8 @@ mod tests {
     fn waves_as_stiff_as_their_octave_are_not_continued() {
         let (x, gradient) = field([16, 16]);
         let mut out = vec![f64::NAN; 256];
-        let known = Known { x: &x, gradient: &gradient, level: -2.0 };
-        extend(&mut PullPush::new([16, 16], true, |_| 1.0), known, &mut out);
+        let known = Known { x: &x, gradient: &gradient, level: -2.0, upper: f64::INFINITY };
+        extend(&mut PullPush::new([16, 16], true, Edges::Joined, |_| 1.0), known, &mut out);
         assert!(out.iter().zip(&x).all(|(out, x)| *x > 0.0 || *out == 0.0));
     }
 }

@@ -1,3 +1,4 @@
+use gfmd_green::GreenError;
 use gfmd_law::LawError;
 use gfmd_relax::{RelaxError, ToleranceError};
 
@@ -61,13 +62,13 @@ pub enum Refusal {
         /// The smallest possible value.
         least: f64,
     },
-    /// The load or approach is so large that its rounding errors exceed the tolerance.
+    /// A load, approach, or the traction that it causes, is so large that its rounding errors exceed the tolerance.
     #[error(
         "the {what} is {found:e}; it must be at most {most:e} on this surface, since rounding errors of larger ones \
          exceed the tolerance {tolerance:e}"
     )]
     Rounding {
-        /// Mean pressure or approach.
+        /// Name of the number.
         what: &'static str,
         /// Its value.
         found: f64,
@@ -93,6 +94,20 @@ pub enum Refusal {
         /// The mean pressure.
         found: f64,
     },
+    /// The hardness is not positive.
+    #[error("the hardness is {found}; it must be positive and finite")]
+    Hardness {
+        /// The hardness.
+        found: f64,
+    },
+    /// The mean pressure reaches the hardness.
+    #[error("the mean pressure is {found}; it must be less than the hardness {hardness}")]
+    BeyondHardness {
+        /// The mean pressure.
+        found: f64,
+        /// The hardness.
+        hardness: f64,
+    },
     /// The approach gives no contact, without attraction, or is beyond full contact.
     #[error("the approach is {found}; it must be {}", approach_text(*found, *limit))]
     Approach {
@@ -102,6 +117,15 @@ pub enum Refusal {
         /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
+    /// The approach to a profile with free boundaries is prescribed.
+    #[error(
+        "the approach is prescribed; for a profile with free boundaries the mean pressure must be prescribed, since the \
+         displacement is known up to a constant"
+    )]
+    LineApproach,
+    /// The body cannot have the boundary.
+    #[error(transparent)]
+    Body(#[from] GreenError),
     /// There is no contact, which friction needs.
     #[error("the {what} is {found}; it must be positive, since friction needs contact")]
     NotPressed {
@@ -154,6 +178,12 @@ pub enum Refusal {
     /// Numbers are so large or so small that the method cannot start.
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
+    /// The law overflows, as an exponential one does deep inside of its surface.
+    #[error(
+        "the traction of the law is not finite in this search; it must be, and a start from a smaller load, or a longer \
+         range of the law, may make it so"
+    )]
+    Overflow,
 }
 
 fn approach_text(found: f64, limit: Option<f64>) -> String {

@@ -2,7 +2,7 @@ use std::sync::OnceLock;
 
 use gfmd_field::Grid;
 use gfmd_response::unit_of;
-use gfmd_surface::PowerSpectrum;
+use gfmd_surface::{PowerSpectrum, Statistics};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
@@ -14,6 +14,8 @@ pub struct RigidSurface {
     clearance: Vec<f64>,
     mean_clearance: f64,
     rms_height: f64,
+    /// False for a patch, which does not repeat.
+    repeats: bool,
     rms_gradient: OnceLock<f64>,
 }
 
@@ -25,7 +27,7 @@ const LEAST: f64 = 1e-100;
 
 impl PartialEq for RigidSurface {
     fn eq(&self, other: &Self) -> bool {
-        self.grid == other.grid && self.clearance == other.clearance
+        self.grid == other.grid && self.clearance == other.clearance && self.repeats == other.repeats
     }
 }
 
@@ -57,7 +59,12 @@ impl RigidSurface {
         if !(rms_height.is_finite() && mean_clearance.is_finite()) {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
-        Ok(Self { grid: *grid, clearance, mean_clearance, rms_height, rms_gradient: OnceLock::new() })
+        Ok(Self { grid: *grid, clearance, mean_clearance, rms_height, repeats: true, rms_gradient: OnceLock::new() })
+    }
+
+    /// The surface as a patch that does not repeat. The step from its last to its first points is no part of it.
+    pub(crate) fn alone(self) -> Self {
+        Self { repeats: false, rms_gradient: OnceLock::new(), ..self }
     }
 
     /// The surface in other units of length along the surface and of heights, given in the present ones: powers of two.
@@ -67,6 +74,7 @@ impl RigidSurface {
             clearance: self.clearance.iter().map(|c| c / units.length()).collect(),
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
+            repeats: self.repeats,
             rms_gradient: OnceLock::new(),
         }
     }
@@ -111,22 +119,42 @@ impl RigidSurface {
             Load::MeanPressure(mean) => ("mean pressure", mean, softest * self.rms_height),
             Load::Approach(approach) => ("approach", approach, self.rms_height),
         };
-        let (least, most) = (LEAST * unit, tolerance / f64::EPSILON * unit);
+        let least = LEAST * unit;
         if found < least {
             return Err(Refusal::Slight { what, found, least });
         }
+        Self::check_rounding(what, found, unit, tolerance)
+    }
+
+    /// Checks that the displacement by a traction of size `found` can be resolved: its rounding errors are those of the
+    /// softest wave, even if most of the traction deforms the body less. `softest` is the smallest stiffness of a wave, in
+    /// stress/length, and `what` the name of the traction.
+    ///
+    /// # Errors
+    /// The traction, with the largest possible one.
+    pub fn check_traction(&self, what: &'static str, found: f64, softest: f64, tolerance: f64) -> Result<(), Refusal> {
+        Self::check_rounding(what, found, softest * self.rms_height, tolerance)
+    }
+
+    fn check_rounding(what: &'static str, found: f64, unit: f64, tolerance: f64) -> Result<(), Refusal> {
+        let most = tolerance / f64::EPSILON * unit;
         if found > most { Err(Refusal::Rounding { what, found, most, tolerance }) } else { Ok(()) }
     }
 
-    /// Spectral root mean square of the gradient |∇h| over the whole surface, dimensionless. Computed at the first
-    /// call, by one transform.
+    /// Root mean square of the gradient |∇h| over the whole surface, dimensionless: the spectral one, or, if the surface
+    /// does not repeat, that of the differences between neighbours. Computed at the first call.
     pub fn rms_gradient(&self) -> f64 {
         *self.rms_gradient.get_or_init(|| {
             let units = Units::of_surface(self);
             let clearance = self.clearance.iter().map(|c| c / units.length()).collect();
-            let clearance = Array2::from_shape_vec(self.grid.points(), clearance).ok();
-            let spectrum = clearance.and_then(|clearance| PowerSpectrum::of(&clearance, &units.grid(&self.grid)).ok());
-            spectrum.map_or(f64::NAN, |spectrum| spectrum.moments().rms_gradient()) * units.gradient()
+            let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };
+            let grid = units.grid(&self.grid);
+            let gradient = if self.repeats {
+                PowerSpectrum::of(&clearance, &grid).map(|spectrum| spectrum.moments().rms_gradient())
+            } else {
+                Statistics::of(&clearance, &grid).map(|statistics| statistics.rms_gradient_inside)
+            };
+            gradient.unwrap_or(f64::NAN) * units.gradient()
         })
     }
 }

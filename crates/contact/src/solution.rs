@@ -23,8 +23,25 @@ pub struct Solution {
     pub residual: Residual,
     /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
+    /// What gives way, if the contact has a hardness.
+    pub plastic: Option<Plastic>,
     surface: Arc<RigidSurface>,
     contact_modulus: f64,
+}
+
+/// The plastic part of a contact with a hardness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plastic {
+    /// The depth by which the surfaces are pressed into each other beyond touching, −(clearance − u_z − approach) ≥ 0 where
+    /// the pressure is the hardness, and zero elsewhere, in length.
+    pub depth: Array2<f64>,
+    /// Points whose pressure is the hardness, over all points.
+    pub fraction: f64,
+    /// Mean of the depth over the whole surface, in length.
+    pub volume: f64,
+    /// The largest gap over the scale of lengths where the pressure is the hardness, or the excess of a pressure over the
+    /// hardness, over the hardness, if that is larger; zero for the exact solution.
+    pub saturation: f64,
 }
 
 /// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
@@ -85,7 +102,8 @@ impl Fields for Solution {
     }
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.residual.parts().into()
+        let saturation = self.plastic.iter().map(|plastic| ("saturation", plastic.saturation));
+        self.residual.parts().into_iter().chain(saturation).collect()
     }
 
     fn scales(&self) -> Scales {
@@ -101,18 +119,44 @@ impl Fields for Solution {
 impl Solution {
     /// The solution of a contact in `units`, in the units of the input, where `surface` and E* are given.
     pub(crate) fn out_of(self, units: &Units, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
-        let Self { mut pressure, mut displacement, mut gap, mean_pressure, approach, residual, effort, .. } = self;
+        let Self {
+            mut pressure,
+            mut displacement,
+            mut gap,
+            mean_pressure,
+            approach,
+            residual,
+            effort,
+            mut plastic,
+            ..
+        } = self;
         let (length, stress) = (units.length(), units.stress());
         pressure.mapv_inplace(|p| p * stress);
         displacement.mapv_inplace(|u| u * length);
         gap.mapv_inplace(|g| g * length);
         let (mean_pressure, approach) = (mean_pressure * stress, approach * length);
+        if let Some(plastic) = &mut plastic {
+            plastic.depth.mapv_inplace(|depth| depth * length);
+            plastic.volume *= length;
+        }
         let surface = Arc::clone(surface);
-        Self { pressure, displacement, gap, mean_pressure, approach, residual, effort, surface, contact_modulus }
+        Self {
+            pressure,
+            displacement,
+            gap,
+            mean_pressure,
+            approach,
+            residual,
+            effort,
+            plastic,
+            surface,
+            contact_modulus,
+        }
     }
 
     /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the size of
-    /// the grid. `sinking` is the uniform displacement of the body downwards, which `displacement` does not contain.
+    /// the grid. `sinking` is the uniform displacement of the body downwards, which `displacement` does not contain. `hardness`
+    /// is the largest pressure that the surfaces carry.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
@@ -120,12 +164,16 @@ impl Solution {
         mut displacement: Vec<f64>,
         sinking: f64,
         load: Load,
+        hardness: Option<f64>,
     ) -> Self {
+        let upper = hardness.unwrap_or(f64::INFINITY);
         let (clearance, length_scale) = (surface.clearance(), surface.length_scale(load));
         let n = pressure.len();
         let [sum, touching] = reduce(
             n,
-            &|range| pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from(*p > 0.0)])),
+            &|range| {
+                pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from((*p > 0.0) & (*p < upper))]))
+            },
             &add,
         );
         let mean_pressure = sum / n as f64;
@@ -135,8 +183,14 @@ impl Solution {
         let above = match load {
             // The approach is the mean of clearance − u_z over the contact.
             Load::MeanPressure(_) => {
-                let room = |i: usize| if pressure[i] > 0.0 { clearance[i] - displacement[i] } else { 0.0 };
-                gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
+                let room = |i: usize| {
+                    if (pressure[i] > 0.0) & (pressure[i] < upper) { clearance[i] - displacement[i] } else { 0.0 }
+                };
+                if touching > 0.0 || hardness.is_none() {
+                    gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
+                } else {
+                    between(&pressure, upper, |i| clearance[i] - displacement[i])
+                }
             }
             Load::Approach(approach) => {
                 sink(&mut displacement);
@@ -144,7 +198,7 @@ impl Solution {
             }
         };
         let mut gap = vec![0.0; n];
-        let sums = pass(
+        let mut sums = pass(
             [&mut gap],
             &|start, [gap]| {
                 let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
@@ -157,6 +211,11 @@ impl Solution {
             },
             &|a, b| (a.0 + b.0, lower(a.1, b.1), lower(a.2, b.2)),
         );
+        let plastic = hardness.map(|hardness| {
+            let (plastic, elastic) = Plastic::of(surface, &pressure, &mut gap, hardness, length_scale);
+            sums = (elastic.0, elastic.1, sums.2);
+            plastic
+        });
         let residual = Residual {
             complementarity: match load {
                 // An approach beyond first touch needs a pressure, however small.
@@ -186,9 +245,61 @@ impl Solution {
             approach,
             residual,
             effort: Effort::default(),
+            plastic,
             surface: Arc::clone(surface),
             contact_modulus,
         }
+    }
+}
+
+impl Plastic {
+    /// Moves the negative gap of the points at the `hardness` to the plastic depth. Returns also Σ p g over the other points,
+    /// and their lowest gap.
+    fn of(
+        surface: &RigidSurface,
+        pressure: &[f64],
+        gap: &mut [f64],
+        hardness: f64,
+        length_scale: f64,
+    ) -> (Self, (f64, f64)) {
+        let n = gap.len();
+        let mut depth = vec![0.0; n];
+        let (count, sum, saturation, p_gap, lowest) = pass(
+            [gap, &mut depth],
+            &|start, [gap, depth]| {
+                let mut sums = (0.0, 0.0, 0.0, 0.0, f64::INFINITY);
+                for ((gap, depth), p) in gap.iter_mut().zip(depth).zip(&pressure[start..]) {
+                    if *p < hardness {
+                        sums.3 += p * *gap;
+                        sums.4 = lower(sums.4, *gap);
+                    } else {
+                        let wrong = higher(*gap / length_scale, (p - hardness) / hardness);
+                        *depth = positive(-*gap);
+                        *gap = positive(*gap);
+                        sums = (sums.0 + 1.0, sums.1 + *depth, higher(sums.2, wrong), sums.3, sums.4);
+                    }
+                }
+                sums
+            },
+            &|a, b| (a.0 + b.0, a.1 + b.1, higher(a.2, b.2), a.3 + b.3, lower(a.4, b.4)),
+        );
+        let plastic =
+            Self { depth: field(surface, depth), fraction: count / n as f64, volume: sum / n as f64, saturation };
+        (plastic, (p_gap, lowest))
+    }
+}
+
+/// The middle between the largest room of the points at the hardness and the smallest of the others: the approach if no
+/// pressure lies between the bounds.
+fn between(pressure: &[f64], upper: f64, room: impl Fn(usize) -> f64) -> f64 {
+    let [mut below, mut above] = [f64::NEG_INFINITY, f64::INFINITY];
+    for (i, p) in pressure.iter().enumerate() {
+        if *p >= upper { below = below.max(room(i)) } else { above = above.min(room(i)) }
+    }
+    match (below.is_finite(), above.is_finite()) {
+        (true, true) => 0.5 * (below + above),
+        (true, false) => below,
+        _ => above,
     }
 }
 
@@ -200,6 +311,11 @@ pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
 /// The smaller of two numbers; NaN if either is NaN.
 fn lower(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
+}
+
+/// The larger of two numbers; NaN if either is NaN.
+fn higher(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// The positive part of a number; NaN stays NaN.

@@ -3,7 +3,7 @@ use gfmd_relax::{Budget, Watch};
 use crate::attempt::Attempt;
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
-use crate::{Contact, Drive, Effort, Equilibrium, Refusal, Solution, SolveError, Solver, Units, judge};
+use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
 
 impl Contact {
     /// The solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
@@ -18,13 +18,24 @@ impl Contact {
         Solver::Fire2,
         Solver::AugmentedLagrangian,
     ];
+
+    /// The solvers with a hardness: those that heed two bounds.
+    pub const HARDNESS_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
+
+    /// The solvers with free boundaries: those that seek the pressure.
+    pub const FREE_SOLVERS: [Solver; 4] =
+        [Solver::Auto, Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg];
 }
 
 impl Equilibrium for Contact {
     type State = Solution;
 
     fn solvers(&self) -> &'static [Solver] {
-        &Self::SOLVERS
+        match (&self.hardness, &self.free) {
+            (Some(_), _) => &Self::HARDNESS_SOLVERS,
+            (None, Some(_)) => &Self::FREE_SOLVERS,
+            (None, None) => &Self::SOLVERS,
+        }
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -47,6 +58,9 @@ impl Equilibrium for Contact {
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError<Solution>> {
         budget.check()?;
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
         self.check(drive)?;
         self.check_resolution(drive, budget.tolerance)?;
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
@@ -62,13 +76,18 @@ impl Equilibrium for Contact {
             Solver::Fire => dynamics::solve(attempt, Motion::Fire)?,
             Solver::Fire2 => dynamics::solve(attempt, Motion::Fire2)?,
             Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
-            Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: &Self::SOLVERS }.into()),
+            Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into()),
         };
         let mut solution = self.certified(ended.pressure, load);
         solution.effort.iterations = ended.effort.iterations;
         solution.effort.transform_pairs += ended.effort.transform_pairs;
         let solution = self.given_units(solution);
         Units::check_pressure(solution.mean_pressure)?;
+        if let Load::Approach(_) = load {
+            let softest = self.response.stiffness_range()[0] * self.units().stiffness();
+            let what = "mean pressure of this approach";
+            self.surface().check_traction(what, solution.mean_pressure, softest, budget.tolerance)?;
+        }
         judge(solution, ended.ending, budget.tolerance)
     }
 }

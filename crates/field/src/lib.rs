@@ -1,4 +1,5 @@
-//! Periodic grids, the real fields on them, and their half-spectrum Fourier transforms.
+//! Periodic grids, the real fields on them, and their half-spectrum Fourier transforms; and [`Convolution`] and
+//! [`Cosines`], for fields on a patch that does not repeat.
 //!
 //! A field is a `[x, y]` array in row-major order (y contiguous), passed as a flat slice of `grid.len()` values. A line
 //! (plane strain) is a grid with one point along y: same types, same calls.
@@ -49,6 +50,8 @@
 //! convolution on a large grid takes about twice the time. Tests and benchmarks compare with it.
 #![warn(missing_docs)]
 
+mod convolution;
+mod cosines;
 mod grid;
 mod line;
 mod plane;
@@ -56,5 +59,7 @@ mod prefetch;
 mod share;
 mod transform;
 
+pub use convolution::Convolution;
+pub use cosines::{CosineWorkspace, Cosines};
 pub use grid::{Grid, GridError, Mode};
 pub use transform::{ShapeError, Transform, Workspace};

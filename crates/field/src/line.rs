@@ -10,9 +10,10 @@ use crate::plane::energy;
 /// The number of modes in one partial sum of an energy.
 const STRETCH: usize = 1 << 10;
 
-/// Plans for one row.
+/// Plans for one row. A field may fill its first points only, and is zero on the others.
 pub(crate) struct Line {
     points: usize,
+    shown: usize,
     to_half: Arc<dyn RealToComplex<f64>>,
     from_half: Arc<dyn ComplexToReal<f64>>,
 }
@@ -27,8 +28,13 @@ pub(crate) struct Memory {
 
 impl Line {
     pub(crate) fn new(points: usize) -> Self {
+        Self::padded(points, points)
+    }
+
+    /// Plans for fields that fill the first `shown` points.
+    pub(crate) fn padded(points: usize, shown: usize) -> Self {
         let mut planner = RealFftPlanner::new();
-        Self { points, to_half: planner.plan_fft_forward(points), from_half: planner.plan_fft_inverse(points) }
+        Self { points, shown, to_half: planner.plan_fft_forward(points), from_half: planner.plan_fft_inverse(points) }
     }
 
     pub(crate) fn memory(&self) -> Memory {
@@ -89,8 +95,25 @@ impl Line {
         (2.0 * all - once) * self.scale().powi(2)
     }
 
+    /// The spectrum of an even kernel, for fields on the first points. `source` fills the values at the distances 0, 1, …;
+    /// beyond these the kernel is zero.
+    pub(crate) fn even(&self, source: &impl Fn(usize, &mut [f64]), memory: &mut Memory) -> Vec<f64> {
+        let (near, far) = memory.field.split_at_mut(self.shown);
+        source(0, near);
+        far.fill(0.0);
+        far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
+        self.transform(memory);
+        memory.half.iter().map(|mode| mode.re).collect()
+    }
+
     fn ahead(&self, source: &impl Fn(usize, &mut [f64]), memory: &mut Memory) {
-        source(0, &mut memory.field);
+        let (own, padding) = memory.field.split_at_mut(self.shown);
+        source(0, own);
+        padding.fill(0.0);
+        self.transform(memory);
+    }
+
+    fn transform(&self, memory: &mut Memory) {
         let done = self.to_half.process_with_scratch(&mut memory.field, &mut memory.half, &mut memory.scratch);
         done.expect("lengths are those of the plan");
     }
@@ -100,8 +123,13 @@ impl Line {
         if self.points.is_multiple_of(2) {
             memory.half[self.points / 2].im = 0.0;
         }
-        let done = self.from_half.process_with_scratch(&mut memory.half, field, &mut memory.scratch);
+        let is_whole = field.len() == self.points;
+        let whole = if is_whole { &mut *field } else { &mut memory.field[..] };
+        let done = self.from_half.process_with_scratch(&mut memory.half, whole, &mut memory.scratch);
         done.expect("lengths are those of the plan, edges are real");
+        if !is_whole {
+            field.copy_from_slice(&memory.field[..field.len()]);
+        }
     }
 
     fn scale(&self) -> f64 {

@@ -32,10 +32,12 @@ pub(crate) const LARGE: usize = 1 << 19;
 /// would evict each other from the cache.
 const GAP: usize = LINE / size_of::<Complex64>();
 
-/// Plans for nx rows of ny points.
+/// Plans for nx rows of ny points. A field may fill a corner of them only, and is zero on the rest, which is not stored.
 pub(crate) struct Plane {
     rows: usize,
     points: usize,
+    /// The rows of the field, and the points of each.
+    corner: [usize; 2],
     width: usize,
     to_half: Arc<dyn RealToComplex<f64>>,
     from_half: Arc<dyn ComplexToReal<f64>>,
@@ -64,13 +66,19 @@ struct Seat {
 }
 
 impl Plane {
-    pub(crate) fn new([rows, points]: [usize; 2]) -> Self {
+    pub(crate) fn new(points: [usize; 2]) -> Self {
+        Self::padded(points, points)
+    }
+
+    /// Plans for fields that fill the `corner` of the points.
+    pub(crate) fn padded([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
         let width = (PANEL / rows).clamp(LINE / size_of::<Complex64>(), WIDTH);
         Self {
             rows,
             points,
+            corner,
             width: width.min(points / 2 + 1),
             to_half: real.plan_fft_forward(points),
             from_half: real.plan_fft_inverse(points),
@@ -82,9 +90,9 @@ impl Plane {
     /// Allocates memory for this plan, with a seat for each of `threads`.
     pub(crate) fn memory(&self, threads: usize) -> Memory {
         let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
-        let block = |first| Mutex::new(vec![Complex64::ZERO; BLOCK.min(self.rows - first) * self.stride()]);
+        let block = |first| Mutex::new(vec![Complex64::ZERO; BLOCK.min(self.corner[0] - first) * self.stride()]);
         Memory {
-            blocks: (0..self.rows).step_by(BLOCK).map(block).collect(),
+            blocks: (0..self.corner[0]).step_by(BLOCK).map(block).collect(),
             seats: (0..threads).map(|_| self.seat()).collect(),
             sums: vec![0.0; self.half()],
         }
@@ -99,7 +107,7 @@ impl Plane {
         ];
         Seat {
             row: vec![0.0; self.points],
-            tile: vec![Complex64::ZERO; BLOCK.min(self.rows) * self.width],
+            tile: vec![Complex64::ZERO; BLOCK.min(self.corner[0]) * self.width],
             columns: vec![Complex64::ZERO; self.width * self.column()],
             scratch: vec![Complex64::ZERO; scratch.into_iter().max().unwrap_or(0)],
         }
@@ -112,7 +120,7 @@ impl Plane {
         spectrum: &mut [Complex64],
         memory: &mut Memory,
     ) {
-        self.rows_ahead(source, memory);
+        self.rows_ahead(source, self.points, memory);
         let Memory { blocks, seats, .. } = memory;
         let scale = self.scale();
         share(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
@@ -143,16 +151,21 @@ impl Plane {
         sink: &(impl Fn(usize, &mut [f64]) + Sync),
         memory: &mut Memory,
     ) {
-        self.rows_ahead(source, memory);
+        self.rows_ahead(source, self.corner[1], memory);
         let Memory { blocks, seats, .. } = memory;
-        let scale = self.scale();
+        let (scale, line) = (self.scale(), self.line());
         share(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
             self.load(blocks, &panel, columns, self.column(), tile);
-            let kernels = kernel[panel.start * self.rows..panel.end * self.rows].chunks_exact(self.rows);
+            let kernels = kernel[panel.start * line..panel.end * line].chunks_exact(line);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels) {
                 let column = &mut column[..self.rows];
+                column[self.corner[0]..].fill(Complex64::ZERO);
                 self.ahead.process_with_scratch(column, scratch);
-                for (mode, k) in column.iter_mut().zip(kernel) {
+                let (stored, mirrored) = column.split_at_mut(line);
+                for (mode, k) in stored.iter_mut().zip(kernel) {
+                    *mode *= k * scale;
+                }
+                for (mode, k) in mirrored.iter_mut().rev().zip(&kernel[1..]) {
                     *mode *= k * scale;
                 }
                 self.back.process_with_scratch(column, scratch);
@@ -169,30 +182,65 @@ impl Plane {
         source: &(impl Fn(usize, &mut [f64]) + Sync),
         memory: &mut Memory,
     ) -> f64 {
-        self.rows_ahead(source, memory);
+        self.rows_ahead(source, self.corner[1], memory);
         let Memory { blocks, seats, sums } = memory;
+        let line = self.line();
         share(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
             let Seat { tile, columns, scratch, .. } = seat;
             self.load(blocks, &panel, columns, self.column(), tile);
-            let kernels = kernel[panel.start * self.rows..].chunks_exact(self.rows);
+            let kernels = kernel[panel.start * line..].chunks_exact(line);
             let columns = columns.chunks_exact_mut(self.column());
             for ((sum, number), (column, kernel)) in sums.iter_mut().zip(panel).zip(columns.zip(kernels)) {
                 let column = &mut column[..self.rows];
+                column[self.corner[0]..].fill(Complex64::ZERO);
                 self.ahead.process_with_scratch(column, scratch);
                 let alone = number == 0 || 2 * number == self.points;
-                *sum = if alone { 1.0 } else { 2.0 } * energy(column, kernel);
+                let (stored, mirrored) = column.split_at(line);
+                let mirrored: f64 = mirrored.iter().rev().zip(&kernel[1..]).map(|(mode, k)| k * mode.norm_sqr()).sum();
+                *sum = if alone { 1.0 } else { 2.0 } * (energy(stored, kernel) + mirrored);
             }
         });
         sums.iter().sum::<f64>() * self.scale().powi(2)
     }
 
-    /// Transforms the rows of the field into half spectra.
-    fn rows_ahead(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
+    /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is real.
+    /// `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is zero.
+    pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) -> Vec<f64> {
+        let [held, shown] = self.corner;
+        let both_sides = |i: usize, row: &mut [f64]| {
+            row[shown..].fill(0.0);
+            source(i, &mut row[..shown]);
+            let (near, far) = row.split_at_mut(shown);
+            far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
+        };
+        self.rows_ahead(&both_sides, self.points, memory);
+        let Memory { blocks, seats, .. } = memory;
+        let line = self.line();
+        let mut kernel = vec![0.0; self.half() * line];
+        share(seats, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), seat| {
+            let Seat { tile, columns, scratch, .. } = seat;
+            self.load(blocks, &panel, columns, self.column(), tile);
+            for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels.chunks_exact_mut(line)) {
+                let column = &mut column[..self.rows];
+                let (near, far) = column.split_at_mut(held);
+                far.fill(Complex64::ZERO);
+                far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
+                self.ahead.process_with_scratch(column, scratch);
+                kernel.iter_mut().zip(column).for_each(|(k, mode)| *k = mode.re);
+            }
+        });
+        kernel
+    }
+
+    /// Transforms the rows of the field, of which `source` fills the first `filled` points, into half spectra.
+    fn rows_ahead(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), filled: usize, memory: &mut Memory) {
         let rows = self.portion();
         let portions = portions(&mut memory.blocks, rows * self.stride());
         share(&mut memory.seats, portions.enumerate(), |(number, portion), Seat { row, scratch, .. }| {
             for (i, half) in portion.chunks_exact_mut(self.stride()).enumerate() {
-                source(number * rows + i, row);
+                let (own, padding) = row.split_at_mut(filled);
+                source(number * rows + i, own);
+                padding.fill(0.0);
                 let done = self.to_half.process_with_scratch(row, &mut half[..self.half()], scratch);
                 done.expect("lengths are those of the plan");
             }
@@ -203,9 +251,9 @@ impl Plane {
     fn rows_back(&self, field: &mut [f64], sink: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
         let rows = self.portion();
         let large = field.len() > LARGE;
-        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(field.chunks_mut(rows * self.points));
+        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(field.chunks_mut(rows * self.corner[1]));
         share(&mut memory.seats, portions.enumerate(), |(number, (mut portion, field)), seat| {
-            for (i, row) in field.chunks_exact_mut(self.points).enumerate() {
+            for (i, row) in field.chunks_exact_mut(self.corner[1]).enumerate() {
                 let (half, rest) = std::mem::take(&mut portion).split_at_mut(self.stride());
                 portion = rest;
                 if large && !portion.is_empty() {
@@ -216,8 +264,13 @@ impl Plane {
                 if self.points.is_multiple_of(2) {
                     half[self.points / 2].im = 0.0;
                 }
-                let done = self.from_half.process_with_scratch(half, row, &mut seat.scratch);
+                let is_whole = row.len() == self.points;
+                let whole = if is_whole { &mut *row } else { &mut seat.row[..] };
+                let done = self.from_half.process_with_scratch(half, whole, &mut seat.scratch);
                 done.expect("lengths are those of the plan, edges are real");
+                if !is_whole {
+                    row.copy_from_slice(&seat.row[..row.len()]);
+                }
                 sink(number * rows + i, row);
             }
         });
@@ -233,7 +286,7 @@ impl Plane {
         tile: &mut [Complex64],
     ) {
         for (number, block) in blocks.iter().enumerate() {
-            let rows = number * BLOCK..self.rows.min((number + 1) * BLOCK);
+            let rows = number * BLOCK..self.corner[0].min((number + 1) * BLOCK);
             for (to, from) in tile.chunks_exact_mut(panel.len()).zip(lock(block).chunks_exact(self.stride())) {
                 to.copy_from_slice(&from[panel.clone()]);
             }
@@ -255,7 +308,7 @@ impl Plane {
         tile: &mut [Complex64],
     ) {
         for (number, block) in blocks.iter().enumerate() {
-            let rows = number * BLOCK..self.rows.min((number + 1) * BLOCK);
+            let rows = number * BLOCK..self.corner[0].min((number + 1) * BLOCK);
             for (place, column) in columns.chunks(stride).take(panel.len()).enumerate() {
                 for (from, to) in column[rows.clone()].iter().zip(tile.chunks_exact_mut(panel.len())) {
                     to[place] = *from;
@@ -280,6 +333,11 @@ impl Plane {
     /// The distance between columns of a panel.
     fn column(&self) -> usize {
         self.rows + GAP
+    }
+
+    /// The number of values of a column of the kernel: for fields in a corner it is even, and half of it is stored.
+    fn line(&self) -> usize {
+        if self.corner[0] < self.rows { self.rows / 2 + 1 } else { self.rows }
     }
 
     /// The number of rows that a thread takes at a time, a divisor of the rows of a block.

@@ -16,17 +16,30 @@ pub struct Transform {
     plan: Plan,
 }
 
-enum Plan {
+pub(crate) enum Plan {
     Line(Line),
     Plane(Plane),
 }
 
-/// The working memory of one caller, made by [`Transform::workspace`] and used at every call: about one field, and 16
-/// columns for each thread. A call itself allocates nothing.
+impl Plan {
+    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has. `points` are those of
+    /// the transforms.
+    pub(crate) fn workspace(&self, points: [usize; 2]) -> Workspace {
+        let (line, plane) = match self {
+            Self::Line(line) => (line.memory(), plane::Memory::default()),
+            Self::Plane(plane) => (line::Memory::default(), plane.memory(rayon::current_num_threads())),
+        };
+        Workspace { points, line, plane }
+    }
+}
+
+/// The working memory of one caller, made by [`Transform::workspace`] or
+/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (a convolution: two), and
+/// 16 columns for each thread. A call itself allocates nothing.
 pub struct Workspace {
-    points: [usize; 2],
-    line: line::Memory,
-    plane: plane::Memory,
+    pub(crate) points: [usize; 2],
+    pub(crate) line: line::Memory,
+    pub(crate) plane: plane::Memory,
 }
 
 /// A slice of the wrong length, or a workspace of another grid.
@@ -57,11 +70,7 @@ impl Transform {
 
     /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
     pub fn workspace(&self) -> Workspace {
-        let (line, plane) = match &self.plan {
-            Plan::Line(line) => (line.memory(), plane::Memory::default()),
-            Plan::Plane(plane) => (line::Memory::default(), plane.memory(rayon::current_num_threads())),
-        };
-        Workspace { points: self.grid.points(), line, plane }
+        self.plan.workspace(self.grid.points())
     }
 
     /// Computes the spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}.
@@ -174,7 +183,7 @@ impl fmt::Debug for Workspace {
 }
 
 /// A source that copies the rows of a field and prefetches the next one.
-fn rows_of(field: &[f64]) -> impl Fn(usize, &mut [f64]) + Sync {
+pub(crate) fn rows_of(field: &[f64]) -> impl Fn(usize, &mut [f64]) + Sync {
     move |i, row| {
         let (here, next) = field[i * row.len()..].split_at(row.len());
         row.copy_from_slice(here);
@@ -184,6 +193,6 @@ fn rows_of(field: &[f64]) -> impl Fn(usize, &mut [f64]) + Sync {
     }
 }
 
-fn check(what: &'static str, found: usize, expected: usize) -> Result<(), ShapeError> {
+pub(crate) fn check(what: &'static str, found: usize, expected: usize) -> Result<(), ShapeError> {
     if found == expected { Ok(()) } else { Err(ShapeError { what, found, expected }) }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_field::{Grid, ShapeError, Transform};
+use gfmd_field::{Grid, ShapeError, Transform, Workspace};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -223,10 +223,17 @@ fn same_bits_for_any_number_of_threads() {
 
 #[test]
 fn plans_and_memory_go_between_threads() {
-    fn shared<T: Send + Sync>(_: &T) {}
     let transform = transform([4, 4]);
-    shared(&transform);
-    shared(&transform.workspace());
+    let kernel = kernel(transform.grid());
+    let field: Vec<f64> = (0..16).map(|i| (0.618 * f64::from(i)).fract()).collect();
+    let convolve = |mut ws: Workspace| {
+        let mut out = vec![0.0; field.len()];
+        transform.convolve(&kernel, &field, &mut out, &mut ws).unwrap();
+        out
+    };
+    let (here, moved) = (transform.workspace(), transform.workspace());
+    let there = std::thread::scope(|scope| scope.spawn(|| convolve(moved)).join().unwrap());
+    assert_eq!(there, convolve(here));
 }
 
 #[test]

@@ -53,6 +53,12 @@ EXPLAINED = [
     (["container-2.zip"], "differs: 262144*", "it multiplies by the factor of meta.yml and by the same factor of the data file"),
 ]
 
+# Formats whose maps begin with the top line in SurfaceTopography; here y points up.
+TOP_FIRST = {
+    "Gwyddion", "Gwyddion simple field", "Digital Surf", "Nanoscope", "Wyko OPD", "Dektak OPDx", "Alicona AL3D", "Zygo MetroPro", "Zygo Mx",
+    "Igor binary wave", "Molecular Imaging", "Nanosurf", "Sensofar PLUX", "Sensofar PLu",
+}
+
 UNITS = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9, "Å": 1e-10, "pm": 1e-12}
 
 
@@ -87,6 +93,8 @@ def ours(program, file, folder):
             error = line["error"].split(": ", 1)[-1]
         else:
             heights = np.load(os.path.join(folder, f"{line['number']}.npy"))
+            if line["data_format"] in TOP_FIRST:
+                heights = heights[:, ::-1]
             maps.append(dict(line, heights=heights, mask=np.isnan(heights)))
     return maps, error
 

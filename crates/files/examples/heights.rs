@@ -38,11 +38,15 @@ fn write(file: &str, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         };
         npy::write(&Output::claim(folder.join(format!("{number}.npy")))?, map.heights.view().into_dyn())?;
         let lengths = map.lengths.map_or("null".into(), |lengths| format!("{lengths:?}"));
+        // A container has data files of other formats.
+        let inner = map.notes.iter().find_map(|note| note.split_once(" has the format "));
+        let data_format = inner.map_or(listing.format, |(_, format)| format);
         let text = |text: &Option<String>| text.as_deref().map_or("null".into(), quoted);
         println!(
-            "{{\"format\": {}, \"number\": {number}, \"name\": {}, \"default\": {}, \"lengths\": {lengths}, \"unit\": {}, \
+            "{{\"format\": {}, \"data_format\": {}, \"number\": {number}, \"name\": {}, \"default\": {}, \"lengths\": {lengths}, \"unit\": {}, \
              \"undefined\": {}, \"conversion\": {}}}",
             quoted(listing.format),
+            quoted(data_format),
             quoted(&channel.name),
             listing.default == Some(number),
             text(&map.unit),

@@ -6,16 +6,14 @@
 //!
 //! Without `--release` overflows panic, too. `--files` adds the files of a folder to those that are damaged, those of up
 //! to 64 KiB; each counts for the format that reads it. Exit status 1 at the first file that makes a reader panic, that
-//! takes more memory than 4 times its size and its grid, or more than 20 seconds; the file is kept. The formats that the
-//! HDF5 library reads are attacked in processes of their own, and the files that end these, by a signal or by taking more
-//! than 5 seconds, are counted.
+//! takes more memory than 4 times its size and its grid, or more than 20 seconds; the file is kept.
 #![allow(clippy::print_stdout, reason = "the counts are the output")]
 
 #[path = "../tests/harness/mod.rs"]
 mod harness;
 
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use gfmd_files::Listing;
@@ -32,7 +30,7 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), String> {
-    let (mut inputs, mut only, mut first, mut files, mut child) = (10_000, None, 0, None, None);
+    let (mut inputs, mut only, mut first, mut files) = (10_000, None, 0, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or_else(|| format!("{flag} has no value; it must have one"))?;
@@ -42,12 +40,10 @@ fn run() -> Result<(), String> {
             "--first" => first = number()?,
             "--format" => only = Some(value),
             "--files" => files = Some(value),
-            // The folder of a process that is started by this program.
-            "--child" => child = Some(value),
             _ => return Err(format!("the flag is {flag}; it must be --inputs, --first, --format or --files")),
         }
     }
-    harness::guard(Duration::from_secs(if child.is_some() { 5 } else { 20 }));
+    harness::guard(Duration::from_secs(20));
     std::panic::set_hook(Box::new(|_| ()));
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?.keep();
     let mut seeds = harness::seeds(&folder);
@@ -57,11 +53,7 @@ fn run() -> Result<(), String> {
     println!("{:18} {:>6} {:>10} {:>10} {:>12} {:>12}", "format", "valid", "inputs", "read", "slowest, ms", "seconds");
     for (format, seeds) in seeds.iter().filter(|(format, _)| only.as_ref().is_none_or(|only| only == format)) {
         let started = Instant::now();
-        if harness::BY_LIBRARY.contains(format) && child.is_none() {
-            println!("{format:18} {}", isolated(format, first, inputs, &folder)?);
-            continue;
-        }
-        let count = harness::attack(format, seeds, first, inputs, child.as_deref().map_or(&*folder, Path::new))?;
+        let count = harness::attack(format, seeds, first, inputs, &folder)?;
         println!(
             "{format:18} {:>6} {:>10} {:>10} {:>12.1} {:>12.1}",
             seeds.len(),
@@ -86,34 +78,4 @@ fn add(seeds: &mut [(&'static str, Vec<Seed>)], folder: &Path) -> Result<(), Str
         }
     }
     Ok(())
-}
-
-/// Reads the damaged files of a format in processes of their own. Returns their number, and that of those which ended the
-/// process.
-fn isolated(format: &str, first: u64, inputs: u64, folder: &Path) -> Result<String, String> {
-    let program = std::env::current_exe().map_err(|error| error.to_string())?;
-    let (started, mut next, mut endless, mut crashed) = (Instant::now(), first, vec![], vec![]);
-    while next < first + inputs {
-        let arguments =
-            ["--format", format, "--first", &next.to_string(), "--inputs", &(first + inputs - next).to_string()];
-        let mut command = Command::new(&program);
-        let output = command.args(arguments).arg("--child").arg(folder).output().map_err(|error| error.to_string())?;
-        let text = std::fs::read_to_string(folder.join("number")).map_err(|error| error.to_string())?;
-        let number: u64 =
-            text.parse().map_err(|_| format!("the number of the last input is {text:?}; it must be a number"))?;
-        match output.status.code() {
-            Some(0) => break,
-            Some(harness::ENDLESS) => endless.push(number),
-            None => crashed.push(number),
-            Some(_) => return Err(String::from_utf8_lossy(&output.stdout).into_owned()),
-        }
-        next = number + 1;
-    }
-    let seconds = started.elapsed().as_secs_f64();
-    let (loops, crashes) = (endless.len(), crashed.len());
-    endless.truncate(5);
-    crashed.truncate(5);
-    Ok(format!(
-        "{inputs} inputs in {seconds:.0} s: {loops} without end (such as {endless:?}), {crashes} crashes ({crashed:?})"
-    ))
 }

@@ -13,7 +13,6 @@
 
 mod content;
 mod reader;
-mod record;
 mod scale;
 mod variable;
 
@@ -31,7 +30,6 @@ use crate::{FileError, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
-pub(crate) use record::Field;
 pub use variable::{Attribute, Coordinates, Dimension, Provenance, Variable};
 
 /// Version of the file layout, increased whenever a name or its meaning changes.

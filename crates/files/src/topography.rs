@@ -14,6 +14,7 @@ mod datx;
 mod file;
 mod format;
 mod gwyddion;
+mod hdf5;
 mod ibw;
 mod matlab;
 mod matrix;
@@ -203,6 +204,7 @@ impl Topography {
         }
         let named = Some(channel.name).filter(|name| !name.is_empty());
         let mut map = (channel.read)()?;
+        format.upright(&mut map);
         if map.heights.is_empty() {
             return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
         }

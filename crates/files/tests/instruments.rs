@@ -25,7 +25,8 @@ fn refusal(bytes: Vec<u8>) -> String {
     Topography::from_bytes("scan", bytes, None).unwrap_err().reason
 }
 
-/// Checks a map of all points, `at` giving the point whose height lies at an index.
+/// Checks a map of all points: `at` gives the point whose height lies at a place of the picture, its lines counted from the
+/// top. In the map, y points up.
 fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [usize; 2]) {
     let &Expected { format, channel, lengths, unit, scale, undefined } = expected;
     assert_eq!((map.format, map.channel.as_deref().unwrap_or("")), (format, channel));
@@ -35,7 +36,7 @@ fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [u
     assert_eq!(map.heights.dim(), (POINTS[0], POINTS[1]), "{format}");
     assert_eq!(map.undefined, usize::from(undefined), "{format}");
     for ((x, y), &found) in map.heights.indexed_iter() {
-        let [x, y] = at([x, y]);
+        let [x, y] = at([x, POINTS[1] - 1 - y]);
         if undefined && [x, y] == UNDEFINED {
             assert!(found.is_nan(), "{format}");
         } else {

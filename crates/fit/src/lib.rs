@@ -47,3 +47,4 @@ pub use model::{Exponent, Model, Settings, Weighting};
 pub use projection::Parameters;
 pub use report::{BootstrapReport, DatumReport, EdgeTerm, Estimate, Fit, ProfilePoint, Term, Uncertainty, Warning};
 pub use richardson::{Richardson, RichardsonLimit};
+pub use student::student_975;

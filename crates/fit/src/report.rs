@@ -273,6 +273,10 @@ pub enum Warning {
         /// The smallest number of realisations.
         least: usize,
     },
+    /// The fractal limit is extrapolated by a power of eps_f, which no theory pins beyond the first terms: for H near 1 the
+    /// way to the limit is long, and the interval may be too narrow. [`fit`](crate::fit()) does not give this warning; whoever
+    /// knows the physics adds it.
+    PowerOfEpsF,
     /// Some resamples gave no fit.
     FailedRefits {
         /// Number of resamples without a fit.
@@ -296,6 +300,7 @@ impl Warning {
             Self::Misfit { .. } => "misfit",
             Self::SingleRealisation { .. } => "single-realisation",
             Self::FewRealisations { .. } => "few-realisations",
+            Self::PowerOfEpsF => "power-of-eps-f",
             Self::FailedRefits { .. } => "failed-refits",
         }
     }
@@ -337,6 +342,11 @@ impl fmt::Display for Warning {
             Self::FewRealisations { least } => {
                 write!(f, "some data have only {least} realisations: the intervals are rough; four or more are better")
             }
+            Self::PowerOfEpsF => write!(
+                f,
+                "the limit of eps_f is extrapolated by a power: loads up to p* = 1 would allow to compose the long waves \
+                 (fit.long_waves)"
+            ),
             Self::FailedRefits { failed, resamples } => write!(f, "{failed} of {resamples} resamples gave no fit"),
         }
     }

@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// The 97.5 % quantile of Student's t, whose degrees of freedom (at least one) need not be whole.
-pub(crate) fn student_975(freedom: f64) -> f64 {
+pub fn student_975(freedom: f64) -> f64 {
     if freedom > 100.0 {
         // Fisher's expansion about the normal quantile is accurate to 2e-6 here; `statrs` does not terminate for large
         // degrees of freedom.

@@ -17,6 +17,9 @@ pub enum GreenError {
     /// A base was given to a half-space, which has none.
     #[error("the body is a half-space; a base needs a slab of finite height")]
     HalfSpaceBase,
+    /// A patch of surface with free boundaries on a body of finite height.
+    #[error("the height is {0}; with free boundaries it must be inf, a half-space")]
+    FreeBoundary(f64),
     /// A height above the base was asked of a half-space.
     #[error("the height above the base is {0}, but a half-space has no base; give the depth below the surface")]
     HalfSpaceHeight(f64),

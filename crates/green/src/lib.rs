@@ -15,6 +15,9 @@
 //! fields go like e^(+i q·r). The mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact,
 //! and no product q·height overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
+//! [`patch_compliance`] has the displacements of a half-space that is loaded on a patch of its surface, which does not
+//! repeat: one number for each distance between two cells.
+//!
 //! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
 //!
 //! ```
@@ -45,6 +48,7 @@ mod half_space;
 mod hyperbolic;
 mod layer;
 mod material;
+mod patch;
 mod sagittal;
 mod section;
 mod slab;
@@ -57,6 +61,7 @@ pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
+pub use patch::patch_compliance;
 pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,

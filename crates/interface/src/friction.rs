@@ -214,11 +214,20 @@ impl FrictionalContact {
             let mut state = certify(&mut increment);
             state.effort.iterations = iterations;
             if state.residual.worst() <= budget.tolerance {
+                self.check_shear(&state, budget.tolerance)?;
                 return Ok(state);
             }
         }
         let mut state = certify(&mut increment);
         state.effort.iterations = iterations;
         judge(state, ending, budget.tolerance)
+    }
+
+    /// Checks that the displacement by the shear can be resolved. On a thin plate it may be much larger than the roughness.
+    fn check_shear(&self, state: &FrictionState, tolerance: f64) -> Result<(), Refusal> {
+        let lateral = state.traction.outer_iter().take(self.lateral_components());
+        let largest = lateral.flatten().fold(0.0, |most: f64, shear| most.max(shear.abs()));
+        let [softest, _] = self.response.stiffness_range();
+        self.surface.check_traction("shear traction", largest, softest, tolerance)
     }
 }

@@ -118,6 +118,9 @@ impl Interface {
             Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
         };
         let mut state = certify(self, &frame, &position);
+        if state.traction.iter().any(|t| !t.is_finite()) {
+            return Err(Refusal::Overflow.into());
+        }
         state.effort.iterations = iterations;
         state.effort.transform_pairs += transform_pairs;
         state.passed_instability = passed_instability;

@@ -1,4 +1,4 @@
-use ndarray::{ArrayView1, ArrayView2, s};
+use ndarray::ArrayView2;
 
 /// The part of the surface in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,25 +20,25 @@ pub struct ContactArea {
 
 /// Counts the contact of a `[x, y]` pressure field.
 pub fn contact_area(pressure: ArrayView2<f64>) -> ContactArea {
-    let (nx, ny) = pressure.dim();
-    let (mut nodes, mut boundary_links) = (0, 0);
-    let rows = if ny == 0 { 0 } else { nx };
-    for i in 0..rows {
-        let (row, next) = (pressure.row(i), pressure.row((i + 1) % nx));
-        nodes += row.iter().filter(|p| **p > 0.0).count();
-        boundary_links += links(row, next) + links(row.slice(s![1..]), row.slice(s![..-1]));
-        boundary_links += usize::from((row[0] > 0.0) != (row[ny - 1] > 0.0));
+    let (_, ny) = pressure.dim();
+    let pressure = pressure.as_standard_layout();
+    let points = pressure.as_slice().unwrap_or_default();
+    let mut nodes = 0;
+    let mut boundary_links = 0;
+    for (row, next) in points.chunks_exact(ny.max(1)).zip(points.chunks_exact(ny.max(1)).cycle().skip(1)) {
+        nodes += row.iter().map(|p| u64::from(*p > 0.0)).sum::<u64>();
+        boundary_links += links(row, next) + links(&row[1..], row) + links(&row[..1], &row[ny - 1..]);
     }
-    let all = pressure.len().max(1) as f64;
+    let all = points.len().max(1) as f64;
     let fraction = nodes as f64 / all;
     let excess = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0 * boundary_links as f64 / all;
     let corrected_fraction = if ny == 1 { fraction } else { (fraction - excess).max(0.0) };
-    ContactArea { nodes, boundary_links, fraction, corrected_fraction }
+    ContactArea { nodes: nodes as usize, boundary_links: boundary_links as usize, fraction, corrected_fraction }
 }
 
-/// The number of pairs of which exactly one is in contact.
-fn links(here: ArrayView1<f64>, there: ArrayView1<f64>) -> usize {
-    here.iter().zip(there).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count()
+/// The number of pairs of which exactly one is in contact, without branches.
+fn links(here: &[f64], there: &[f64]) -> u64 {
+    here.iter().zip(there).map(|(a, b)| u64::from((*a > 0.0) != (*b > 0.0))).sum()
 }
 
 #[cfg(test)]
@@ -68,6 +68,18 @@ mod tests {
             let area = contact_area(Array2::from_elem((5, 7), value).view());
             assert_eq!((area.boundary_links, area.corrected_fraction, area.fraction), (0, value, value));
         }
+    }
+
+    #[test]
+    fn a_transposed_field_has_the_same_contact() {
+        let field = Array2::from_shape_fn((5, 7), |(i, j)| (0.9 * i as f64 + 0.4 * (j * j) as f64).sin());
+        let copied = Array2::from_shape_fn((7, 5), |(j, i)| field[[i, j]]);
+        assert_eq!(contact_area(field.t()), contact_area(copied.view()));
+        assert_eq!(contact_area(field.t()).boundary_links, contact_area(field.view()).boundary_links);
+        assert_eq!(
+            contact_area(Array2::zeros((0, 3)).view()).nodes + contact_area(Array2::zeros((3, 0)).view()).nodes,
+            0
+        );
     }
 
     #[test]

@@ -21,14 +21,18 @@
 //! Not here: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
 
 mod area;
+mod long_waves;
 mod pressure;
 mod quantile;
+mod self_affine;
 mod summary;
 pub mod theory;
 
 pub use area::{ContactArea, contact_area};
+pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
+pub use self_affine::SelfAffineArea;
 pub use summary::{Column, Scales, Summary};
 
 /// The reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean

@@ -25,19 +25,52 @@ pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// The statistics of a pressure field.
 pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     let n = pressure.len().max(1) as f64;
-    let mut contact: Vec<f64> = pressure.iter().copied().filter(|p| *p > 0.0).collect();
-    contact.sort_unstable_by(f64::total_cmp);
-    let power = |k: i32| contact.iter().map(|p| p.powi(k)).sum::<f64>();
-    let count = contact.len().max(1) as f64;
-    let mean_in_contact = power(1) / count;
-    let variance = contact.iter().map(|p| (p - mean_in_contact).powi(2)).sum::<f64>() / count;
+    let contact = InContact::of(pressure);
+    let mean_in_contact = contact.mean();
     PressureStatistics {
         mean: pressure.iter().sum::<f64>() / n,
-        max: contact.last().copied().unwrap_or(0.0),
+        max: contact.max(),
         mean_in_contact,
-        deviation_in_contact: variance.sqrt(),
-        moments: [2, 3, 4].map(|k| power(k) / n),
-        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&contact, level).unwrap_or(0.0)),
+        deviation_in_contact: contact.deviation(mean_in_contact),
+        moments: [2, 3, 4].map(|k| contact.power(k) / n),
+        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&contact.sorted, level).unwrap_or(0.0)),
+    }
+}
+
+/// The pressures above zero.
+pub(crate) struct InContact {
+    sorted: Vec<f64>,
+}
+
+impl InContact {
+    pub(crate) fn of(pressure: ArrayView2<f64>) -> Self {
+        // Positive numbers have the order of their bits, and integers are sorted faster.
+        let mut bits: Vec<u64> = pressure.iter().filter(|p| **p > 0.0).map(|p| p.to_bits()).collect();
+        bits.sort_unstable();
+        Self { sorted: bits.into_iter().map(f64::from_bits).collect() }
+    }
+
+    pub(crate) fn max(&self) -> f64 {
+        self.sorted.last().copied().unwrap_or(0.0)
+    }
+
+    /// Σ p^k.
+    pub(crate) fn power(&self, k: i32) -> f64 {
+        self.sorted.iter().map(|p| p.powi(k)).sum()
+    }
+
+    /// The mean; 0 without contact.
+    pub(crate) fn mean(&self) -> f64 {
+        self.power(1) / self.count()
+    }
+
+    /// The standard deviation from `mean`.
+    pub(crate) fn deviation(&self, mean: f64) -> f64 {
+        (self.sorted.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / self.count()).sqrt()
+    }
+
+    fn count(&self) -> f64 {
+        self.sorted.len().max(1) as f64
     }
 }
 

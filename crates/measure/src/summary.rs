@@ -1,6 +1,7 @@
 use ndarray::ArrayView2;
 
-use crate::{contact_area, elastic_energy_density, kappa, pressure_statistics, reduced_pressure};
+use crate::pressure::InContact;
+use crate::{contact_area, elastic_energy_density, kappa, reduced_pressure};
 
 /// The scales of reduced quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +56,8 @@ impl Summary {
         scales: &Scales,
     ) -> Self {
         let area = contact_area(pressure);
-        let statistics = pressure_statistics(pressure);
+        let contact = InContact::of(pressure);
+        let mean_in_contact = contact.mean();
         let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);
         Self {
             mean_pressure,
@@ -67,10 +69,10 @@ impl Summary {
             contact_nodes: area.nodes as u64,
             boundary_links: area.boundary_links as u64,
             mean_gap: gap.mean().unwrap_or(f64::NAN),
-            max_pressure: statistics.max,
-            mean_pressure_in_contact: statistics.mean_in_contact,
-            pressure_deviation_in_contact: statistics.deviation_in_contact,
-            pressure_moment_2: statistics.moments[0],
+            max_pressure: contact.max(),
+            mean_pressure_in_contact: mean_in_contact,
+            pressure_deviation_in_contact: contact.deviation(mean_in_contact),
+            pressure_moment_2: contact.power(2) / pressure.len().max(1) as f64,
             elastic_energy: elastic_energy_density(pressure, displacement_z),
         }
     }

@@ -10,7 +10,7 @@ use resvg::usvg::{self, fontdb};
 
 use super::PlotError;
 use super::colour::Rgb;
-use super::text::{FAMILY, ITALIC, REGULAR, number};
+use super::text::{FAMILY, ITALIC, REGULAR, escape, number};
 
 /// Dots per inch of the PNG.
 const RESOLUTION: f64 = 300.0;
@@ -51,6 +51,17 @@ impl Drawing {
             ));
         }
         self.wrap(&pictures)
+    }
+
+    /// The figure as one element of a page: the ids begin with `name`, since a page has several figures, and `title` says what
+    /// it shows to those who do not see it.
+    pub(super) fn element(&self, name: &str, title: &str) -> String {
+        let svg = self.svg();
+        let element = svg.split_once("?>\n").map_or(svg.as_str(), |(_, element)| element);
+        // Quotes are escaped in texts, so that these are attributes.
+        let element =
+            element.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"));
+        element.replacen(">\n", &format!(" role=\"img\">\n<title>{}</title>\n", escape(title)), 1)
     }
 
     pub(super) fn png(&self) -> Result<Vec<u8>, PlotError> {

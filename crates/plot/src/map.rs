@@ -68,6 +68,12 @@ impl Map<'_> {
         Ok(draw(self)?.svg())
     }
 
+    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, which must be a word that no other figure
+    /// of the page has; `title` is its text for those who do not see it.
+    pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
+        Ok(draw(self)?.element(name, title))
+    }
+
     /// The figure as PNG bytes.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         draw(self)?.png()

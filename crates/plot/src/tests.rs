@@ -284,3 +284,23 @@ fn degenerate_data_are_drawn() {
         pressure_map(&field, [6, 6]).png().unwrap();
     }
 }
+
+/// Two figures in one page must not share ids; labels stay as they are.
+#[test]
+fn elements_of_a_page_have_ids_of_their_own() {
+    let values = bumps(8, 6);
+    let map = pressure_map(&values, [8, 6]);
+    let both = [map.element("one", "bumps & <dips>").unwrap(), everything().element("two", "url(#panel0)").unwrap()];
+    for (element, name) in both.iter().zip(["one", "two"]) {
+        assert!(element.starts_with("<svg ") && element.contains(" role=\"img\">"));
+        for id in element.split(" id=\"").skip(1) {
+            let id = id.split('"').next().unwrap();
+            assert!(id.starts_with(name), "{id}");
+            assert!(element.contains(&format!("\"url(#{id})\"")), "{id} is used");
+        }
+        assert_eq!(element.matches("\"url(#").count(), element.matches(&format!("\"url(#{name}-")).count());
+    }
+    assert!(
+        both[0].contains("<title>bumps &amp; &lt;dips&gt;</title>") && both[1].contains("<title>url(#panel0)</title>")
+    );
+}

@@ -7,7 +7,7 @@ use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_cli::session::{Common, Session};
-use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, surface};
+use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, report, surface};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -73,6 +73,7 @@ type Report = Result<(String, Option<(&'static str, String)>), Failure>;
 fn report(command: &Command, session: &Session) -> Report {
     match command {
         Command::Check(args) => ended(check::run(args, session)?, session),
+        Command::Report(args) => whole(&report::run(args, session)?, session),
         Command::Contact(args) => ended(contact::run(args, session)?, session),
         Command::Punch(args) => ended(punch::run(args, session)?, session),
         Command::Path(args) => ended(path::run(args, session)?, session),

@@ -5,14 +5,13 @@ use std::sync::Arc;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::memory::Held;
-use gfmd_contact::{Budget, Load, Progress, Refusal, Solver};
+use gfmd_contact::{Boundary, Budget, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Height, Material};
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
-use gfmd_surface::PowerSpectrum;
+use gfmd_surface::{PowerSpectrum, Statistics};
 use ndarray::ArrayRef2;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -65,21 +64,25 @@ type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>)
 impl Problem {
     /// `body` is Young's modulus, Poisson's ratio, E* (in place of Young's modulus) and height (None: half-space).
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         py: Python<'_>,
         heights: PyReadonlyArray2<'_, f64>,
         lengths: [f64; 2],
         body: (f64, f64, Option<f64>, Option<f64>),
         law: (String, Vec<(String, f64)>),
+        boundary: &str,
         solver: &str,
         threads: usize,
     ) -> PyResult<Self> {
+        let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
         let body = elastic(body).map_err(|(name, error)| refused(py, &format!("{name}: {error}")))?;
         let (kind, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
-        let (made, raised) = run(py, threads, None, |_| Self::pose(&heights, grid, &body, (kind, &law), solver))?;
+        let (made, raised) =
+            run(py, threads, None, |_| Self::pose(&heights, grid, (&body, boundary), (kind, &law), solver))?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
         made.map_err(|failure| refused(py, &failure))
@@ -162,20 +165,28 @@ impl Problem {
     fn pose(
         heights: &ArrayRef2<f64>,
         grid: Grid,
-        body: &Body,
+        (body, boundary): (&Body, Boundary),
         (kind, law): (Kind, &Arc<dyn Law>),
         solver: Solver,
     ) -> Result<Self, Failure> {
-        let held = if kind == Kind::HardWall { Held::HARD_WALL } else { Held::LAW };
+        let held = match (kind, boundary) {
+            (Kind::HardWall, Boundary::Periodic) => Held::HARD_WALL,
+            (Kind::HardWall, Boundary::Free) => Held::FREE,
+            (_, Boundary::Periodic) => Held::LAW,
+            (_, Boundary::Free) => return Err(Failure::value("boundary", boundary, "periodic with a law")),
+        };
         held.check("the grid", grid.points())?;
-        let spectrum = PowerSpectrum::of(heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let rms_gradient = spectrum.moments().rms_gradient();
-        let response = NormalResponse::new(grid, body);
+        let of_input = |error| Failure::input("surface", error);
+        let rms_gradient = match boundary {
+            Boundary::Periodic => PowerSpectrum::of(heights, &grid).map_err(of_input)?.moments().rms_gradient(),
+            Boundary::Free => Statistics::of(&heights.to_owned(), &grid).map_err(of_input)?.rms_gradient_inside,
+        };
         let refuse = |error: Refusal| match error {
             Refusal::Solver { .. } => Failure::input("solver", error),
+            Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };
-        let loads = Loads::new(response, heights, (kind, law), solver).map_err(refuse)?;
+        let loads = Loads::new((grid, body, boundary), heights, (kind, law), solver).map_err(refuse)?;
         let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient };
         Ok(Self { loads, grid, scales, unit_pressure: body.material().contact_modulus() * rms_gradient })
     }

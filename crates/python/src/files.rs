@@ -7,6 +7,7 @@ use gfmd_cli::failure::Failure;
 use gfmd_cli::load::LoadRecord;
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
+use gfmd_contact::Boundary;
 use gfmd_files::{Output, Reader};
 use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
@@ -39,13 +40,16 @@ pub(crate) fn save(
         records.push(record);
         fields.push([pressure, displacement, gap].map(|field| field.as_array().to_owned()));
     }
+    let is_free = records.iter().any(|record| record.force.is_some());
+    let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
     let written = quick(py, || {
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let surface = Surface { heights, grid, unit, statistics, description, scan: None, origin: None };
+        let surface = Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None };
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
-        let mut file = ContactFile::create(&output, &session.provenance(config), &surface, records.len(), with_law)?;
+        let mut file =
+            ContactFile::create(&output, &session.provenance(config), &surface, records.len(), with_law, false)?;
         for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
             file.write_fields(index, [pressure, displacement, gap].map(|field| field.view().into()))?;
         }

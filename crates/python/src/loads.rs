@@ -5,7 +5,11 @@ use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded};
-use gfmd_contact::{Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch};
+use gfmd_contact::{
+    Boundary, Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch,
+};
+use gfmd_field::Grid;
+use gfmd_green::Body;
 use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
@@ -31,7 +35,7 @@ pub(crate) struct Rest {
 
 /// The state that the next load starts from.
 enum Reached {
-    Wall(Solution),
+    Wall(Box<Solution>),
     /// A state with a law, and the pressure that follows from its traction.
     Law(Box<State>, Array2<f64>),
 }
@@ -56,6 +60,10 @@ impl Rest {
     }
 }
 
+fn wall(solution: Solution) -> Reached {
+    Reached::Wall(Box::new(solution))
+}
+
 fn with_pressure(state: State) -> Reached {
     let pressure = state.pressure().into_owned();
     Reached::Law(Box::new(state), pressure)
@@ -63,17 +71,20 @@ fn with_pressure(state: State) -> Reached {
 
 impl Loads {
     pub(crate) fn new(
-        response: NormalResponse,
+        (grid, body, boundary): (Grid, &Body, Boundary),
         heights: &ArrayRef2<f64>,
         (kind, law): (Kind, &Arc<dyn Law>),
         solver: Solver,
     ) -> Result<Self, Refusal> {
         let (contact, allowed) = if kind == Kind::HardWall {
-            let contact = Contact::on(response, heights)?;
+            let contact = match boundary {
+                Boundary::Periodic => Contact::on(NormalResponse::new(grid, body), heights)?,
+                Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
+            };
             let allowed = contact.solvers();
             (Kindred::Wall(contact), allowed)
         } else {
-            let interface = Interface::on(response, heights, Arc::clone(law))?;
+            let interface = Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?;
             if let Some(trapping) = interface.trapping() {
                 tracing::warn!("{trapping}");
             }
@@ -99,10 +110,12 @@ impl Loads {
         let last = last.map(|rest| &rest.reached);
         match &self.contact {
             Kindred::Wall(contact) => {
-                let start = if let Some(Reached::Wall(start)) = last { Some(start) } else { None };
+                let start = if let Some(Reached::Wall(start)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(contact, load, budget, start, watch)?;
                 let seconds = started.elapsed().as_secs_f64();
-                Ok((Rest::of(state, Reached::Wall, scales, budget.tolerance, seconds), failure))
+                let mut rest = Rest::of(state, wall, scales, budget.tolerance, seconds);
+                rest.record = rest.record.bounded(contact.boundary(), contact.surface().grid());
+                Ok((rest, failure))
             }
             Kindred::Law(interface) => {
                 let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
@@ -142,7 +155,7 @@ impl Loads {
         match &self.contact {
             Kindred::Wall(contact) => {
                 let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
-                Ok(Rest::of(solution, Reached::Wall, scales, f64::INFINITY, 0.0))
+                Ok(Rest::of(solution, wall, scales, f64::INFINITY, 0.0))
             }
             Kindred::Law(interface) => {
                 let state = interface.recall(kept).map_err(refuse)?;

@@ -31,7 +31,7 @@ impl PolonskyKeer {
         target: &Target,
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
-        target.check(x, problem.linear())?;
+        target.check(x, problem)?;
         let n = x.len();
         rescale(x, total(x), target.mean);
         let mut gradient = vec![0.0; n];

@@ -28,7 +28,7 @@ impl ProjectedCg {
         target: &Target,
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
-        target.check(x, problem.linear())?;
+        target.check(x, problem)?;
         let n = x.len();
         let constrained = target.mean.is_some();
         rescale(x, total(x), target.mean);

@@ -7,6 +7,11 @@ use crate::{Budget, Divergence, Ending, Progress, RelaxError, Visit, Watch, Why,
 pub trait Quadratic {
     /// b, one value for each variable.
     fn linear(&self) -> &[f64];
+    /// The largest value of every variable, infinite by default. Only [`PreconditionedCg`](crate::PreconditionedCg) heeds
+    /// it; the other searches refuse a finite one.
+    fn upper(&self) -> f64 {
+        f64::INFINITY
+    }
     /// `out ← A x`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
     /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
@@ -34,13 +39,14 @@ pub struct Target {
     pub budget: Budget,
 }
 
-/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0`, with `g = A x + b − λ` and λ the
+/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (with an [upper](Quadratic::upper) bound: `g ≤ 0`
+/// and nothing else on it), with `g = A x + b − λ` and λ the
 /// multiplier of the prescribed mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Optimality {
     /// `Σ x g / (Σ x · gradient_scale)`.
     pub complementarity: f64,
-    /// `max(0, −min g) / gradient_scale`.
+    /// `max(0, −min g) / gradient_scale`; at an upper bound `max g` in place of `−min g`.
     pub violation: f64,
 }
 
@@ -60,7 +66,7 @@ pub struct Iterate {
     pub optimality: Optimality,
     /// The multiplier λ of the prescribed mean; 0 without one.
     pub multiplier: f64,
-    /// Number of variables greater than zero.
+    /// Number of variables greater than zero, and less than an upper bound.
     pub positive: usize,
 }
 
@@ -74,9 +80,17 @@ pub struct Minimum {
 }
 
 impl Target {
-    pub(crate) fn check(&self, x: &[f64], b: &[f64]) -> Result<(), RelaxError> {
-        RelaxError::check_length("variables", x.len(), b.len())?;
-        if let Some(index) = x.iter().position(|x| !(x.is_finite() && *x >= 0.0)) {
+    /// As [`check_between`](Self::check_between), for methods without an upper bound.
+    pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
+        let upper = problem.upper();
+        RelaxError::check_parameter("the upper bound", upper, upper == f64::INFINITY, "infinite for this method")?;
+        self.check_between(x, problem)
+    }
+
+    pub(crate) fn check_between(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
+        RelaxError::check_length("variables", x.len(), problem.linear().len())?;
+        let upper = problem.upper();
+        if let Some(index) = x.iter().position(|x| !(x.is_finite() && *x >= 0.0 && *x <= upper)) {
             return Err(RelaxError::Start { index, found: x[index] });
         }
         let positive = |name, found: f64| {
@@ -85,6 +99,7 @@ impl Target {
         positive("the gradient scale", self.gradient_scale)?;
         let Some(mean) = self.mean else { return Ok(()) };
         positive("the prescribed mean", mean)?;
+        RelaxError::check_parameter("the prescribed mean", mean, mean < upper, "less than the upper bound")?;
         if x.iter().all(|x| *x == 0.0) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 

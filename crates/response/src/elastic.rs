@@ -243,7 +243,7 @@ impl FullTransforms {
 }
 
 /// The result of an operation on fields whose size is guaranteed by the caller.
-fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
+pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
 }
 

@@ -2,6 +2,7 @@
 //! = G traction), applied to whole fields.
 //!
 //! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
+//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat.
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
 //! - [`Elastic`]: either of the two, shared; its [`Transforms`] have the memory and a counter. Each problem owns one.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
@@ -45,6 +46,7 @@
 
 mod components;
 mod elastic;
+mod free;
 mod full;
 mod hermitian;
 mod normal;
@@ -53,6 +55,7 @@ mod units;
 
 pub use components::Components;
 pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
+pub use free::{FreeCompliance, FreeTransforms};
 pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;

@@ -41,6 +41,7 @@ mod synthesis;
 mod real_space;
 
 mod fill;
+mod missing;
 mod moments;
 mod power;
 mod preparation;

@@ -1,17 +1,18 @@
-//! The configuration of a sweep, and presets by name.
+//! The configuration of a sweep.
 
-use std::fmt::Debug;
-use std::ops::RangeInclusive;
-use std::str::FromStr;
+mod check;
 
-use gfmd_contact::{Budget, Contact, Solver};
+use gfmd_contact::{Budget, Solver};
 use gfmd_fit::{Exponent, Model};
 use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_measure::LongWaves;
 use gfmd_surface::Discretisation;
 use serde::{Deserialize, Serialize};
 
 use crate::SweepError;
 use crate::words::{height, solver};
+
+pub(crate) use check::refusal;
 
 /// The configuration of a sweep. The default of every field is its value in the preset `default`.
 ///
@@ -47,7 +48,7 @@ pub struct Config {
     pub fit: FitConfig,
 }
 
-/// The rough surfaces: self-affine, Gaussian, without roll-off.
+/// The rough surfaces: self-affine, Gaussian.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SurfaceConfig {
@@ -57,6 +58,27 @@ pub struct SurfaceConfig {
     pub hurst: Vec<f64>,
     /// Spectral rms gradient of every realisation.
     pub rms_gradient: f64,
+    /// The way in which heights are made.
+    pub method: Method,
+    /// Wavelength of the roll-off over the longest one: waves between the two have equal power. 1 for none.
+    pub roll_off: f64,
+}
+
+/// The ways to make heights (theory.md, section 9).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// From the power spectrum.
+    #[default]
+    Psd,
+    /// Successive random addition on a lattice, of whose waves those between the cut-offs are kept. The cell is cut out, so that
+    /// its opposite edges do not meet.
+    Sra,
+    /// Random midpoint displacement, treated likewise.
+    Rmd,
+    /// The exponent that the source thesis prints in its eq. 5.5, h ~ 1/q^(2(1+H)): the surface of the Hurst exponent
+    /// 1 + 2H, which is at most 1 for H = 0 only.
+    Printed,
 }
 
 /// The elastic body under a cell of length 1.
@@ -106,6 +128,31 @@ pub enum Design {
 pub struct LoadsConfig {
     /// Reduced pressures p/(E* g), ascending: each starts from the one before.
     pub p_star: Vec<f64>,
+    /// What is prescribed at the loads between the first and the last.
+    pub control: Control,
+}
+
+/// The quantity that is prescribed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// The reduced pressure of every load.
+    #[default]
+    Load,
+    /// The approach: it rises in equal steps from that of the first to that of the last reduced pressure. The equilibrium of a
+    /// contact is unique, so that this changes which loads of the same curve are sampled, and nothing else.
+    Approach,
+}
+
+/// The way in which kappa follows from the contact areas at the loads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// a_r/p* at each load.
+    #[default]
+    Ratio,
+    /// The slope of the straight line through all loads (least squares, with intercept), for each surface.
+    Slope,
 }
 
 /// The realisations.
@@ -149,14 +196,35 @@ pub struct FitConfig {
     /// Exponent of the term in eps_t. The bias of a finite cell falls with its area, as its variance does: 2 for surfaces, 1
     /// for profiles.
     pub alpha_t: Alpha,
-    /// Exponent of the term in eps_f: `"self-affine"` for 1 - H (theory.md, section 11), a number, `"free"` or `"none"`.
+    /// The waves beyond the longest ones of the surfaces, which the fractal limit asks for.
+    pub long_waves: LongWavesConfig,
+    /// Exponent of the term in eps_f: `"self-affine"` for 2 - 2H, at most 1, with the long waves composed and
+    /// 1 - H without (theory.md, section 11), a number, `"free"` or `"none"`.
     pub alpha_f: Alpha,
     /// Exponent of the term in eps_c: `"edge"` for a multiple of the measured perimeter in place of a power of eps_c, a
     /// number, `"free"` or `"none"`. It concerns the raw area; what is left of the error in the corrected area is fitted with
     /// the exponent 1.
     pub alpha_c: Alpha,
+    /// kappa of one surface.
+    pub estimator: Estimator,
+    /// Cells (eps_t_inv, eps_f_inv, eps_c_inv) about which one axis at a time is extrapolated ([`crate::Protocol`]), the former
+    /// practice. A star has its points about these cells, if there are any.
+    pub references: Vec<[f64; 3]>,
     /// Number of bootstrap resamples.
     pub resamples: usize,
+}
+
+/// The waves beyond the longest ones of the surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LongWavesConfig {
+    /// Composed with the contacts of the sweep by Persson's theory (`LongWaves` of `gfmd-measure`), where this is possible:
+    /// on surfaces from the power spectrum without roll-off with H up to 0.99, on a half-space, or a slab at least as high
+    /// as the cell, with the estimator `ratio` and four or more prescribed loads up to p* = 1 or more, neighbours within a
+    /// factor of 3.
+    Composed,
+    /// Left out: kappa falls with a power of eps_f, which is extrapolated.
+    None,
 }
 
 /// The exponent of one term: a number or a word.
@@ -168,7 +236,8 @@ pub enum Alpha {
     Free,
     /// No term along this axis.
     Without,
-    /// 1 - H, for eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H).
+    /// For eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H); its square, or
+    /// eps_f itself if that is larger, if the long waves are composed.
     SelfAffine,
     /// A multiple of the measured edge of each contact in place of a power, for eps_c.
     Edge,
@@ -176,7 +245,7 @@ pub enum Alpha {
 
 impl Default for SurfaceConfig {
     fn default() -> Self {
-        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1 }
+        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1, method: Method::Psd, roll_off: 1.0 }
     }
 }
 
@@ -190,10 +259,10 @@ impl Default for PointsConfig {
     fn default() -> Self {
         Self {
             design: Design::Star,
-            eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
-            eps_f_inv: vec![8.0, 16.0, 32.0, 64.0, 128.0],
+            eps_t_inv: vec![1.0, 2.0, 4.0],
+            eps_f_inv: vec![16.0, 32.0, 64.0, 128.0],
             eps_c_inv: vec![4.0, 8.0, 16.0],
-            centre: [4.0, 16.0, 4.0],
+            centre: [1.0, 32.0, 4.0],
             largest_n: 0,
         }
     }
@@ -201,7 +270,7 @@ impl Default for PointsConfig {
 
 impl Default for LoadsConfig {
     fn default() -> Self {
-        Self { p_star: vec![0.01, 0.02, 0.05] }
+        Self { p_star: vec![0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2], control: Control::Load }
     }
 }
 
@@ -222,208 +291,17 @@ impl Default for FitConfig {
         Self {
             p_star: 0.02,
             alpha_t: Alpha::Fixed(2.0),
+            long_waves: LongWavesConfig::Composed,
             alpha_f: Alpha::SelfAffine,
             alpha_c: Alpha::Edge,
+            estimator: Estimator::Ratio,
+            references: Vec::new(),
             resamples: 2000,
         }
     }
 }
 
-/// The sweeps that have a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Preset {
-    /// A test of a few seconds.
-    Smoke,
-    /// The default of every field; takes minutes.
-    Default,
-    /// The study of the thesis; takes hours.
-    Thesis,
-    /// A study after Prodanov, Dapp and Müser; takes hours.
-    Prodanov,
-    /// Profiles in plane strain.
-    Line,
-}
-
-impl Preset {
-    /// All presets.
-    pub const ALL: [Self; 5] = [Self::Smoke, Self::Default, Self::Thesis, Self::Prodanov, Self::Line];
-
-    /// The name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Smoke => "smoke",
-            Self::Default => "default",
-            Self::Thesis => "thesis",
-            Self::Prodanov => "prodanov",
-            Self::Line => "line",
-        }
-    }
-
-    /// The purpose of the sweep in one line.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Smoke => "Seconds: a test that everything works; its kappa is no result",
-            Self::Default => "A few minutes on two cores: H = 0.8, a reliable kappa",
-            Self::Thesis => "The study of the thesis: H = 0, slab as high as the cell, up to 8192 x 8192 points",
-            Self::Prodanov => "After Prodanov, Dapp and Mueser (2014): H = 0, 0.3, 0.8, eps_c_inv up to 8",
-            Self::Line => "Profiles in plane strain",
-        }
-    }
-
-    /// The configuration.
-    pub fn config(self) -> Config {
-        let base = Config::default();
-        match self {
-            Self::Default => base,
-            Self::Smoke => Config {
-                points: PointsConfig {
-                    eps_t_inv: vec![1.0, 2.0],
-                    eps_f_inv: vec![4.0, 8.0, 16.0, 32.0],
-                    eps_c_inv: vec![4.0, 8.0, 16.0],
-                    centre: [2.0, 8.0, 4.0],
-                    ..base.points
-                },
-                statistics: StatisticsConfig { realisations: 4, ..base.statistics },
-                fit: FitConfig { resamples: 500, ..base.fit },
-                ..base
-            },
-            Self::Thesis => Config {
-                surface: SurfaceConfig { hurst: vec![0.0], rms_gradient: 0.01, ..base.surface },
-                body: BodyConfig { poisson: 0.33, height: Height::Finite(1.0), ..base.body },
-                points: PointsConfig {
-                    design: Design::Grid,
-                    eps_t_inv: vec![2.0],
-                    eps_f_inv: vec![128.0, 256.0, 512.0],
-                    eps_c_inv: vec![2.0, 4.0, 8.0],
-                    ..base.points
-                },
-                loads: LoadsConfig { p_star: vec![0.001, 0.00325, 0.0055, 0.00775, 0.01] },
-                statistics: StatisticsConfig { realisations: 4, nested: false, ..base.statistics },
-                fit: FitConfig { p_star: 0.01, ..base.fit },
-                ..base
-            },
-            Self::Prodanov => Config {
-                surface: SurfaceConfig { hurst: vec![0.0, 0.3, 0.8], ..base.surface },
-                points: PointsConfig {
-                    eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
-                    eps_f_inv: vec![16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
-                    eps_c_inv: vec![2.0, 4.0, 8.0],
-                    centre: [2.0, 64.0, 8.0],
-                    ..base.points
-                },
-                loads: LoadsConfig { p_star: vec![0.01, 0.02, 0.05] },
-                statistics: StatisticsConfig { nested: false, ..base.statistics },
-                ..base
-            },
-            Self::Line => Config {
-                surface: SurfaceConfig { dim: 2, ..base.surface },
-                points: PointsConfig {
-                    eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
-                    eps_f_inv: vec![64.0, 256.0, 1024.0, 4096.0],
-                    eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],
-                    centre: [4.0, 1024.0, 16.0],
-                    ..base.points
-                },
-                loads: LoadsConfig { p_star: vec![0.02, 0.05, 0.1] },
-                statistics: StatisticsConfig { realisations: 32, nested: false, ..base.statistics },
-                fit: FitConfig { p_star: 0.02, alpha_t: Alpha::Fixed(1.0), alpha_c: Alpha::Fixed(1.0), ..base.fit },
-                ..base
-            },
-        }
-    }
-}
-
-impl FromStr for Preset {
-    type Err = SweepError;
-
-    fn from_str(found: &str) -> Result<Self, SweepError> {
-        let names = || Self::ALL.map(Self::name).join(", ");
-        let preset = Self::ALL.into_iter().find(|preset| preset.name() == found);
-        preset.ok_or_else(|| refusal("preset", &found, format!("one of {}", names())))
-    }
-}
-
-/// The moduli whose squares are numbers.
-const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
-
-/// The heights of a slab, over the length of the cell, whose stiffnesses are computed without loss of digits.
-const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
-
-/// The gradients whose squares, times those of a modulus, are numbers.
-const GRADIENTS: RangeInclusive<f64> = 1e-100..=1e100;
-
-/// The error of a field whose value is `found`.
-pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
-    SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
-}
-
 impl Config {
-    /// Checks that every value can be used.
-    ///
-    /// # Errors
-    /// The first field that cannot, its value, and the values allowed.
-    pub fn check(&self) -> Result<(), SweepError> {
-        let check = |good: bool, field, found: &dyn Debug, allowed: &str| match good {
-            true => Ok(()),
-            false => Err(refusal(field, &found, allowed)),
-        };
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        let Self { surface, loads, statistics, solver, fit, .. } = self;
-        check([2, 3].contains(&surface.dim), "surface.dim", &surface.dim, "2 or 3")?;
-        let hurst = &surface.hurst;
-        let good = !hurst.is_empty() && hurst.iter().all(|h| (0.0..=1.0).contains(h)) && all_differ(hurst);
-        check(good, "surface.hurst", hurst, "a list of different numbers from 0 to 1")?;
-        let p_star = &loads.p_star;
-        let ascending = p_star.windows(2).all(|pair| pair[0] < pair[1]);
-        let good = !p_star.is_empty() && ascending && p_star.iter().all(|p| positive(*p));
-        check(good, "loads.p_star", p_star, "an ascending list of positive numbers")?;
-        let realisations = statistics.realisations;
-        check((1..=1_000_000).contains(&realisations), "statistics.realisations", &realisations, "from 1 to 1000000")?;
-        let tolerances = Budget::TOLERANCES;
-        let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
-        check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;
-        let names = Contact::SOLVERS.map(Solver::name).join(", ");
-        let method = solver.method;
-        check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
-        check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
-        check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
-        for (field, alpha, word) in [
-            ("fit.alpha_t", fit.alpha_t, None),
-            ("fit.alpha_f", fit.alpha_f, Some((Alpha::SelfAffine, "self-affine"))),
-            ("fit.alpha_c", fit.alpha_c, Some((Alpha::Edge, "edge"))),
-        ] {
-            let words = word.map_or_else(String::new, |(_, word)| format!("{word:?}, "));
-            let allowed = format!("from 0.01 to 16, {words}\"free\" or \"none\"");
-            match alpha {
-                Alpha::Fixed(found) => check((0.01..=16.0).contains(&found), field, &found, &allowed)?,
-                Alpha::SelfAffine | Alpha::Edge => {
-                    check(word.is_some_and(|(own, _)| own == alpha), field, &alpha.word(), &allowed)?;
-                }
-                Alpha::Free | Alpha::Without => {}
-            }
-        }
-        let allowed = "a number, \"free\" or \"none\" where surface.hurst is above 0.99, whose 1 - H is no exponent";
-        let good = fit.alpha_f != Alpha::SelfAffine || hurst.iter().all(|h| 1.0 - h >= 0.01);
-        check(good, "fit.alpha_f", &fit.alpha_f.word(), allowed)?;
-        let allowed = "a number, \"free\" or \"none\" where surface.dim is 2: line contacts have no perimeter";
-        check(fit.alpha_c != Alpha::Edge || surface.dim == 3, "fit.alpha_c", &fit.alpha_c.word(), allowed)?;
-        check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
-        let height = match self.body.height {
-            Height::Finite(height) => height,
-            Height::Infinite => 1.0,
-        };
-        self.body()?;
-        let (size, sizes) = (SIZES.contains(&self.body.young), "from 1e-140 to 1e140");
-        check(size, "body.young", &self.body.young, sizes)?;
-        check(HEIGHTS.contains(&height), "body.height", &height, "from 1e-12 to 1e12, or \"inf\"")?;
-        check(
-            GRADIENTS.contains(&surface.rms_gradient),
-            "surface.rms_gradient",
-            &surface.rms_gradient,
-            "from 1e-100 to 1e100",
-        )
-    }
-
     /// Number of realisations at a point of n points along one axis, if the largest grid has `largest`.
     pub(crate) fn realisations(&self, at: &Discretisation, n: usize, largest: usize) -> u64 {
         let StatisticsConfig { realisations, nested, equal_area, .. } = self.statistics;
@@ -460,10 +338,28 @@ impl Config {
         })
     }
 
+    /// True if the long waves that surfaces of a Hurst exponent lack are composed.
+    pub fn composes(&self, hurst: f64) -> bool {
+        let high = match self.body.height {
+            Height::Finite(height) => height >= 1.0,
+            Height::Infinite => true,
+        };
+        let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
+        let SurfaceConfig { dim, method, roll_off, .. } = self.surface;
+        let endless = dim == 3 && method == Method::Psd && roll_off == 1.0;
+        wanted
+            && endless
+            && self.loads.control == Control::Load
+            && hurst <= 0.99
+            && high
+            && LongWaves::suits(&self.loads.p_star)
+    }
+
     /// The model of the extrapolation for surfaces of a Hurst exponent.
     pub fn model(&self, hurst: f64) -> Model {
         let FitConfig { alpha_t, alpha_f, alpha_c, .. } = self.fit;
-        let exponent = |alpha: Alpha| alpha.exponent(hurst);
+        let self_affine = if self.composes(hurst) { (2.0 - 2.0 * hurst).min(1.0) } else { 1.0 - hurst };
+        let exponent = |alpha: Alpha| alpha.exponent(self_affine);
         Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), edge: alpha_c == Alpha::Edge }
     }
 
@@ -483,11 +379,14 @@ impl Config {
                 }
             }
             Design::Star => {
-                let [t, f, c] = *centre;
-                all.push(*centre);
-                all.extend(eps_t_inv.iter().map(|&t| [t, f, c]));
-                all.extend(eps_f_inv.iter().map(|&f| [t, f, c]));
-                all.extend(eps_c_inv.iter().map(|&c| [t, f, c]));
+                let centres = if self.fit.references.is_empty() { vec![*centre] } else { self.fit.references.clone() };
+                for centre in centres {
+                    let [t, f, c] = centre;
+                    all.push(centre);
+                    all.extend(eps_t_inv.iter().map(|&t| [t, f, c]));
+                    all.extend(eps_f_inv.iter().map(|&f| [t, f, c]));
+                    all.extend(eps_c_inv.iter().map(|&c| [t, f, c]));
+                }
             }
         }
         let mut points: Vec<(Discretisation, usize)> = Vec::new();
@@ -515,10 +414,10 @@ impl SolverConfig {
 }
 
 impl Alpha {
-    fn exponent(self, hurst: f64) -> Option<Exponent> {
+    fn exponent(self, self_affine: f64) -> Option<Exponent> {
         match self {
             Self::Fixed(alpha) => Some(Exponent::Fixed(alpha)),
-            Self::SelfAffine => Some(Exponent::Fixed(1.0 - hurst)),
+            Self::SelfAffine => Some(Exponent::Fixed(self_affine)),
             Self::Free => Some(Exponent::FREE),
             Self::Without | Self::Edge => None,
         }
@@ -534,8 +433,4 @@ impl Alpha {
             Self::Edge => "edge",
         }
     }
-}
-
-fn all_differ(numbers: &[f64]) -> bool {
-    numbers.iter().enumerate().all(|(i, number)| !numbers[..i].contains(number))
 }

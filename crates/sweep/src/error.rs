@@ -57,6 +57,20 @@ pub enum SweepError {
     /// A finished run that could not be kept.
     #[error("{0}")]
     Keep(#[source] Box<dyn Error + Send + Sync>),
+    /// kappa without its edge at the loads of one point, with which no long waves can be composed.
+    #[error(
+        "H = {hurst}, 1/eps = ({}, {}, {}): kappa without its edge is {kappa:?}; it must be positive at all loads, or \
+         fit.long_waves \"none\"",
+        discretisation.eps_t_inv, discretisation.eps_f_inv, discretisation.eps_c_inv
+    )]
+    Composition {
+        /// Hurst exponent.
+        hurst: f64,
+        /// The discretisation.
+        discretisation: Discretisation,
+        /// kappa at each load.
+        kappa: Vec<f64>,
+    },
     /// Points that do not determine the model of the extrapolation.
     #[error("fit: {0}")]
     Fit(#[source] FitError),

@@ -5,7 +5,7 @@
 //! | [`Config`] | the values that a user chooses; presets by name |
 //! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
 //! | [`run()`] | the loads of every run, [`Pressed`]; [`run_one`] computes a single run |
-//! | [`Analysis`] | kappa of every point and load, and the extrapolations |
+//! | [`Analysis`] | kappa of every point and load, the extrapolations, and the former practice, one axis at a time ([`Protocol`]) |
 //! | [`Study`] | all of these steps, in one call |
 //!
 //! ```
@@ -35,21 +35,28 @@
 //! terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
 
 mod analysis;
+mod composition;
 mod config;
 mod error;
+mod estimator;
+mod heights;
 mod plan;
+mod preset;
 mod pressed;
+mod protocol;
 mod run;
 mod study;
 mod words;
 
 pub use analysis::{Alternative, Analysis, Area, Extrapolation, Form, Key};
 pub use config::{
-    Alpha, BodyConfig, Config, Design, FitConfig, LoadsConfig, PointsConfig, Preset, SolverConfig, StatisticsConfig,
-    SurfaceConfig,
+    Alpha, BodyConfig, Config, Control, Design, Estimator, FitConfig, LoadsConfig, LongWavesConfig, Method,
+    PointsConfig, SolverConfig, StatisticsConfig, SurfaceConfig,
 };
 pub use error::{Place, SweepError};
 pub use plan::{Plan, Point, Run};
+pub use preset::Preset;
 pub use pressed::Pressed;
+pub use protocol::{Arm, Curve, Estimated, Protocol};
 pub use run::{Example, Keep, run, run_one};
 pub use study::Study;

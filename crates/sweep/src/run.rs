@@ -7,11 +7,10 @@ use std::sync::Arc;
 use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solution, SolveError};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
-use gfmd_surface::SelfAffine;
 use ndarray::Array2;
 use rayon::prelude::*;
 
-use crate::config::refusal;
+use crate::config::{Control, refusal};
 use crate::{Plan, Point, Pressed, Run, SweepError};
 
 /// A store of the finished runs of a sweep, from which the sweep can be continued, and a request to stop. Every method is
@@ -133,22 +132,48 @@ impl<'a> Bench<'a> {
     }
 
     fn heights(&self, run: &Run) -> Result<Array2<f64>, SweepError> {
-        let Point { hurst, discretisation, grid, .. } = self.plan.points[run.point];
-        let family = SelfAffine { hurst, ..SelfAffine::with_rms_gradient(self.scales.rms_gradient) };
-        let heights = discretisation.self_affine(1.0, family).heights(&grid, run.seed);
+        let heights = self.plan.config.surface.heights(&self.plan.points[run.point], run.seed);
         heights.map_err(|source| SweepError::Surface { place: self.plan.place(run, None), source })
     }
 
     /// Presses one realisation with all loads; each load starts from the solution of the load before.
     fn press(&self, run: &Run, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
         let contact = self.contact(run, &self.heights(run)?)?;
+        let p_star = &self.plan.config.loads.p_star;
+        if let (Control::Approach, [first, .., last]) = (self.plan.config.loads.control, &p_star[..]) {
+            return self.press_in_steps(run, &contact, [*first, *last], p_star.len(), keep);
+        }
         let mut last: Option<Solution> = None;
         let mut loads = Vec::new();
-        for &p_star in &self.plan.config.loads.p_star {
+        for &p_star in p_star {
             let solution = self.solve(run, &contact, p_star, last.as_ref(), keep)?;
             loads.push(Pressed::of(&solution, &self.scales));
             last = Some(solution);
         }
+        Ok(loads)
+    }
+
+    /// Presses one realisation with `count` approaches in equal steps, from that of the first reduced pressure to that of the
+    /// last.
+    fn press_in_steps(
+        &self,
+        run: &Run,
+        contact: &Contact,
+        [first, last]: [f64; 2],
+        count: usize,
+        keep: &dyn Keep,
+    ) -> Result<Vec<Pressed>, SweepError> {
+        let start = self.solve(run, contact, first, None, keep)?;
+        let end = self.solve(run, contact, last, Some(&start), keep)?;
+        let step = (end.approach - start.approach) / (count - 1) as f64;
+        let mut loads = vec![Pressed::of(&start, &self.scales)];
+        let mut state = start;
+        for k in 1..count - 1 {
+            let load = Load::Approach(loads[0].approach + k as f64 * step);
+            state = self.equilibrate(run, contact, load, None, Some(&state), keep)?;
+            loads.push(Pressed::of(&state, &self.scales));
+        }
+        loads.push(Pressed::of(&end, &self.scales));
         Ok(loads)
     }
 
@@ -161,13 +186,26 @@ impl<'a> Bench<'a> {
         keep: &dyn Keep,
     ) -> Result<Solution, SweepError> {
         let pressure = p_star * self.scales.contact_modulus * self.scales.rms_gradient;
+        self.equilibrate(run, contact, Load::MeanPressure(pressure), Some(p_star), last, keep)
+    }
+
+    /// Solves for one load; `p_star` is its name in messages.
+    fn equilibrate(
+        &self,
+        run: &Run,
+        contact: &Contact,
+        load: Load,
+        p_star: Option<f64>,
+        last: Option<&Solution>,
+        keep: &dyn Keep,
+    ) -> Result<Solution, SweepError> {
         let mut watch = |_: &Progress| match keep.is_interrupted() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
         let solver = &self.plan.config.solver;
-        let press = contact.press(Load::MeanPressure(pressure)).solver(solver.method).budget(solver.budget());
-        press.starting_from(last).watch(&mut watch).solve().map_err(|error| self.failed(run, Some(p_star), error))
+        let press = contact.press(load).solver(solver.method).budget(solver.budget());
+        press.starting_from(last).watch(&mut watch).solve().map_err(|error| self.failed(run, p_star, error))
     }
 
     fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {

@@ -5,8 +5,11 @@ use std::error::Error;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use gfmd_fit::Warning;
+use gfmd_measure::theory::persson_area;
 use gfmd_sweep::{
-    Config, Example, Keep, Plan, PointsConfig, Pressed, StatisticsConfig, Study, SweepError, run, run_one,
+    Alpha, Analysis, Area, Config, Example, FitConfig, Keep, LoadsConfig, Plan, PointsConfig, Pressed,
+    StatisticsConfig, Study, SweepError, run, run_one,
 };
 
 fn plan() -> Plan {
@@ -116,4 +119,42 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     // Smaller cells have more realisations, here so many that their seeds would overlap with those of the next group.
     refused("statistics.realisations = 600000", &["statistics.realisations is 600000", "1000000"]);
     refused("statistics.seed = 9223372036854775807", &["statistics.seed is 9223372036854775807", "at most"]);
+}
+
+/// Persson's area is that of surfaces with any number of long waves: composed and extrapolated it stays.
+#[test]
+fn the_area_of_persson_is_its_own_limit() {
+    let fit = FitConfig { alpha_c: Alpha::Without, ..FitConfig::default() };
+    let plan = Plan::new(Config { fit, ..plan().config }).unwrap();
+    let loads = plan.config.loads.p_star.clone();
+    let mut runs = run(&plan, &()).unwrap();
+    for (load, &p_star) in runs.iter_mut().flat_map(|run| run.iter_mut().zip(&loads)) {
+        (load.summary.kappa, load.summary.kappa_corrected) =
+            (persson_area(p_star) / p_star, persson_area(p_star) / p_star);
+    }
+    let analysis = Analysis::new(&plan, &runs).unwrap();
+    assert_eq!(analysis.extrapolations.len(), 2 * loads.len());
+    for extrapolation in &analysis.extrapolations {
+        let expected = persson_area(extrapolation.p_star) / extrapolation.p_star;
+        let found = extrapolation.fit.kappa_tfc.value;
+        assert!(extrapolation.composed && (found / expected - 1.0).abs() < 1e-8, "{found} {expected}");
+    }
+}
+
+/// The long waves lower kappa; loads that end too early leave it as it is, with a warning.
+#[test]
+fn long_waves_are_composed_if_the_loads_allow_it() {
+    let composed = Study::new(plan(), &()).unwrap();
+    let config = plan().config;
+    let low = LoadsConfig { p_star: vec![0.02, 0.05, 0.1, 0.2], ..LoadsConfig::default() };
+    let power = Study::new(Plan::new(Config { loads: low, ..config }).unwrap(), &()).unwrap();
+    let [with, without] = [&composed, &power].map(|study| study.analysis.result());
+    assert!(with.composed && !without.composed);
+    for (key, datum) in power.analysis.data.iter().filter(|(key, _)| key.load == 0 && key.area == Area::Raw) {
+        let lower = composed.analysis.composed(key.point, 0, &composed.plan).unwrap();
+        assert_eq!(composed.analysis.data[key].mean().to_bits(), datum.mean().to_bits());
+        assert!(lower.mean() < datum.mean() && lower.kappa.keys().eq(datum.kappa.keys()));
+    }
+    assert!(power.analysis.composed(0, 0, &power.plan).is_none());
+    assert!(without.fit.warnings.contains(&Warning::PowerOfEpsF) && !with.fit.warnings.contains(&Warning::PowerOfEpsF));
 }

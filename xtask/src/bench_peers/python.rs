@@ -219,7 +219,8 @@ impl Environment {
         let threads = task["threads"].as_u64().unwrap_or(1).to_string();
         let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
         if let (Script::Tamaas, Some(fftw)) = (script, self.preloaded()) {
-            let libraries = fftw.needs.iter().chain([&fftw.library]).chain(&fftw.threads);
+            let Fftw { needs, library, threads, .. } = fftw;
+            let libraries = needs.iter().chain([library]).chain(threads);
             settings.push(("LD_PRELOAD", libraries.map(String::as_str).collect::<Vec<_>>().join(" ")));
         }
         run(&self.python, self.scratch(), script, Some(task), &settings, limit, session)

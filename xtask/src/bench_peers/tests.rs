@@ -64,8 +64,13 @@ fn what_cannot_be_certified_is_not_found() {
 }
 
 fn verdict(worst: f64, pressure: f64, points: u64) -> Verdict {
-    let residual =
-        ResidualRecord { complementarity: 0.1 * worst, penetration: worst, negative_pressure: 0.0, load: 1e-15 };
+    let residual = ResidualRecord {
+        complementarity: 0.1 * worst,
+        penetration: worst,
+        negative_pressure: 0.0,
+        load: 1e-15,
+        saturation: None,
+    };
     let differs = Difference { points, pressure };
     Verdict { residual, area_fraction: 0.1, approach: 2.0, energy: 0.4, differs }
 }

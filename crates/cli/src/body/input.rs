@@ -114,8 +114,12 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     };
     let mut shape = reader.shape(dataset).map_err(words)?;
     let unit = reader.text(dataset, "units").ok();
-    let record = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
+    let record: toml::Table = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
     let normal = dataset.ends_with("displacement_z");
+    let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
+    if boundary != "periodic" {
+        return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
+    }
     let (values, load) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);
@@ -129,7 +133,8 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     };
     let points = [shape.first().copied().unwrap_or(0), if shape.len() > 1 { shape[1] } else { 1 }];
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
-    let lengths = cell_lengths(&reader, dataset, points)?;
+    let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
+    let lengths = cell_lengths(coordinate, dataset, points)?;
     let kind = if normal { Kind::Normal } else { Kind::Full };
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Contact, Load};
+use gfmd_contact::{Boundary, Contact, Load};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
@@ -15,7 +15,7 @@ use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, columns};
 use crate::session::Session;
-use crate::source::SourceArgs;
+use crate::source::{SourceArgs, Surface};
 
 /// The scalars that the fields do not determine: the effort, and the way to the state.
 const OF_THE_SOLVE: [&str; 5] = ["iterations", "transform_pairs", "seconds", "passed_instability", "lowest_curvature"];
@@ -33,7 +33,6 @@ pub(crate) fn check(
     let prepared = Prepared::new(&args, session)?;
     let Prepared { surface, body, law, controls, .. } = &prepared;
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
-    let response = NormalResponse::new(surface.grid, body);
     let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient: surface.rms_gradient() };
     let field = |name: &str, index: usize| -> Result<Array2<f64>, Failure> {
         let values = reader.slab(&format!("/fields/{name}"), index)?;
@@ -48,22 +47,31 @@ pub(crate) fn check(
     }
     let tolerance = args.solver.tol;
     if args.law.law == Kind::HardWall {
-        let contact = Contact::on(response, &surface.heights).map_err(refuse)?;
+        let contact = match surface.boundary {
+            Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), &surface.heights),
+            Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, &surface.heights),
+        };
+        let contact = match args.hardness {
+            Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
+            None => contact,
+        };
+        let contact = contact.map_err(refuse)?;
         for (index, load) in controls.iter().enumerate().take(count) {
             let pressure = field("pressure", index)?;
             if solved(&pressure) {
                 let state = contact.certify(&pressure, *load).map_err(refuse)?;
-                compare(reader, index, *load, &state, &scales, tolerance, false, comparison)?;
+                compare(reader, index, *load, &state, &scales, tolerance, surface, false, comparison)?;
             }
         }
         return Ok(());
     }
+    let response = NormalResponse::new(surface.grid, body);
     let interface = Interface::on(response, &surface.heights, std::sync::Arc::clone(law)).map_err(refuse)?;
     for (index, load) in controls.iter().enumerate().take(count) {
         let gap = field("gap", index)?;
         if solved(&gap) {
             let state = interface.certify(&gap, (*load).into()).map_err(refuse)?;
-            compare(reader, index, *load, &state, &scales, tolerance, true, comparison)?;
+            compare(reader, index, *load, &state, &scales, tolerance, surface, true, comparison)?;
         }
     }
     Ok(())
@@ -77,6 +85,7 @@ fn compare<S: Recorded>(
     state: &S,
     scales: &Scales,
     tolerance: f64,
+    surface: &Surface,
     with_law: bool,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
@@ -85,11 +94,15 @@ fn compare<S: Recorded>(
         ("/fields/displacement_z", state.displacement_z().iter().copied().collect()),
         ("/fields/gap", state.gap().iter().copied().collect()),
     ];
-    for (path, values) in &fields {
+    let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
+    for (path, values) in fields.iter().chain(&depth) {
         comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
     }
-    let record = LoadRecord::measure(state, scales, tolerance, f64::NAN);
-    for Column { name, value, .. } in columns(with_law).iter().filter(|column| !OF_THE_SOLVE.contains(&column.name)) {
+    let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
+    for Column { name, value, .. } in columns(with_law, surface.boundary, depth.is_some())
+        .iter()
+        .filter(|column| !OF_THE_SOLVE.contains(&column.name))
+    {
         let path = format!("/loads/{name}");
         let stored: Vec<f64> = reader.values(&path)?;
         // Residuals are small beside 1, and rounding makes them.

@@ -1,5 +1,7 @@
 //! The check of the file of a sweep.
 
+use std::path::Path;
+
 use gfmd_contact::{Contact, Effort, Load, Residual};
 use gfmd_files::{Output, Reader};
 use gfmd_measure::Summary;
@@ -11,6 +13,30 @@ use crate::check::{Comparison, all};
 use crate::failure::Failure;
 use crate::load::SCALARS;
 use crate::session::Session;
+
+/// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit only.
+///
+/// # Errors
+/// Another configuration, a damaged file, loads that do not fulfil their certificates.
+pub(super) fn earlier(path: &Path, plan: &Plan) -> Result<Vec<Vec<Pressed>>, Failure> {
+    let refuse = |reason: &dyn std::fmt::Display| Failure::input("--runs-of", format!("{}: {reason}", path.display()));
+    let reader = Reader::open(path).map_err(|error| Failure::input("--runs-of", error))?;
+    if reader.is_intact().unwrap_or(Some(false)) == Some(false) {
+        return Err(refuse(&"it is damaged, or was changed; gfmd check says where"));
+    }
+    let text = reader.text("/", "config").map_err(|error| refuse(&error))?;
+    let config: Config = toml::from_str(&text).map_err(|error| refuse(&error.message()))?;
+    let same = Config { fit: plan.config.fit.clone(), ..config };
+    if same != plan.config {
+        return Err(refuse(&"its configuration differs; it may differ in [fit] only"));
+    }
+    let mut comparison = Comparison::default();
+    let runs = runs(&reader, plan, &mut comparison)?;
+    match comparison.counts().2 {
+        0 => Ok(runs),
+        count => Err(refuse(&format!("{count} of its numbers do not fulfil their certificates"))),
+    }
+}
 
 /// Recomputes the points and fits of a sweep from its runs, certifies its example, and computes runs again if asked to.
 pub(crate) fn check(
@@ -40,7 +66,7 @@ pub(crate) fn check(
 }
 
 /// The loads of all runs, from the table of the file.
-fn runs(reader: &Reader, plan: &Plan, comparison: &mut Comparison) -> Result<Vec<Vec<Pressed>>, Failure> {
+pub(super) fn runs(reader: &Reader, plan: &Plan, comparison: &mut Comparison) -> Result<Vec<Vec<Pressed>>, Failure> {
     let column = |name: &str| -> Result<Vec<f64>, Failure> { Ok(reader.values(&format!("/runs/{name}"))?) };
     let loads = plan.config.loads.p_star.len();
     let names = [
@@ -109,7 +135,12 @@ fn runs(reader: &Reader, plan: &Plan, comparison: &mut Comparison) -> Result<Vec
 }
 
 /// The example, whose stored pressure must be in equilibrium with its stored heights.
-fn example(reader: &Reader, plan: &Plan, rerun: bool, comparison: &mut Comparison) -> Result<Example, Failure> {
+pub(super) fn example(
+    reader: &Reader,
+    plan: &Plan,
+    rerun: bool,
+    comparison: &mut Comparison,
+) -> Result<Example, Failure> {
     if rerun {
         return Ok(Example::new(plan, &())?);
     }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use gfmd_fit::{Axis as Limit, Datum, Fit};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
-use gfmd_sweep::{Analysis, Area, Config, Extrapolation, Plan, Study};
+use gfmd_sweep::{Analysis, Area, Config, Estimator, Extrapolation, Plan, Study};
 
+use super::protocol;
 use crate::failure::Failure;
 use crate::figures::{area_chart, draw_pressure, named, theories};
 
@@ -23,7 +24,12 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     if !chart.panels.is_empty() {
         files.extend(chart.save(&named(&stem, "extrapolation"))?);
     }
-    files.extend(area(plan, analysis).save(&named(&stem, "area"))?);
+    if let Some(chart) = protocol::chart(study) {
+        files.extend(chart.save(&named(&stem, "protocol"))?);
+    }
+    if let Some(chart) = area(plan, analysis) {
+        files.extend(chart.save(&named(&stem, "area"))?);
+    }
     let modulus = plan.config.body()?.material().contact_modulus();
     let map = named(&stem, "map");
     files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);
@@ -31,7 +37,7 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// A chart of kappa against eps^alpha of each axis, less the terms of the other axes, with the fit and the limit.
-fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
+pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
     let result = analysis.result();
     let several = config.surface.hurst.len() > 1;
@@ -62,7 +68,6 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let counting = if raw { "counted points" } else { "perimeter corrected" };
             let label = if several { format!("*H* = {hurst}, {counting}") } else { counting.into() };
             let mark = if raw { Mark::Points } else { Mark::HollowPoints };
-            let label = if position == 2 { label } else { String::new() };
             series.push(Series { label, hue, mark, points });
             let curve = match by_edge {
                 true => on_edge(fit, data.iter().filter(|datum| on_arm(datum.all_eps()))),
@@ -96,7 +101,10 @@ fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
         if let (Some(ci95), false) = (result.fit.kappa_tfc.ci95, several) {
             levels.push(Level::band(result.total_ci95().unwrap_or(ci95), "*κ*_{TFC}"));
         }
-        let y = Axis::linear(&format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star));
+        let y = Axis::linear(&match config.fit.estimator {
+            Estimator::Ratio => format!("*κ* = *a*_r *E*\\**g*/*p*   at *p*\\* = {}", config.fit.p_star),
+            Estimator::Slope => "*κ* = *E*\\**g* d*a*_r/d*p*".into(),
+        });
         panels.push(Panel { title: String::new(), x: Axis::linear(&label), y, levels, series });
     }
     Chart::new(panels)
@@ -126,9 +134,13 @@ fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bo
     count(&eps) == most
 }
 
-/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
-fn area(plan: &Plan, analysis: &Analysis) -> Chart {
+/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit. `None` for
+/// slopes, from which no area follows.
+pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
     let config = &plan.config;
+    if config.fit.estimator == Estimator::Slope {
+        return None;
+    }
     let loads = &config.loads.p_star;
     let mut series = Vec::new();
     for (family, &hurst) in config.surface.hurst.iter().enumerate() {
@@ -162,5 +174,5 @@ fn area(plan: &Plan, analysis: &Analysis) -> Chart {
     if config.surface.dim == 3 {
         series.extend(theories(loads[0], loads[loads.len() - 1]));
     }
-    area_chart(series)
+    Some(area_chart(series))
 }

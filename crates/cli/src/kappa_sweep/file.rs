@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
-use gfmd_sweep::{Analysis, Area, Config, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study};
+use gfmd_sweep::{
+    Analysis, Area, Config, Control, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study,
+};
 use ndarray::Array2;
 
+use super::protocol;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, SCALARS};
 
@@ -24,6 +27,7 @@ pub(super) fn write(output: &Output, study: &Study, provenance: &Provenance, sec
     write_runs(&mut archive, &study.plan, &study.runs)?;
     write_points(&mut archive, &study.plan, &study.analysis)?;
     write_fits(&mut archive, &study.analysis)?;
+    protocol::write(&mut archive, &study.analysis.protocols)?;
     write_theory(&mut archive, &study.plan.config)?;
     write_example(&mut archive, &study.plan.config, &study.example)?;
     Ok(archive.finish()?)
@@ -62,8 +66,13 @@ fn write_surfaces(archive: &mut Archive, group: &str, dimension: &Dimension, poi
 fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Result<(), Failure> {
     let loads = &plan.config.loads.p_star;
     let run = Dimension::index("run", plan.runs.len() * loads.len(), "one realisation of one point at one load");
+    // Between the first and the last load no p* is asked for if the approach is prescribed.
+    let asked = |load: usize| match plan.config.loads.control {
+        Control::Approach if load > 0 && load + 1 < loads.len() => f64::NAN,
+        _ => loads[load],
+    };
     let rows: Vec<(&Run, f64)> =
-        plan.runs.iter().flat_map(|run| loads.iter().map(move |p_star| (run, *p_star))).collect();
+        plan.runs.iter().flat_map(|run| (0..loads.len()).map(move |load| (run, asked(load)))).collect();
     let points: Vec<&Point> = rows.iter().map(|(run, _)| &plan.points[run.point]).collect();
     write_surfaces(archive, "/runs", &run, &points)?;
     let columns: [Column<(&Run, f64)>; 3] = [
@@ -132,7 +141,7 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
     let fit = Dimension::index("fit", all.len(), "one Hurst exponent, load and way of counting area; the result first");
     let limit = |e: &Extrapolation| e.fit.kappa_tfc;
     let total = |e: &Extrapolation| e.total_ci95().unwrap_or([f64::NAN; 2]);
-    let columns: [Column<Extrapolation>; 11] = [
+    let columns: [Column<Extrapolation>; 12] = [
         ("hurst", "Hurst exponent", &|e| e.hurst),
         ("p_star", "reduced pressure p/(E* g)", &|e| e.p_star),
         ("kappa_tfc", "kappa in the thermodynamic, fractal and continuum limit", &|e| limit(e).value),
@@ -142,6 +151,7 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         ("kappa_tfc_systematic", "largest distance of another form of the fit from kappa_tfc", &|e| e.systematic()),
         ("kappa_tfc_total_ci95_low", "lower end of kappa_tfc with the systematic error", &|e| total(e)[0]),
         ("kappa_tfc_total_ci95_high", "upper end of kappa_tfc with the systematic error", &|e| total(e)[1]),
+        ("composed", "1 if the long waves are composed, 0 if not", &|e| f64::from(u8::from(e.composed))),
         ("chi_squared", "weighted sum of squared residuals", &|e| e.fit.chi_squared),
         ("degrees_of_freedom", "points minus parameters", &|e| e.fit.degrees_of_freedom as f64),
     ];

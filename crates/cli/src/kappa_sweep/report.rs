@@ -9,6 +9,7 @@ use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Study};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
+use super::protocol::ProtocolReport;
 use crate::failure::Failure;
 use crate::memory::Held;
 use crate::session::list_files;
@@ -20,6 +21,8 @@ pub struct Report {
     pub points: Vec<PointReport>,
     pub fit: FitReport,
     pub fits: Vec<FitReport>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub protocol: Vec<ProtocolReport>,
     pub theory: TheoryReport,
     pub out: PathBuf,
     pub plots: Vec<PathBuf>,
@@ -56,6 +59,7 @@ pub struct FitReport {
     pub systematic: f64,
     pub total_ci95: Option<[f64; 2]>,
     pub alternatives: Vec<Alternative>,
+    pub composed: bool,
     pub uncertainty: String,
     pub terms: Vec<TermReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -136,6 +140,7 @@ impl FitReport {
             kappa_tfc: fit.kappa_tfc.value,
             kappa_tfc_standard_error: fit.kappa_tfc.standard_error,
             ci95: fit.kappa_tfc.ci95,
+            composed: extrapolation.composed,
             systematic: extrapolation.systematic(),
             total_ci95: extrapolation.total_ci95(),
             alternatives: extrapolation.alternatives.clone(),
@@ -190,7 +195,8 @@ impl Report {
         let points = points.collect();
         let fits: Vec<FitReport> = analysis.extrapolations.iter().map(FitReport::new).collect();
         let theory = TheoryReport { persson: PERSSON_KAPPA, bush_gibson_thomas: BUSH_GIBSON_THOMAS_KAPPA };
-        Self { points, fit: FitReport::new(analysis.result()), fits, theory, out, plots, seconds, peak_bytes }
+        let protocol = analysis.protocols.iter().map(ProtocolReport::from).collect();
+        Self { points, fit: FitReport::new(analysis.result()), fits, protocol, theory, out, plots, seconds, peak_bytes }
     }
 }
 
@@ -252,6 +258,7 @@ impl fmt::Display for Report {
                 writeln!(f, "  note: {warning}")?;
             }
         }
+        self.protocol.iter().try_for_each(|protocol| write!(f, "{protocol}"))?;
         let result = &self.fit;
         writeln!(f, "\nResult: H = {}, p* = {}: {}", result.hurst, result.p_star, Headline(result))?;
         writeln!(f, "95 % interval: {}", result.uncertainty)?;

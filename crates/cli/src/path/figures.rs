@@ -23,16 +23,7 @@ pub(super) fn draw(
     let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.head.e_star, unit)?;
     let unit_pressure = report.head.e_star * report.head.rms_gradient;
     let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
-        let last = report.steps.len().saturating_sub(1);
-        let leg = |(hue, start): (usize, usize)| {
-            let points = report.steps[start..=(start + steps_of_leg).min(last)].iter().map(|step| {
-                let (x, y) = of(step);
-                Point::new(x, y)
-            });
-            let label = format!("leg {}", hue + 1);
-            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
-        };
-        (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
+        legs(&report.steps.iter().map(of).collect::<Vec<_>>(), steps_of_leg)
     };
     let lateral = |step: &StepRecord| report.along(step.lateral);
     let shear = |step: &StepRecord| report.along(step.mean_shear);
@@ -70,4 +61,15 @@ pub(super) fn draw(
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "path"))?);
     Ok(files)
+}
+
+/// A path of points, leg by leg.
+pub(super) fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
+    let last = points.len().saturating_sub(1);
+    let leg = |(hue, start): (usize, usize)| {
+        let points = points[start..=(start + steps_of_leg).min(last)].iter().map(|(x, y)| Point::new(*x, *y));
+        let label = format!("leg {}", hue + 1);
+        Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
+    };
+    (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
 }

@@ -3,6 +3,24 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+/// A sweep of seconds.
+#[allow(dead_code, reason = "not every test file makes a sweep")]
+pub(crate) const SWEEP: &str = "
+[points]
+eps_t_inv = [1.0, 2.0]
+eps_f_inv = [4, 8]
+eps_c_inv = [4, 8]
+centre = [2, 4, 4]
+[loads]
+p_star = [0.02, 0.05]
+[statistics]
+realisations = 2
+[fit]
+p_star = 0.05
+alpha_c = 1
+resamples = 20
+";
+
 /// Runs the program with `arguments` in `folder`, under the emulator that `GFMD_EMULATOR` names, if any.
 pub(crate) fn gfmd(folder: &Path, arguments: &[&str]) -> Output {
     let emulator = std::env::var("GFMD_EMULATOR").unwrap_or_default();

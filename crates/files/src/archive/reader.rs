@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, Dataset, File, H5Type};
 
-use super::record::{self, Field};
 use super::{FileError, content};
 use crate::error::reason;
 
@@ -54,14 +53,6 @@ impl Reader {
     /// True if there is a variable at `path`.
     pub fn contains(&self, path: &str) -> bool {
         self.file.dataset(path).is_ok()
-    }
-
-    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without coordinates
-    /// (dimension scales). Groups are searched to a depth of 8, and at most 1000 datasets are returned.
-    pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
-        let mut found = Vec::new();
-        search(&self.file, "", 8, &mut found);
-        found
     }
 
     /// The lengths of a variable's dimensions.
@@ -114,19 +105,6 @@ impl Reader {
         found.map_err(|error| FileError::read(&self.path, &whole, &error))
     }
 
-    /// All values of a variable of compound type, or of such an attribute of the variable.
-    pub(crate) fn records(&self, path: &str, attribute: Option<&str>) -> Result<Vec<Vec<Field>>, FileError> {
-        let found = match attribute {
-            Some(name) => self.attribute(path, name).and_then(|attribute| record::read(&attribute, true)),
-            None => {
-                let dataset = self.dataset(path)?;
-                record::read(&dataset, false)
-            }
-        };
-        let whole = attribute.map_or_else(|| path.to_owned(), |name| format!("{path}@{name}"));
-        found.map_err(|error| FileError::read(&self.path, &whole, &error))
-    }
-
     fn attribute(&self, path: &str, name: &str) -> Result<hdf5::Attribute, hdf5::Error> {
         match self.file.dataset(path) {
             Ok(dataset) => dataset.attr(name),
@@ -154,34 +132,6 @@ fn check_stored(dataset: &Dataset) -> Result<(), hdf5::Error> {
         );
     }
     Ok(())
-}
-
-/// The largest number of datasets that a search returns.
-const MOST_DATASETS: usize = 1000;
-
-/// Adds the datasets in and below a group, as for [`Reader::datasets`].
-fn search(group: &hdf5::Group, path: &str, depth: usize, found: &mut Vec<(String, Vec<usize>)>) {
-    let mut names = group.member_names().unwrap_or_default();
-    names.sort();
-    for name in names {
-        if found.len() >= MOST_DATASETS {
-            return;
-        }
-        let whole = format!("{path}/{name}");
-        if let Ok(dataset) = group.dataset(&name) {
-            let number = dataset.dtype().and_then(|kind| kind.to_descriptor());
-            let is_number = matches!(
-                number,
-                Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) | TypeDescriptor::Float(_))
-            );
-            let is_scale = dataset.attr("CLASS").and_then(|class| texts(&class));
-            if is_number && !is_scale.is_ok_and(|class| class == ["DIMENSION_SCALE"]) {
-                found.push((whole, dataset.shape()));
-            }
-        } else if let (1.., Ok(inner)) = (depth, group.group(&name)) {
-            search(&inner, &whole, depth - 1, found);
-        }
-    }
 }
 
 /// Reads strings of fixed or variable length.

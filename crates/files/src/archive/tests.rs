@@ -59,7 +59,7 @@ fn what_is_written_is_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("all.h5");
     write_all(&path);
-    let file = Reader::open(&path).unwrap();
+    let file = read(&path);
     assert_eq!(file.names("/"), ["fields", "fit", "loads", "surface"]);
     assert_eq!(file.names("/loads"), ["area_fraction", "converged", "iterations", "load", "solver"]);
     assert_eq!(file.shape("/fields/pressure").unwrap(), [2, 40, 30]);
@@ -91,9 +91,9 @@ fn warnings_stand_in_the_root_even_those_made_while_the_file_was_open() {
     let archive = Archive::create(&output, &provenance).unwrap();
     provenance.warnings.add(crate::Warning { code: "rough-seam", text: "steps across the seam".into() });
     archive.finish().unwrap();
-    assert_eq!(Reader::open(&path).unwrap().text("/", "warnings").unwrap(), "rough-seam: steps across the seam\n");
+    assert_eq!(read(&path).text("/", "warnings").unwrap(), "rough-seam: steps across the seam\n");
     write_all(&folder.path().join("b.h5"));
-    assert_eq!(Reader::open(folder.path().join("b.h5")).unwrap().text("/", "warnings").unwrap(), "");
+    assert_eq!(read(&folder.path().join("b.h5")).text("/", "warnings").unwrap(), "");
 }
 
 #[test]
@@ -109,24 +109,24 @@ fn a_changed_value_shape_or_attribute_is_noticed() {
         |file| file.unlink("/fit/kappa_tfc"),
     ];
     write_all(&path);
-    assert_eq!(Reader::open(&path).unwrap().is_intact().unwrap(), Some(true));
     // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
     let copy = |from: &std::path::Path, name: &str| {
         let to = folder.path().join(name);
         fs::copy(from, &to).unwrap();
         to
     };
+    assert_eq!(read(&path).is_intact().unwrap(), Some(true));
     for (number, change) in changes.into_iter().enumerate() {
         let written = copy(&path, &format!("{number}.h5"));
         let file = File::open_rw(&written).unwrap();
         change(&file).unwrap();
         file.close().unwrap();
-        let found = Reader::open(copy(&written, &format!("{number}-read.h5"))).unwrap().is_intact().unwrap();
+        let found = read(&written).is_intact().unwrap();
         assert_eq!(found, Some(false), "change {number}");
     }
     let empty = folder.path().join("empty.h5");
     File::create(&empty).unwrap().close().unwrap();
-    assert_eq!(Reader::open(copy(&empty, "empty-read.h5")).unwrap().is_intact().unwrap(), None);
+    assert_eq!(read(&empty).is_intact().unwrap(), None);
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn a_file_being_written_leaves_the_good_one_alone() {
     archive.write("/x", &variable(&[]), &[1.0]).unwrap();
     assert_eq!(archive.finish().unwrap(), path);
     drop(output);
-    assert_eq!(Reader::open(&path).unwrap().names("/"), ["x"]);
+    assert_eq!(read(&path).names("/"), ["x"]);
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left, ["a.h5"], "neither part nor lock is left");
 }
@@ -194,6 +194,14 @@ fn a_second_claim_is_refused_until_the_first_ends() {
     Output::claim(folder.path().join("b.h5")).unwrap();
     drop(first);
     Output::claim(&path).unwrap();
+}
+
+/// Opens a copy of a file: a process that another test starts may hold the lock of a file that was open then.
+fn read(path: &std::path::Path) -> Reader {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("copy.h5");
+    fs::copy(path, &copy).unwrap();
+    Reader::open(&copy).unwrap()
 }
 
 /// A command that runs the named test in another process, with the path of its file in the environment.
@@ -297,7 +305,7 @@ fn what_cannot_be_read_says_what_is_there() {
     let line = Reader::open(&path).unwrap_err().to_string();
     assert!(line.contains("as HDF5") && !line.contains('\n'), "{line}");
     write_all(&path);
-    let file = Reader::open(&path).unwrap();
+    let file = read(&path);
     let line = file.values::<f64>("/surface/heigth").unwrap_err().to_string();
     assert!(line.ends_with("has no /surface/heigth; its group has: height, x, y"), "{line}");
     assert!(file.text("/", "nothing").is_err());

@@ -8,9 +8,9 @@ use std::io::Read;
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "Alicona AL3D", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Alicona AL3D", sniff, open, first_line: FirstLine::Top };
 
 const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
 

@@ -7,13 +7,12 @@
 //! In NetCDF-4, which is HDF5, SurfaceTopography writes the size as the attribute `length` of `x` and `y`, the unit as
 //! `unit`, and marks undefined points of `heights` in `mask`.
 
-use crate::Reader;
-
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
+use super::hdf5::Hdf5;
 use super::{shaped, two_dimensional};
 
-pub(super) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open };
+pub(super) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open, first_line: FirstLine::Bottom };
 
 /// The datasets that are read without being named, if there are several.
 const USUAL: [&str; 3] = ["/surface", "/surface/height", "/heights"];
@@ -61,13 +60,13 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
 }
 
 /// Reads the heights of a dataset, and the lengths from evenly spaced coordinates `x` and `y` in its group, if any.
-fn read(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Map, String> {
-    let values = reader.values::<f64>(dataset).map_err(|error| error.to_string())?;
+fn read(reader: &Hdf5, dataset: &str, points: [usize; 2]) -> Result<Map, String> {
+    let values = reader.values(dataset)?;
     let mut heights = shaped(points, values)?;
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let mask = format!("{group}/mask");
     if dataset.ends_with("/heights") && reader.contains(&mask) {
-        let mask = shaped(points, reader.values::<f64>(&mask).map_err(|error| error.to_string())?)?;
+        let mask = shaped(points, reader.values(&mask)?)?;
         heights.zip_mut_with(&mask, |height, mark| {
             if *mark != 0.0 {
                 *height = f64::NAN;
@@ -78,7 +77,7 @@ fn read(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Map, Strin
     let lengths = match (written("x"), written("y"), points[1]) {
         (Some(x), _, 1) => Some([x, 1.0]),
         (Some(x), Some(y), _) => Some([x, y]),
-        _ => lengths(reader, dataset, points)?,
+        _ => lengths(|name| reader.contains(name).then(|| reader.values(name)), dataset, points)?,
     };
     let unit = unit(reader, dataset);
     let length_unit = lengths.and(unit.clone());
@@ -86,24 +85,25 @@ fn read(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Map, Strin
 }
 
 /// The unit of a dataset; "length" and "1" stand for any consistent unit.
-fn unit(reader: &Reader, dataset: &str) -> Option<String> {
+fn unit(reader: &Hdf5, dataset: &str) -> Option<String> {
     let unit = reader.text(dataset, "units").or_else(|_| reader.text(dataset, "unit"));
     unit.ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()))
 }
 
-/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. The second length of a
-/// profile is 1 and has no meaning.
+/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns those of a
+/// dataset, or `None` if there is no such dataset. The second length of a profile is 1 and has no meaning.
 ///
 /// # Errors
 /// Coordinates that are unevenly spaced.
-pub fn lengths(reader: &Reader, dataset: &str, points: [usize; 2]) -> Result<Option<[f64; 2]>, String> {
+pub fn lengths(
+    values: impl Fn(&str) -> Option<Result<Vec<f64>, String>>,
+    dataset: &str,
+    points: [usize; 2],
+) -> Result<Option<[f64; 2]>, String> {
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let length = |axis: &str, points: usize| -> Result<Option<f64>, String> {
         let name = format!("{group}/{axis}");
-        match reader.contains(&name) {
-            true => evenly_spaced(&reader.values::<f64>(&name).map_err(|error| error.to_string())?, points, &name),
-            false => Ok(None),
-        }
+        values(&name).map_or(Ok(None), |values| evenly_spaced(&values?, points, &name))
     };
     let [nx, ny] = points;
     let along_y = if ny == 1 { Some(1.0) } else { length("y", ny)? };

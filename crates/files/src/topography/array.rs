@@ -6,13 +6,15 @@ use crate::npy::{self, Header};
 
 use super::bytes::{Grid, Layout, MOST_CHANNELS, Order, Sample};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::two_dimensional;
 use super::zipped::Zip;
 
-pub(super) const FORMAT: Format = Format { name: "NumPy", sniff: |file| file.starts_with(npy::MAGIC), open };
+pub(super) const FORMAT: Format =
+    Format { name: "NumPy", sniff: |file| file.starts_with(npy::MAGIC), open, first_line: FirstLine::Bottom };
 
-pub(super) const ARCHIVE: Format = Format { name: "NumPy archive", sniff: is_archive, open: open_archive };
+pub(super) const ARCHIVE: Format =
+    Format { name: "NumPy archive", sniff: is_archive, open: open_archive, first_line: FirstLine::Bottom };
 
 /// The most bytes of a header; NumPy's own have at most 64 KiB.
 const HEADER: u64 = 1 << 16;

@@ -10,11 +10,15 @@ use serde::Deserialize;
 
 use super::bytes::{MOST_CHANNELS, clip};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::zipped::{MOST_TEXT, Zip};
 
-pub(super) const FORMAT: Format =
-    Format { name: "contact.engineering container", sniff: |file| Zip::has(file, &["meta.yml"]), open };
+pub(super) const FORMAT: Format = Format {
+    name: "contact.engineering container",
+    sniff: |file| Zip::has(file, &["meta.yml"]),
+    open,
+    first_line: FirstLine::Bottom,
+};
 
 #[derive(Deserialize)]
 struct Meta {
@@ -125,6 +129,7 @@ impl Measurement {
             return Err(format!("{entry} has no channels"));
         };
         let mut map = (channel.read)().map_err(|error| format!("{entry}: {error}"))?;
+        format.upright(&mut map);
         map.notes.insert(0, format!("the data file {entry} has the format {}", format.name));
         let (scaled, has_unit) = (map.height_unit.is_some(), map.length_unit.is_some());
         if let Some(factor) = self.height_scale.filter(|factor| *factor != 1.0 && !scaled) {

@@ -4,14 +4,12 @@
 //! name of the dataset of heights, whose rows run along x. Its attribute `Unit` is the unit of the heights, `No Data` the
 //! value of undefined points, and the second parameter of `X Converter` and `Y Converter` the spacing in metres.
 
-use crate::Reader;
-use crate::archive::Field;
-
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
+use super::hdf5::{Field, Hdf5};
 use super::shaped;
 
-pub(super) const FORMAT: Format = Format { name: "Zygo Mx", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Zygo Mx", sniff, open, first_line: FirstLine::Top };
 
 /// Names of units in these files.
 const UNITS: [(&str, &str); 4] = [("NanoMeters", "nm"), ("MicroMeters", "µm"), ("MilliMeters", "mm"), ("Meters", "m")];
@@ -22,17 +20,17 @@ fn sniff(file: &File) -> bool {
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let reader = file.hdf5()?;
-    let links = reader.records("/MetaData", None).map_err(|error| error.to_string())?;
+    let links = reader.records("/MetaData", None)?;
     let mut path = "Root".to_owned();
     for link in ["Measurement", "Surface", "Path"] {
         path = follow(&links, &path, link)?;
     }
-    let shape = reader.shape(&path).map_err(|error| error.to_string())?;
+    let shape = reader.shape(&path)?;
     let [rows, columns] = shape[..] else {
         return Err(format!("the shape of {path} is {shape:?}; it must have 2 dimensions"));
     };
     let points = [columns, rows];
-    let unit = unit(&reader.text(&path, "Unit").map_err(|error| error.to_string())?);
+    let unit = unit(&reader.text(&path, "Unit")?);
     let name = path.rsplit('/').nth(1).unwrap_or_default().to_owned();
     let height_unit = unit.clone();
     let read = move || read(&file.hdf5()?, &path, points, height_unit);
@@ -53,7 +51,7 @@ fn unit(name: &str) -> String {
     UNITS.iter().find(|(known, _)| *known == name).map_or(name, |(_, unit)| unit).to_owned()
 }
 
-fn read(reader: &Reader, path: &str, points: [usize; 2], unit: String) -> Result<Map, String> {
+fn read(reader: &Hdf5, path: &str, points: [usize; 2], unit: String) -> Result<Map, String> {
     let dx = spacing(reader, path, "X Converter")?;
     let dy = spacing(reader, path, "Y Converter")?;
     let converter = converter(reader, path, "Z Converter")?;
@@ -64,7 +62,7 @@ fn read(reader: &Reader, path: &str, points: [usize; 2], unit: String) -> Result
         ));
     }
     let undefined = reader.number(path, "No Data").unwrap_or(f64::NAN);
-    let values: Vec<f64> = reader.values(path).map_err(|error| error.to_string())?;
+    let values = reader.values(path)?;
     let [nx, ny] = points;
     let rows = shaped([ny, nx], values)?;
     let mut heights = rows.reversed_axes();
@@ -79,8 +77,8 @@ fn read(reader: &Reader, path: &str, points: [usize; 2], unit: String) -> Result
 }
 
 /// The category, the unit and the parameters of a converter.
-fn converter(reader: &Reader, path: &str, name: &str) -> Result<(String, String, Vec<f64>), String> {
-    let records = reader.records(path, Some(name)).map_err(|error| error.to_string())?;
+fn converter(reader: &Hdf5, path: &str, name: &str) -> Result<(String, String, Vec<f64>), String> {
+    let records = reader.records(path, Some(name))?;
     match records.into_iter().next().as_deref() {
         Some([Field::Text(category), Field::Text(unit), .., Field::Numbers(parameters)]) => {
             Ok((category.clone(), unit.clone(), parameters.clone()))
@@ -90,7 +88,7 @@ fn converter(reader: &Reader, path: &str, name: &str) -> Result<(String, String,
 }
 
 /// The spacing of the points in metres.
-fn spacing(reader: &Reader, path: &str, name: &str) -> Result<f64, String> {
+fn spacing(reader: &Hdf5, path: &str, name: &str) -> Result<f64, String> {
     match converter(reader, path, name)? {
         (category, unit, parameters) if category == "LateralCat" && unit == "Pixels" && parameters.len() > 1 => {
             Ok(parameters[1])

@@ -1,13 +1,13 @@
 //! The bytes of a file to read, on disk or in memory.
 
 use std::fs;
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::Read;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use tempfile::TempPath;
+use hdf5_reader::Hdf5File;
 
-use crate::Reader;
+use super::hdf5::Hdf5;
 
 /// The number of bytes that tell the format.
 const HEAD: u64 = 1 << 16;
@@ -17,7 +17,6 @@ pub(super) struct File {
     path: Option<PathBuf>,
     head: Vec<u8>,
     whole: OnceLock<Vec<u8>>,
-    copy: OnceLock<TempPath>,
 }
 
 impl File {
@@ -39,12 +38,12 @@ impl File {
             return Ok(Self::from_bytes(head));
         }
         file.take(HEAD).read_to_end(&mut head).map_err(text)?;
-        Ok(Self { path: Some(path.into()), head, whole: OnceLock::new(), copy: OnceLock::new() })
+        Ok(Self { path: Some(path.into()), head, whole: OnceLock::new() })
     }
 
     /// A file whose bytes are in memory.
     pub(super) fn from_bytes(bytes: Vec<u8>) -> Self {
-        let file = Self { path: None, head: Vec::new(), whole: OnceLock::new(), copy: OnceLock::new() };
+        let file = Self { path: None, head: Vec::new(), whole: OnceLock::new() };
         file.whole.get_or_init(|| bytes);
         file
     }
@@ -70,26 +69,18 @@ impl File {
         Ok(self.whole.get().map_or(&self.head[..], |whole| whole))
     }
 
-    /// The path of the file; that of a temporary copy if the bytes are in memory.
-    pub(super) fn path(&self) -> Result<&Path, String> {
-        if let Some(path) = &self.path {
-            return Ok(path);
-        }
-        if self.copy.get().is_none() {
-            let copy = || -> std::io::Result<TempPath> {
-                let mut file = tempfile::NamedTempFile::new()?;
-                file.write_all(self.whole.get().map_or(&[][..], |whole| whole))?;
-                Ok(file.into_temp_path())
-            };
-            let copy = copy().map_err(|error| format!("a temporary copy cannot be written: {error}"))?;
-            self.copy.get_or_init(|| copy);
-        }
-        self.copy.get().map(|copy| &**copy).ok_or_else(|| "the file has no path".into())
-    }
-
     /// Opens the file as HDF5.
-    pub(super) fn hdf5(&self) -> Result<Reader, String> {
-        Reader::open(self.path()?).map_err(|error| error.to_string())
+    pub(super) fn hdf5(&self) -> Result<Hdf5, String> {
+        match &self.path {
+            Some(path) => {
+                let length = fs::metadata(path).map_err(|error| error.to_string())?.len();
+                Hdf5::open(length as usize, |options| Hdf5File::open_with_options(path, options))
+            }
+            None => {
+                let bytes = self.bytes()?;
+                Hdf5::open(bytes.len(), |options| Hdf5File::from_bytes_with_options(bytes, options))
+            }
+        }
     }
 
     /// True if the file begins like one of HDF5, without a user block.

@@ -1,6 +1,6 @@
 //! What a reader of a format provides: how to tell a file of this format, its channels, and the heights of one of them.
 
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 
 use super::file::File;
 
@@ -12,6 +12,24 @@ pub(super) struct Format {
     pub sniff: fn(&File) -> bool,
     /// Lists the channels that are height maps, without decoding them.
     pub open: for<'a> fn(&'a File) -> Result<Contents<'a>, String>,
+    /// Where the line j = 0 of a decoded map lies.
+    pub first_line: FirstLine,
+}
+
+/// A side of the picture that the instrument shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FirstLine {
+    Top,
+    Bottom,
+}
+
+impl Format {
+    /// Turns a decoded map so that its y points up in the picture.
+    pub(super) fn upright(&self, map: &mut Map) {
+        if self.first_line == FirstLine::Top {
+            map.heights.invert_axis(Axis(1));
+        }
+    }
 }
 
 /// The channels of a file that are height maps, in the order of the file; at least one.

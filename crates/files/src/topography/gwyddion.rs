@@ -5,13 +5,18 @@
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, positive, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit::is_length;
 
-pub(super) const GWY: Format = Format { name: "Gwyddion", sniff: |file| file.starts_with(b"GWYP"), open: open_gwy };
+pub(super) const GWY: Format =
+    Format { name: "Gwyddion", sniff: |file| file.starts_with(b"GWYP"), open: open_gwy, first_line: FirstLine::Top };
 
-pub(super) const GSF: Format =
-    Format { name: "Gwyddion simple field", sniff: |file| file.starts_with(SIMPLE), open: open_gsf };
+pub(super) const GSF: Format = Format {
+    name: "Gwyddion simple field",
+    sniff: |file| file.starts_with(SIMPLE),
+    open: open_gsf,
+    first_line: FirstLine::Top,
+};
 
 /// The first line of a simple field.
 const SIMPLE: &[u8] = b"Gwyddion Simple Field 1.0";

@@ -9,10 +9,10 @@ use std::rc::Rc;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit;
 
-pub(super) const FORMAT: Format = Format { name: "Igor binary wave", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Igor binary wave", sniff, open, first_line: FirstLine::Top };
 
 /// Number of bytes of the header of the wave, in version 5 and before.
 const WAVE_5: usize = 320;

@@ -9,9 +9,10 @@ use flate2::read::ZlibDecoder;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "MATLAB 5", sniff: |file| order(file.head()).is_some(), open };
+pub(super) const FORMAT: Format =
+    Format { name: "MATLAB 5", sniff: |file| order(file.head()).is_some(), open, first_line: FirstLine::Bottom };
 
 /// The types of elements.
 const MATRIX: u32 = 14;

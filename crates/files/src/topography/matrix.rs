@@ -21,11 +21,11 @@ use ndarray::Array2;
 
 use super::bytes::clip;
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
 use header::{Header, Sizes};
 
-pub(super) const FORMAT: Format = Format { name: "text", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
 
 /// Words that denote a point without a height.
 const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];

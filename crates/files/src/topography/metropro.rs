@@ -7,9 +7,9 @@
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "Zygo MetroPro", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Zygo MetroPro", sniff, open, first_line: FirstLine::Top };
 
 /// First bytes and length of the header of each version.
 const VERSIONS: [([u8; 4], u32); 3] =

@@ -8,10 +8,10 @@ use std::rc::Rc;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, count, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit;
 
-pub(super) const FORMAT: Format = Format { name: "Molecular Imaging", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Molecular Imaging", sniff, open, first_line: FirstLine::Top };
 
 /// Number of characters of a key.
 const KEY: usize = 14;

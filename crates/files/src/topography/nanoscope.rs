@@ -10,10 +10,10 @@ use std::rc::Rc;
 
 use super::bytes::{self, Grid, Layout, MOST_CHANNELS, Order, Sample};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit::{self, Conversion};
 
-pub(super) const FORMAT: Format = Format { name: "Nanoscope", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Nanoscope", sniff, open, first_line: FirstLine::Top };
 
 /// The first version, as a hexadecimal number, whose integers always have 32 bits.
 const VERSION_32_BITS: u32 = 0x0920_0000;

@@ -8,10 +8,10 @@ use std::rc::Rc;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, count, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit::{self, Conversion};
 
-pub(super) const FORMAT: Format = Format { name: "Nanosurf", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Nanosurf", sniff, open, first_line: FirstLine::Top };
 
 const MAGIC: &[u8] = b"[DataSet]\r\n";
 

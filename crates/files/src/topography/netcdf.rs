@@ -10,11 +10,15 @@ use ndarray::Array2;
 use super::archived::evenly_spaced;
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::two_dimensional;
 
-pub(super) const FORMAT: Format =
-    Format { name: "NetCDF", sniff: |file| matches!(file.head(), [b'C', b'D', b'F', 1 | 2 | 5, ..]), open };
+pub(super) const FORMAT: Format = Format {
+    name: "NetCDF",
+    sniff: |file| matches!(file.head(), [b'C', b'D', b'F', 1 | 2 | 5, ..]),
+    open,
+    first_line: FirstLine::Bottom,
+};
 
 /// The tags of the lists of a header.
 const DIMENSIONS: u32 = 10;

@@ -9,9 +9,9 @@ use std::rc::Rc;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "Wyko OPD", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Wyko OPD", sniff, open, first_line: FirstLine::Top };
 
 /// Number of bytes of an entry of the directory.
 const ENTRY: usize = 24;

@@ -9,10 +9,10 @@ use std::rc::Rc;
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit::Conversion;
 
-pub(super) const FORMAT: Format = Format { name: "Dektak OPDx", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Dektak OPDx", sniff, open, first_line: FirstLine::Top };
 
 const MAGIC: &[u8] = b"VCA DATA\x01\0\0\x55";
 

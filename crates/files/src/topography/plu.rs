@@ -5,9 +5,9 @@
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "Sensofar PLu", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Sensofar PLu", sniff, open, first_line: FirstLine::Top };
 
 const UNDEFINED: f64 = 1_000_001.0;
 

@@ -9,10 +9,10 @@ use roxmltree::Node;
 
 use super::bytes::{Grid, Layout, MOST_CHANNELS, Order, Sample, clip, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::zipped::{Zip, xml};
 
-pub(super) const FORMAT: Format = Format { name: "Sensofar PLUX", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Sensofar PLUX", sniff, open, first_line: FirstLine::Top };
 
 /// Items of `INFO` told among the details.
 const DETAILS: [&str; 6] = ["Device", "Objective", "Technique", "Measurement Type", "Algorithm", "Comment"];

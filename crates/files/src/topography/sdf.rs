@@ -7,9 +7,10 @@ use ndarray::Array2;
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, clip, positive, text};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-pub(super) const FORMAT: Format = Format { name: "surface data file (SDF)", sniff, open };
+pub(super) const FORMAT: Format =
+    Format { name: "surface data file (SDF)", sniff, open, first_line: FirstLine::Bottom };
 
 /// The length of the binary header.
 const HEADER: usize = 81;

@@ -10,10 +10,10 @@ use std::io::Read;
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::unit::{self, Conversion};
 
-pub(super) const FORMAT: Format = Format { name: "Digital Surf", sniff, open };
+pub(super) const FORMAT: Format = Format { name: "Digital Surf", sniff, open, first_line: FirstLine::Top };
 
 const PLAIN: &[u8] = b"DIGITAL SURF";
 const COMPRESSED: &[u8] = b"DSCOMPRESSED";

@@ -13,12 +13,13 @@ use roxmltree::Node;
 
 use super::bytes::{Grid, Layout, Order, Sample, clip, count, positive};
 use super::file::File;
-use super::format::{Channel, Contents, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::zipped::{Zip, xml};
 
 pub use write::X3p;
 
-pub(super) const FORMAT: Format = Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open };
+pub(super) const FORMAT: Format =
+    Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open, first_line: FirstLine::Bottom };
 
 /// Parts of the document that say something of the measurement.
 const DETAILS: [&str; 9] = [

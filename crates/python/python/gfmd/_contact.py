@@ -45,6 +45,8 @@ class Contact(Record):
         converged: True if no residual exceeds the tolerance.
         residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
         seconds: wall time of the solve.
+        boundary: "periodic" or "free".
+        force: force (of a line: per length across it), with free boundaries only.
         interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
         passed_instability: True if the surfaces jumped on the way from `start`.
         lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
@@ -79,6 +81,7 @@ class Contact(Record):
     converged: bool
     residual: Residual
     seconds: float
+    force: float
     interface_energy: float
     passed_instability: bool
     lowest_curvature: float
@@ -86,7 +89,7 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float]
+    _settings: tuple[str, float, str]
     _state: Any
 
     def __init__(
@@ -94,7 +97,7 @@ class Contact(Record):
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float] = ("auto", 1e-8),
+        settings: tuple[str, float, str] = ("auto", 1e-8, "periodic"),
         state: Any = None,
     ) -> None:
         super().__init__(values)
@@ -120,6 +123,11 @@ class Contact(Record):
     def gap(self) -> Array:
         """Distance between the surfaces [x, y], length. Read-only."""
         return self._gap
+
+    @property
+    def boundary(self) -> str:
+        """The surroundings of the surface, by name: "periodic" or "free"."""
+        return self._settings[2]
 
     @property
     def approach(self) -> float:

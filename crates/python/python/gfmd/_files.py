@@ -43,6 +43,7 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body.e_star,
         "height": "inf" if body.height is None else body.height,
         "pressure": [contact["mean_pressure"] for contact in contacts],
+        "boundary": first.boundary,
         "solver": first._settings[0],
         "tol": first._settings[1],
         "law": law.name,
@@ -69,6 +70,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
+    if "hardness" in config:
+        raise InputError(f"{name} is a contact with a hardness, {config['hardness']}; it must have none to be loaded")
     heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
     length = config.get("length", [])
     if len(length) == 2:
@@ -85,6 +88,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     names += ["pressure_moment_2", "elastic_energy", "iterations", "transform_pairs", "converged", "residual", "seconds"]
     if law.name != "hard-wall":
         names += ["interface_energy", "passed_instability", "lowest_curvature", "residual_equilibrium"]
+    if config.get("boundary") == "free":
+        names.append("force")
     residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in _RESIDUALS}
     columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual"}
     fields = [_gfmd.read_array(name, f"/fields/{field}") for field in ("pressure", "displacement_z", "gap")]
@@ -97,7 +102,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
             return int(value)
         return bool(value) if key in _FLAGS else value
 
-    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)))
+    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")))
     contacts = [
         Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings)  # type: ignore[arg-type]
         for index in range(len(fields[0]))

@@ -43,6 +43,7 @@ class Problem:
         lengths: tuple[float, float],
         body: tuple[float, float, Optional[float], Optional[float]],
         law: tuple[str, list[tuple[str, float]]],
+        boundary: str,
         solver: str,
         threads: int,
     ) -> Problem: ...

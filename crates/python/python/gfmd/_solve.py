@@ -18,16 +18,22 @@ from ._record import Residual, parsed, without_null
 from ._surface import Surface, as_surface
 
 
+# The surroundings of a surface.
+BOUNDARIES = ("periodic", "free")
+
 # A problem for each surface that is in use.
-_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str], Any]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str], Any]] = WeakKeyDictionary()
 
 
 class _Setup:
     """A surface against a body, checked, with the numbers of the solve."""
 
-    def __init__(self, surface: Any, body: Any, law: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
+    def __init__(self, surface: Any, body: Any, boundary: Any, law: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
+        self.boundary = word("boundary", boundary)
+        if self.boundary not in BOUNDARIES:
+            raise InputError(f"boundary is {boundary!r}; it must be one of {', '.join(map(repr, BOUNDARIES))}")
         if self.solver not in _gfmd.solvers():
             raise InputError(f"solver is {solver!r}; it must be one of {', '.join(_gfmd.solvers())}")
         if not 1e-15 <= self.tolerance <= 0.1:
@@ -41,17 +47,19 @@ class _Setup:
 
     def _problem(self) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        asked = (self.body, self.law, self.solver)
+        asked = (self.body, self.law, self.boundary, self.solver)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
             heights, size, given = self.surface.heights, self.surface.size, self.body._given
-            last = asked, _gfmd.Problem(heights, size, given, self.law._native, self.solver, self.threads)
+            last = asked, _gfmd.Problem(heights, size, given, self.law._native, self.boundary, self.solver, self.threads)
             _LAST[self.surface] = last
         return last[1]
 
     def _state(self, start: Contact) -> Any:
         if start.surface.n != self.surface.n:
             raise InputError(f"start has {list(start.surface.n)} points; the surface has {list(self.surface.n)}")
+        if start.boundary != self.boundary:
+            raise InputError(f"start has the boundary {start.boundary}; it must be {self.boundary} as of the contact")
         if (start.law["name"] == "hard-wall") != (self.law["name"] == "hard-wall"):
             raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
         if start._state is not None:
@@ -71,7 +79,7 @@ class _Setup:
         values["residual"] = Residual(without_null(values["residual"]))
         parts = (self.surface, self.body, self.law)
         pressure, displacement, gap = state.fields
-        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance), state)
+        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance, self.boundary), state)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:
@@ -97,6 +105,7 @@ def contact(
     mean_pressure: Optional[float] = None,
     p_star: Optional[float] = None,
     approach: Optional[float] = None,
+    boundary: str = "periodic",
     law: Law | str | None = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
@@ -109,9 +118,11 @@ def contact(
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
         body: the elastic body.
-        mean_pressure: mean pressure over the whole surface, stress; never a force; or
+        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area); or
         p_star: mean pressure over E* times the rms gradient; or
         approach: rigid approach beyond first touch, length.
+        boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, pressed by a hard wall; its rms
+            gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
         solver: a name of docs/solvers.md.
         tolerance: largest residual, 1e-15 to 0.1.
@@ -132,7 +143,7 @@ def contact(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     value = number(control, given)
-    setup = _Setup(surface, body, law, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, solver, tolerance, max_iterations, threads, start)
     setup.check(control, value)
     with Progress("contact") as progress:
         return setup.solve(control, value, setup.start, progress)
@@ -145,6 +156,7 @@ def contacts(
     mean_pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
+    boundary: str = "periodic",
     law: Law | str | None = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
@@ -157,7 +169,7 @@ def contacts(
     Args:
         surface, body: as of `contact`.
         mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
-        law, solver, tolerance, max_iterations, threads, start: as of `contact`.
+        boundary, law, solver, tolerance, max_iterations, threads, start: as of `contact`.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -170,7 +182,7 @@ def contacts(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     values = numbers(control, given)
-    setup = _Setup(surface, body, law, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, solver, tolerance, max_iterations, threads, start)
     for value in values:
         setup.check(control, value)
     done: list[Contact] = []

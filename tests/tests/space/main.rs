@@ -7,15 +7,16 @@
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must not pass a comparison")]
 #![expect(clippy::print_stdout, reason = "the count of cases")]
 
+mod case;
+
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError, Solver};
-use gfmd_field::{Grid, Mode};
-use gfmd_green::{Base, Body, Complex64, Height, Material};
+use gfmd_field::Grid;
+use gfmd_green::Complex64;
 use gfmd_interface::{FrictionState, FrictionalContact, Interface, State};
 use gfmd_law::{Kind, Law, Limit};
 use gfmd_mixed::{Method, MixedError, MixedProblem, Prescribed};
@@ -23,11 +24,10 @@ use gfmd_relax::Budget;
 use gfmd_response::Components;
 use ndarray::{Array2, ArrayView2, Axis};
 
+use case::{Case, Random};
+
 /// The number of cases without `GFMD_SPACE`.
 const CASES: u64 = 1500;
-
-/// The largest number of points: direct sums take its square.
-const MOST_POINTS: usize = 640;
 
 /// The longest time of a case on a busy machine, in a debug build.
 const LONGEST: Duration = Duration::from_secs(300);
@@ -36,197 +36,6 @@ const TOLERANCE: f64 = 1e-7;
 
 /// The ratio of stiffnesses, as of a thin plate that nothing supports, above which a search may end without convergence.
 const ILL_CONDITIONED: f64 = 1e8;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    /// A number in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize
-    }
-
-    fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
-        values[self.below(values.len())]
-    }
-
-    /// A power of ten with an exponent between these.
-    fn decade(&mut self, low: f64, high: f64) -> f64 {
-        10_f64.powf(low + (high - low) * self.unit())
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.unit() < share
-    }
-}
-
-/// A body, a grid and heights; the units of stress and of heights.
-struct Case {
-    body: Body,
-    grid: Grid,
-    /// The body and the grid in units of the modulus and of the cell, for reference values, and these units.
-    plain: (Body, Grid),
-    units: [f64; 2],
-    heights: Array2<f64>,
-    /// E* h_rms / side.
-    stress: f64,
-    /// The rms height.
-    length: f64,
-}
-
-impl Case {
-    fn random(random: &mut Random) -> Option<Self> {
-        let side = |random: &mut Random| match random.below(4) {
-            0 => random.one_of(&[1, 2, 3, 4]),
-            1 => random.one_of(&[5, 7, 11, 13, 17, 31, 37, 61]),
-            _ => 1 + random.below(64),
-        };
-        let (nx, ny) = match random.below(4) {
-            0 => (side(random), 1),
-            1 => (1, side(random)),
-            _ => (side(random), side(random)),
-        };
-        let (nx, ny) = if nx * ny > MOST_POINTS { (nx, 1 + MOST_POINTS / nx / 2) } else { (nx, ny) };
-        // Units far from 1 in a third of the cases.
-        let far = |random: &mut Random, size: f64| if random.chance(0.33) { random.decade(-size, size) } else { 1.0 };
-        let (modulus, cell) = (far(random, 120.0), far(random, 60.0));
-        let aspect = if random.chance(0.5) { 1.0 } else { random.decade(-4.0, 4.0) };
-        let lengths = if ny == 1 { [cell, 1.0] } else { [cell, cell * aspect] };
-        let grid = Grid::new([nx, ny], lengths).unwrap();
-        let poisson = |random: &mut Random| match random.below(3) {
-            0 => random.one_of(&[-0.99, -0.9, 0.0, 0.3, 0.499, 0.499_999_9, 0.5]),
-            _ => -0.99 + 1.49 * random.unit(),
-        };
-        let material = Material::from_contact_modulus(modulus, poisson(random)).unwrap();
-        let height = |random: &mut Random| cell * random.decade(-8.0, 8.0);
-        let body = match random.below(3) {
-            0 => Body::half_space(material),
-            1 => Body::slab(material, height(random)).unwrap(),
-            _ => {
-                let below = Material::from_young(modulus * random.decade(-3.0, 3.0), poisson(random)).unwrap();
-                let below = match random.below(2) {
-                    0 => Body::half_space(below),
-                    _ => Body::new(below, Height::Finite(height(random))).unwrap(),
-                };
-                let base = match random.below(3) {
-                    0 => Base::Sliding,
-                    1 => Base::Free,
-                    _ => Base::Elastic(below.into()),
-                };
-                Body::slab(material, height(random)).unwrap().on(base).unwrap()
-            }
-        };
-        let size = cell * random.decade(-4.0, -1.0);
-        let kind = random.below(5);
-        let slope = 1.0 + 3.0 * random.unit();
-        let heights = Array2::from_shape_simple_fn((nx, ny), || random.unit());
-        let heights = Array2::from_shape_fn((nx, ny), |(i, j)| {
-            let (x, y) = (TAU * i as f64 / nx as f64, TAU * j as f64 / ny as f64);
-            let noise = heights[[i, j]];
-            size * match kind {
-                0 => noise,
-                1 => x.cos() + if ny > 1 { y.cos() } else { 0.0 } + 0.01 * noise,
-                2 => f64::from(u8::from(i == 0 && j == 0)),
-                3 => (noise * slope).floor(),
-                _ => x.cos() * (slope * y).sin() + 0.1 * (3.0 * x).sin() * noise,
-            }
-        });
-        let mean = heights.mean()?;
-        let length =
-            (heights.iter().map(|h| ((h - mean) / size).powi(2)).sum::<f64>() / (nx * ny) as f64).sqrt() * size;
-        let side = if ny == 1 { cell } else { lengths[0].max(lengths[1]) };
-        // A law at a flat surface has lengths of its own.
-        let length = if length > 0.0 { length } else { 1e-3 * cell };
-        let lengths = if ny == 1 { [1.0, 1.0] } else { lengths.map(|side| side / cell) };
-        let plain = (body.in_units(modulus, cell), Grid::new([nx, ny], lengths).unwrap());
-        Some(Self { stress: modulus * (length / side), length, body, grid, plain, units: [modulus, cell], heights })
-    }
-
-    fn clearance(&self) -> Array2<f64> {
-        let highest = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        self.heights.mapv(|h| highest - h)
-    }
-
-    /// The softest stiffness of a wave times the rms height, the unit of loads.
-    fn load_unit(&self) -> f64 {
-        let softest = |modes: &mut dyn Iterator<Item = Mode>| {
-            let waves = modes.filter(|mode| !mode.is_uniform());
-            waves.map(|mode| self.plain.0.normal_stiffness(mode.wavenumber())).fold(f64::INFINITY, f64::min)
-        };
-        let found = softest(&mut self.plain.1.modes()) * self.units[0] * (self.length / self.units[1]);
-        if found.is_finite() && found > 0.0 { found } else { self.stress }
-    }
-
-    fn load(&self, random: &mut Random, tension: bool) -> Load {
-        let sign = if tension && random.chance(0.3) { -1.0 } else { 1.0 };
-        if random.chance(0.6) {
-            Load::MeanPressure(sign * self.load_unit() * random.decade(-12.0, 4.0))
-        } else {
-            Load::Approach(sign * self.length * random.decade(-12.0, 2.0))
-        }
-    }
-
-    /// The response of the surface to fields of all components, `kernel` of each mode, by direct sums. Components are x, y,
-    /// z; all are multiplied by `unit` in between, so that no square is too large or too small.
-    fn direct(&self, fields: &[Vec<f64>; 3], kernel: impl Fn(&Mode) -> [[Complex64; 3]; 3]) -> [Vec<f64>; 3] {
-        let [nx, ny] = self.grid.points();
-        let roots = |n: usize| -> Vec<Complex64> {
-            (0..n).map(|k| Complex64::from_polar(1.0, TAU * k as f64 / n as f64)).collect()
-        };
-        let (along_x, along_y) = (roots(nx), roots(ny));
-        let mut response = [0, 1, 2].map(|_| vec![0.0; nx * ny]);
-        for mode in self.plain.1.modes() {
-            let step = |number: i64, n: usize| number.rem_euclid(n as i64) as usize;
-            let (m, n) = (step(mode.number[0], nx), step(mode.number[1], ny));
-            let wave = |i: usize, j: usize| along_x[m * i % nx] * along_y[n * j % ny];
-            let mut amplitudes = [Complex64::ZERO; 3];
-            for i in 0..nx {
-                for j in 0..ny {
-                    let wave = wave(i, j).conj();
-                    for (amplitude, field) in amplitudes.iter_mut().zip(fields) {
-                        *amplitude += wave * field[i * ny + j];
-                    }
-                }
-            }
-            let matrix = kernel(&mode);
-            for (row, response) in matrix.iter().zip(&mut response) {
-                let amplitude: Complex64 =
-                    row.iter().zip(&amplitudes).map(|(entry, amplitude)| entry * amplitude).sum();
-                let amplitude = amplitude * (mode.weight / (nx * ny) as f64);
-                if amplitude != Complex64::ZERO {
-                    for (k, value) in response.iter_mut().enumerate() {
-                        *value += (amplitude * wave(k / ny, k % ny)).re;
-                    }
-                }
-            }
-        }
-        response
-    }
-
-    /// u_z of a normal traction, without the mean of bodies whose mean level is fixed.
-    fn normal_displacement(&self, traction: ArrayView2<f64>) -> Vec<f64> {
-        let fields = [vec![0.0; traction.len()], vec![0.0; traction.len()], traction.iter().copied().collect()];
-        let zero = Complex64::ZERO;
-        let [_, _, normal] = self.direct(&fields, |mode| {
-            let q = if mode.is_uniform() { 0.0 } else { mode.wavenumber() };
-            let compliance = self.units[1] / self.units[0] * self.plain.0.normal_compliance(q);
-            let entry = Complex64::from(if compliance.is_finite() { compliance } else { 0.0 });
-            [[zero; 3], [zero; 3], [zero, zero, entry]]
-        });
-        normal
-    }
-}
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most, value| if value.is_nan() || value.abs() > most { value.abs() } else { most })
@@ -252,6 +61,7 @@ fn refused(refusal: &Refusal) -> Verdict {
         Refusal::Digits { .. } | Refusal::Unit { .. } => "refused: units",
         Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "refused: solver",
         Refusal::Search(_) => "refused: search",
+        Refusal::Overflow => "refused: overflow",
         Refusal::NotPressed { .. } | Refusal::MeanPressure { .. } => "refused: no pressure",
         _ => return Err(format!("an unexpected refusal: {text}")),
     })
@@ -307,7 +117,7 @@ fn hard_wall(case: &Case, random: &mut Random) -> Verdict {
         Ok(contact) => contact,
         Err(refusal) => return refused(&refusal),
     };
-    let [softest, stiffest] = contact.response().stiffness_range();
+    let [softest, stiffest] = contact.stiffness_range();
     let load = case.load(random, false);
     let solver = if random.chance(0.4) { Solver::Auto } else { random.one_of(&Contact::SOLVERS) };
     let conjugate =
@@ -332,10 +142,15 @@ fn hard_wall(case: &Case, random: &mut Random) -> Verdict {
     let apart = largest(own.iter().zip(&state.displacement).map(|(a, b)| a - b));
     let size = largest(own.iter().copied());
     // On thin plates long waves cancel, and leave an error that is small compared with the roughness.
-    if !(apart <= 1e-11 * size + 0.1 * TOLERANCE * case.length.min(largest([state.approach]).max(1e-6 * case.length))) {
-        return Err(format!("{solver} {load:?}: displacement differs by {apart:e} of {size:e}"));
+    let rms = (state.pressure.iter().map(|p| (p / state.mean_pressure).powi(2)).sum::<f64>()
+        / state.pressure.len() as f64)
+        .sqrt()
+        * state.mean_pressure;
+    let rounding = case.rounding(rms, |mode| case.plain.0.normal_compliance(mode.wavenumber()));
+    if !(apart <= 4e-14 * size + rounding) {
+        return Err(format!("{solver} {load:?}: displacement differs by {apart:e} of {size:e}, rounding {rounding:e}"));
     }
-    let checked = wall(case, load, state.pressure.view(), &own, state.gap.view(), state.approach, 0.0);
+    let checked = wall(case, load, state.pressure.view(), &own, state.gap.view(), state.approach, rounding);
     checked.map(|()| "wall: solved").map_err(|text| format!("{solver} {load:?}: {text}"))
 }
 
@@ -477,9 +292,9 @@ fn friction_state(case: &Case, limit: Limit, load: Load, state: &FrictionState) 
     let own = displacement(case, &state.traction);
     let pressure = state.pressure().to_owned();
     // Pressure and shear may move the surface of a thin plate far in opposite directions.
-    let mut alone = state.traction.clone();
-    alone.slice_mut(ndarray::s![..z, .., ..]).fill(0.0);
-    let cancelled = 1e-13 * largest(displacement(case, &alone)[2].iter().copied());
+    let cancelled = case.rounding(largest(state.traction.iter().copied()), |mode| {
+        case.plain.0.compliance_of(mode)[2].iter().map(|entry| entry.norm()).sum()
+    });
     wall(case, load, pressure.view(), &own[2], state.gap.view(), state.approach, cancelled)?;
     let strongest = largest(pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }));
     for (k, p) in pressure.iter().enumerate() {
@@ -591,4 +406,15 @@ fn every_problem_is_solved_to_its_accuracy_or_refused_by_name() {
     let (counts, bad) = (counts.into_inner().unwrap(), bad.into_inner().unwrap());
     println!("{cases} cases, {} bad: {counts:#?}", bad.len());
     assert!(bad.is_empty(), "{} of {cases} cases:\n{}", bad.len(), bad[..bad.len().min(40)].join("\n"));
+}
+
+/// Cases that once failed: rounding errors of thin plates and of nearly incompressible slabs, a first step that was
+/// 1e8 times too long, laws that overflow.
+#[test]
+fn cases_that_once_failed_pass() {
+    for number in [2564, 6641, 11448, 19868, 21459, 24462, 27654, 38414, 61769, 70297, 72548, 82479, 83955] {
+        if let Err(text) = judge(number) {
+            panic!("{text}");
+        }
+    }
 }

@@ -1,0 +1,122 @@
+//! The page about a contact.
+
+use gfmd_files::Reader;
+use maud::html;
+
+use super::figures;
+use crate::failure::Failure;
+use crate::report::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole};
+
+const CITED: [&str; 3] = [
+    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
+    "I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level multi-summation and conjugate gradient techniques, Wear 231, 206–219 (1999).",
+    "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
+];
+
+/// The page about the contact in a file.
+///
+/// # Errors
+/// A file without loads.
+pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
+    let loads = Stored::new(reader, "/loads", "mean_pressure")?;
+    let table = config(reader);
+    let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
+    let mut page = Page { title: "Contact of a rough surface".into(), cited: CITED.to_vec(), ..Page::default() };
+    let column = |name: &str| loads.column(name);
+    let [p_star, area, corrected, kappa] = ["p_star", "area_fraction", "area_fraction_corrected", "kappa"].map(column);
+    let [mean, approach, gap, peak] = ["mean_pressure", "displacement", "mean_gap", "max_pressure"].map(column);
+    // A load that did not converge is no result. A file of another program may not say so; its residuals do.
+    let converged = column("converged");
+    let solved = (0..loads.len()).filter(|&load| mean[load].is_finite() && converged[load] != 0.0);
+    let solved: Vec<usize> = solved.collect();
+    let surface = StoredSurface::read(reader);
+    let is_line = surface.as_ref().is_ok_and(|surface| surface.grid.is_line());
+
+    if let Some(&last) = solved.last() {
+        page.answer.push(html! {
+            p.headline {
+                (number(100.0 * area[last])) " % of the surface is in contact "
+                span { "at " i { "p" } "* = " (given(p_star[last])) }
+            }
+        });
+        page.answer.push(html! {
+            p {
+                "Mean pressure " (number(mean[last])) ", approach " (number(approach[last])) ", mean gap "
+                (number(gap[last])) ", largest pressure " (number(peak[last])) ". "
+                @if kappa[last].is_finite() { "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (number(kappa[last])) ". " }
+                @if !is_line {
+                    "These are counted points; corrected for the pixels along the perimeter the area is "
+                    (number(100.0 * corrected[last])) " %, and the distance of the two is a measure of the error of this grid. "
+                }
+                @if solved.len() > 1 { "The last of " (solved.len()) " loads." }
+            }
+        });
+    }
+    if solved.is_empty() {
+        page.answer.push(html! { p.headline { "No load converged: there is no result" } });
+    }
+    page.asked(&surface, &table, &word("law"));
+    if !word("boundary").is_empty() {
+        page.asked.push(Fact::new("boundary of the cell", &word("boundary")));
+    }
+    page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));
+    let tolerance = of(&table, "tol");
+    page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));
+
+    let points: Vec<[f64; 3]> = solved.iter().map(|&load| [p_star[load], area[load], corrected[load]]).collect();
+    if points.len() > 1 && word("law") == "hard-wall" {
+        let caption = html! { "Contact area against the reduced pressure " i { "p" } "* = " i { "p" } "/(" i { "E" } "* " i { "g" } ")." };
+        page.chart(&figures::area(&points, is_line), "contact area against pressure", &caption);
+    }
+    // E* from the load with the largest pressure: with a law a load may be zero.
+    let loudest = solved.iter().copied().max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
+    let modulus = loudest.map_or(f64::NAN, |load| {
+        let gradient = surface.as_ref().map_or(f64::NAN, |surface| surface.rms_gradient);
+        mean[load] / (p_star[load] * gradient)
+    });
+    page.fields(reader, &surface, "pressure", solved.last().copied(), modulus);
+    page.failure(reader, "load");
+
+    let names = loads.names("residual_");
+    page.certificates.extend(names.into_iter().map(|name| {
+        let largest = loads.worst(&name);
+        Certificate { name: name.trim_start_matches("residual_").replace('_', " "), largest, allowed: tolerance }
+    }));
+    let unit = |name: &str| html! { br; small { (loads.unit(name)) } };
+    page.tables.push(Table {
+        caption: html! { "The loads." },
+        head: vec![
+            html! { i { "p" } "*" },
+            html! { "pressure" (unit("mean_pressure")) },
+            html! { "approach" (unit("displacement")) },
+            html! { "area" },
+            html! { "corrected" },
+            html! { "κ" },
+            html! { "mean gap" (unit("mean_gap")) },
+            html! { "largest pressure" (unit("max_pressure")) },
+            html! { "iterations" },
+        ],
+        rows: (0..loads.len())
+            .map(|load| {
+                let numbers = [&p_star, &mean, &approach, &area, &corrected, &kappa, &gap, &peak];
+                let cells = numbers.into_iter().map(|column| number(column[load]));
+                cells.chain([whole(column("iterations")[load])]).collect()
+            })
+            .collect(),
+    });
+    page.cost.extend([
+        Fact(html! { "transform pairs" }, number(loads.sum("transform_pairs"))),
+        Fact(html! { "iterations" }, whole(loads.sum("iterations"))),
+        Fact(html! { "time" }, html! { (number(loads.sum("seconds"))) " s" }),
+    ]);
+    Ok(page)
+}
+
+/// The prescribed quantity of a configuration.
+fn controlled(table: &toml::Table) -> &'static str {
+    match ["displacement", "p_star"].map(|name| table.contains_key(name)) {
+        [true, _] => "prescribed approach",
+        [_, true] => "prescribed reduced pressure",
+        _ => "prescribed mean pressure",
+    }
+}

@@ -1,0 +1,159 @@
+//! The page about a path.
+
+use gfmd_files::Reader;
+use gfmd_plot::{Axis, Chart, Panel};
+use maud::html;
+
+use super::figures::legs;
+use crate::failure::Failure;
+use crate::report::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
+
+const CITED: [&str; 2] = [
+    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
+    "R. Pohrt, Q. Li, Complete boundary element formulation for normal and tangential contact problems, Physical Mesomechanics 17, 334–340 (2014).",
+];
+
+/// The page about the path in a file.
+///
+/// # Errors
+/// A file without steps.
+pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
+    let stored = Stored::new(reader, "/path", "mean_pressure")?;
+    let table = config(reader);
+    let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
+    let mut page = Page { title: "Contact along a path".into(), cited: CITED.to_vec(), ..Page::default() };
+    let column = |name: &str| stored.column(name);
+    let [mean, p_star, approach, area, stick] =
+        ["mean_pressure", "p_star", "displacement", "area_fraction", "stick_fraction"].map(column);
+    let angle = Some(of(&table, "direction")).filter(|angle| angle.is_finite()).unwrap_or(0.0).to_radians();
+    let along = |x: &str, y: &str| -> Vec<f64> {
+        column(x).iter().zip(column(y)).map(|(x, y)| x * angle.cos() + y * angle.sin()).collect()
+    };
+    let (lateral, shear) = (along("lateral_x", "lateral_y"), along("mean_shear_x", "mean_shear_y"));
+    // Steps after the surfaces parted, or after a failure, were not computed.
+    let converged = column("converged");
+    let computed =
+        mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
+    let largest = |values: &[f64]| values[..computed].iter().copied().filter(|v| !v.is_nan()).fold(f64::NAN, f64::max);
+    let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
+    let widest = (0..computed).max_by(|a, b| area[*a].total_cmp(&area[*b]));
+    if computed == 0 {
+        page.answer.push(html! { p.headline { "No step converged: there is no result" } });
+        page.failure(reader, "step");
+        return Ok(page);
+    }
+    let sideways = lateral[..computed].iter().any(|value| value != &lateral[0]);
+
+    let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
+    let [dissipated, error] = ["dissipated", "dissipated_error"].map(|name| sum(name).unwrap_or(f64::NAN));
+    page.answer.push(html! {
+        p.headline {
+            @if dissipated.is_finite() {
+                (number(dissipated)) " " span { (stored.unit("dissipated")) } " lost along the path "
+                @if error.is_finite() { span { "± " (number(error)) } }
+            } @else { "No energy is defined for this law" }
+        }
+    });
+    let lowest = mean[..computed].iter().copied().fold(f64::NAN, f64::min);
+    let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
+    page.answer.push(html! {
+        p {
+            (computed) " of " (stored.len()) " steps. Largest contact area " (number(100.0 * largest(&area)))
+            " %, lowest mean pressure " (number(lowest))
+            @if sideways { ", largest ratio of shear to pressure " (number(friction.fold(f64::NAN, f64::max))) }
+            ". "
+            @if dissipated.is_finite() && !error.is_finite() { "The lost energy is exact for this interface (no error is estimated). " }
+        }
+    });
+    if computed < stored.len() {
+        page.remarks.push(format!("the path ends after step {} of {}", computed.saturating_sub(1), stored.len() - 1));
+    }
+    let surface = StoredSurface::read(reader);
+    let friction = ["friction", "shear_strength"].into_iter().find(|name| table.contains_key(*name));
+    let law = friction
+        .map_or_else(|| word("law"), |name| format!("{}, {} {}", word("law"), name.replace('_', " "), word(name)));
+    page.asked(&surface, &table, &law);
+    let ways = ["pressure", "p_star", "displacement", "lateral"].map(|name| (name, word(name)));
+    for (name, said) in ways.into_iter().filter(|(_, said)| !said.is_empty()) {
+        page.asked.push(Fact::new(&format!("waypoints, {}", name.replace("p_star", "p*")), &said));
+    }
+    page.asked.push(Fact::new("steps between waypoints", &word("steps")));
+    page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tol"))));
+
+    let (Ok(unit), gradient) =
+        (surface.as_ref().map(|s| s.unit.clone()), surface.as_ref().map_or(f64::NAN, |s| s.rms_gradient))
+    else {
+        return Ok(page);
+    };
+    // The unit of pressure E* g, from the step with the largest pressure.
+    let loudest = (0..computed).max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
+    let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
+    let panel = |x: &str, y: &str, points: Vec<(f64, f64)>| Panel {
+        x: Axis::linear(x),
+        y: Axis::linear(y),
+        series: legs(&points, steps_of_leg),
+        ..Panel::default()
+    };
+    let pairs =
+        |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).take(computed).collect() };
+    let reduced = "*p*/(*E*\\* *g*)";
+    let shears: Vec<f64> = shear.iter().map(|shear| shear / scale).collect();
+    let panels = match sideways {
+        true => {
+            let x = format!("lateral displacement / {unit}");
+            let (label, share) = if stick.iter().any(|share| share.is_finite()) {
+                ("sticking area", &stick)
+            } else {
+                ("contact area", &area)
+            };
+            vec![panel(&x, "shear / (*E*\\* *g*)", pairs(&lateral, &shears)), panel(&x, label, pairs(&lateral, share))]
+        }
+        false => vec![
+            panel(&format!("approach / {unit}"), reduced, pairs(&approach, &p_star)),
+            panel(reduced, "contact area", pairs(&p_star, &area)),
+        ],
+    };
+    let caption = html! { "The path, leg by leg; each point is an equilibrium." };
+    if computed > 1 {
+        page.chart(&Chart::new(panels), "the path", &caption);
+    }
+    // Fields are kept at the waypoints only; the one with the largest contact is shown.
+    let at_waypoint = (0..computed).step_by(steps_of_leg).max_by(|a, b| area[*a].total_cmp(&area[*b]));
+    page.fields(reader, &surface, "pressure", at_waypoint.map(|step| step / steps_of_leg), scale / gradient);
+    page.failure(reader, "step");
+
+    let tolerance = of(&table, "tol");
+    let name = "largest of all conditions".into();
+    page.certificates.push(Certificate { name, largest: stored.worst("residual"), allowed: tolerance });
+    let head = |word: &str, name: &str| html! { (word) br; small { (stored.unit(name)) } };
+    let columns = [
+        (html! { i { "p" } "*" }, p_star.clone()),
+        (head("pressure", "mean_pressure"), mean.clone()),
+        (head("approach", "displacement"), approach.clone()),
+        (head("lateral", "lateral_x"), lateral.clone()),
+        (head("shear", "mean_shear_x"), shear.clone()),
+        (html! { "area" }, area.clone()),
+        (html! { "sticking" }, stick.clone()),
+        (head("lost energy", "dissipated"), column("dissipated")),
+    ];
+    let shown: Vec<_> =
+        columns.into_iter().filter(|(_, values)| values.iter().any(|v| v.is_finite() && *v != 0.0)).collect();
+    page.tables.push(Table {
+        caption: html! { "The steps." },
+        head: [html! { "step" }].into_iter().chain(shown.iter().map(|(head, _)| head.clone())).collect(),
+        rows: (0..computed)
+            .map(|step| {
+                [whole(step as f64)].into_iter().chain(shown.iter().map(|(_, values)| number(values[step]))).collect()
+            })
+            .collect(),
+    });
+    if let Some(widest) = widest {
+        page.answer.push(html! { p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." } });
+    }
+    page.cost.extend([
+        Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
+        Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
+        Fact(html! { "additional solves" }, whole(stored.sum("extra_solves"))),
+    ]);
+    Ok(page)
+}

@@ -1,0 +1,98 @@
+//! `report`: a result file as one page of HTML that needs no network and no program but a browser.
+
+mod about;
+mod page;
+mod parts;
+mod reading;
+mod write;
+
+use std::fmt;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_files::{Output, Reader};
+use serde::Serialize;
+
+use crate::check::Kind;
+use crate::failure::Failure;
+use crate::session::{Session, list_files};
+use crate::{contact, kappa_sweep, path};
+
+pub(crate) use page::{Certificate, Fact, Page, Table};
+pub(crate) use reading::{Stored, StoredSurface, config};
+pub(crate) use write::{given, interval, number, of, text, whole};
+
+/// Flags of `report`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd report kappa.h5
+  gfmd report contact.h5 --out contact-page.html")]
+pub struct Args {
+    /// Result of contact, path or kappa-sweep
+    #[arg(value_name = "FILE.h5")]
+    file: PathBuf,
+    /// Write the page to this file; default: beside the result, with the ending .html
+    #[arg(long, value_name = "FILE.html")]
+    out: Option<PathBuf>,
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub file: PathBuf,
+    pub kind: Kind,
+    /// Number of figures in the page.
+    pub figures: usize,
+    /// Warnings of the run, and parts that the file does not have.
+    pub remarks: Vec<String>,
+    pub out: PathBuf,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A file that cannot be read, is no such result, or is damaged; a page that cannot be written.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let file = &args.file;
+    let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
+    let kinds = "contact, path or kappa-sweep";
+    let kind = Kind::of(&reader)
+        .ok_or_else(|| Failure::Input(format!("{} is no result file; it must be one of {kinds}", file.display())))?;
+    // Numbers of a damaged file are not shown.
+    let intact = reader.is_intact().unwrap_or(Some(false));
+    if intact == Some(false) {
+        let text = format!("{} is damaged, or was changed; gfmd check says where", file.display());
+        return Err(Failure::Computation(text));
+    }
+    let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
+    let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;
+    let same = |a: &std::path::Path| std::fs::canonicalize(a).ok();
+    if same(output.path()).is_some_and(|out| Some(out) == same(file)) {
+        return Err(Failure::value("--out", out.display(), "another file than the result"));
+    }
+    let mut page = match kind {
+        Kind::Contact => contact::page(&reader)?,
+        Kind::Path => path::page(&reader)?,
+        Kind::KappaSweep => kappa_sweep::page(&reader, session)?,
+        Kind::Punch | Kind::Body => {
+            let text = format!("{} is a result of {}; it must be one of {kinds}", file.display(), kind.name());
+            return Err(Failure::Input(text));
+        }
+    };
+    page.remarks.splice(0..0, about::warnings(&reader));
+    let text = about::whole_page(&page, &reader, kind, intact).into_string();
+    output.write(|file| file.write_all(text.as_bytes()))?;
+    let out = output.path().to_path_buf();
+    Ok(Report { file: file.clone(), kind, figures: page.figures.len(), remarks: page.remarks, out })
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, kind, figures, remarks, out } = self;
+        writeln!(f, "{}, a result of {}: a page with {figures} figures", file.display(), kind.name())?;
+        remarks.iter().try_for_each(|remark| writeln!(f, "note: {remark}"))?;
+        list_files(f, Some(out), &[])
+    }
+}

@@ -1,0 +1,116 @@
+//! The parts of a page that every result has: where it comes from, what it cost, how to repeat and to cite it.
+
+use gfmd_files::Reader;
+use maud::{Markup, html};
+
+use super::page::{Common, Fact, Page, render};
+use super::write::{given, of, quoted, text};
+use crate::check::{Kind, words};
+
+/// The warnings of the run, a line each.
+pub(super) fn warnings(reader: &Reader) -> Vec<String> {
+    let all = reader.text("/", "warnings").unwrap_or_default();
+    all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
+}
+
+/// The page with the parts that every result has.
+pub(super) fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>) -> Markup {
+    let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
+    let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
+    let created = root("created");
+    let dated = match created.split_once('T') {
+        Some((day, time)) => format!("{day}, {} UTC", time.split(['.', 'Z']).next().unwrap_or_default()),
+        None => created.clone(),
+    };
+    let threads = reader.number("/", "threads").map(|threads| format!(", {threads} threads")).unwrap_or_default();
+    let mut cost = Vec::new();
+    if !root("machine").is_empty() {
+        cost.push(Fact::new("machine", &format!("{}{threads}", root("machine"))));
+    }
+    let checksum = match intact {
+        Some(true) => "The checksum of the content holds.",
+        _ => "The file has no checksum of its content: an older version wrote it.",
+    };
+    let (version, commit) = (root("version"), root("git_commit"));
+    let whole: String = reader.text("/", "config").unwrap_or_default();
+    let common = Common {
+        kicker: format!("gfmd {} · {file}", kind.name()),
+        dated,
+        checksum,
+        repeat: repeat(reader, kind, &whole, &file),
+        config: whole,
+        cost,
+        own: html! {
+            "The gfmd developers, " cite { "gfmd: Green’s function molecular dynamics of rough contact" }
+            ", version " (version) " (commit " (commit.chars().take(12).collect::<String>()) ")."
+        },
+        version: format!(
+            "Computed by {} {version}, commit {commit}; page made by gfmd {} from {file}, layout {}.",
+            root("program"),
+            env!("CARGO_PKG_VERSION"),
+            reader.number("/", "schema_version").map_or_else(|_| "unknown".into(), |schema| schema.to_string()),
+        ),
+    };
+    render(page, &common)
+}
+
+/// The command that repeats the run, the recorded one, and the check.
+fn repeat(reader: &Reader, kind: Kind, config: &str, file: &str) -> Markup {
+    let recorded = text(&reader.text("/", "command").unwrap_or_default());
+    let again = match kind {
+        Kind::KappaSweep => Some("gfmd kappa-sweep --config sweep.toml --out again.h5".to_owned()),
+        _ => words(config, &[]).ok().map(|words| {
+            let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+            format!("gfmd {} {} --out again.h5", kind.name(), words.join(" "))
+        }),
+    };
+    // A line may end between two flags, not within one.
+    let lines = |command: &str| html! { @for word in text(command).split(' ') { span.word { (word) } " " } };
+    let from_file = reader.text("/surface", "file").ok().map(|path| {
+        let sum = reader.text("/surface", "file_sha256").unwrap_or_default();
+        html! { p { "The surface was read from " code { (text(&path)) } ", SHA-256 " code { (text(&sum)) } "." } }
+    });
+    html! {
+        @if let Some(again) = again {
+            p {
+                @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
+                @else { "All flags are written out:" }
+            }
+            pre tabindex="0" { code { (lines(&again)) } }
+        }
+        @if let Some(from_file) = from_file { (from_file) }
+        p { "To recompute every number of the file from its inputs, and to run it again:" }
+        pre tabindex="0" { code { "gfmd check " (quoted(file)) " --rerun" } }
+        @if !recorded.is_empty() {
+            p { "The command as it was given:" }
+            pre tabindex="0" { code { (lines(&recorded)) } }
+        }
+    }
+}
+
+/// The elastic body of a configuration in words.
+pub(crate) fn body(table: &toml::Table) -> Fact {
+    let value = |name: &str| Some(of(table, name)).filter(|value| value.is_finite());
+    let material = match (value("e_star"), value("young"), value("poisson")) {
+        (Some(e_star), ..) => html! { i { "E" } "* = " (given(e_star)) },
+        (None, Some(young), Some(poisson)) => html! { i { "E" } " = " (given(young)) ", ν = " (given(poisson)) },
+        _ => html! { "material as in the configuration" },
+    };
+    let height = match value("height") {
+        Some(height) => html! { "slab of height " (given(height)) },
+        None => html! { "half-space" },
+    };
+    Fact(html! { "elastic body" }, html! { (height) ", " (material) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_body_is_named_with_its_material() {
+        let said = |config: &str| body(&config.parse().unwrap()).1.into_string();
+        assert_eq!(said("young = 1.0\npoisson = 0.25\nheight = \"inf\""), "half-space, <i>E</i> = 1, ν = 0.25");
+        assert_eq!(said("e_star = 2\nheight = 0.5"), "slab of height 0.5, <i>E</i>* = 2");
+    }
+}

@@ -1,0 +1,248 @@
+//! The contents of a page, section by section, and its HTML.
+
+use gfmd_plot::{Chart, PlotError};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::write::{given, number, text};
+use crate::figures::Drawn;
+
+/// The contents of a page about a result; what is common to all kinds of results is added when it is written.
+#[derive(Default)]
+pub(crate) struct Page {
+    /// What was computed, in a few words.
+    pub(crate) title: String,
+    /// The result, most important first.
+    pub(crate) answer: Vec<Markup>,
+    /// The problem in words.
+    pub(crate) asked: Vec<Fact>,
+    pub(crate) figures: Vec<Figure>,
+    pub(crate) tables: Vec<Table>,
+    pub(crate) certificates: Vec<Certificate>,
+    /// How a search failed, if one did.
+    pub(crate) failed: Option<Markup>,
+    pub(crate) cost: Vec<Fact>,
+    /// Works whose methods or theories were used.
+    pub(crate) cited: Vec<&'static str>,
+    /// Warnings, and parts that could not be shown.
+    pub(crate) remarks: Vec<String>,
+}
+
+/// A term and what is said of it.
+pub(crate) struct Fact(pub(crate) Markup, pub(crate) Markup);
+
+impl Fact {
+    /// A fact of a word and a text of the file.
+    pub(crate) fn new(term: &str, said: &str) -> Self {
+        Self(html! { (term) }, html! { (text(said)) })
+    }
+}
+
+/// A residual and its largest allowed value.
+pub(crate) struct Certificate {
+    pub(crate) name: String,
+    pub(crate) largest: f64,
+    pub(crate) allowed: f64,
+}
+
+/// A figure as an `svg` element.
+pub(crate) struct Figure {
+    svg: String,
+    caption: Markup,
+}
+
+/// A table.
+pub(crate) struct Table {
+    pub(crate) caption: Markup,
+    pub(crate) head: Vec<Markup>,
+    pub(crate) rows: Vec<Vec<Markup>>,
+}
+
+/// The most rows of a table; of longer ones, every few are shown.
+const MOST_ROWS: usize = 60;
+
+impl Page {
+    /// Adds the panels of a chart as figures of their own, since a phone has room for one in a row. What cannot be drawn becomes
+    /// a remark.
+    pub(crate) fn chart(&mut self, chart: &Chart, title: &str, caption: &Markup) {
+        for panel in &chart.panels {
+            let single = Chart { height: chart.height.max(170.0), ..Chart::new(vec![panel.clone()]) };
+            self.figure(title, caption, |name| single.element(name, title));
+        }
+    }
+
+    /// Adds the figure of a field.
+    pub(crate) fn field(&mut self, drawn: &Drawn, title: &str, caption: &Markup) {
+        match drawn {
+            Drawn::Chart(chart) => self.chart(chart, title, caption),
+            Drawn::Map(map) => self.figure(title, caption, |name| map.element(name, title)),
+        }
+    }
+
+    fn figure(&mut self, title: &str, caption: &Markup, draw: impl FnOnce(&str) -> Result<String, PlotError>) {
+        match draw(&format!("figure{}", self.figures.len() + 1)) {
+            Ok(svg) => self.figures.push(Figure { svg, caption: caption.clone() }),
+            Err(error) => self.remarks.push(format!("no figure of {title}: {error}")),
+        }
+    }
+
+    /// True if every residual is at most what is allowed. NaN is not.
+    pub(crate) fn is_certified(&self) -> bool {
+        !self.certificates.is_empty() && self.certificates.iter().all(|one| one.largest <= one.allowed)
+    }
+}
+
+/// The sections of a page that are written for every kind of result.
+pub(super) struct Common {
+    pub(super) kicker: String,
+    pub(super) dated: String,
+    pub(super) checksum: &'static str,
+    pub(super) config: String,
+    pub(super) cost: Vec<Fact>,
+    pub(super) repeat: Markup,
+    pub(super) own: Markup,
+    pub(super) version: String,
+}
+
+/// The page.
+pub(super) fn render(page: &Page, common: &Common) -> Markup {
+    // No script runs, and nothing is fetched, whatever a text of the file may say.
+    let policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+    let certified = page.is_certified() && page.failed.is_none();
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (page.title) " · " (common.kicker) }
+                style { (PreEscaped(include_str!("page.css"))) }
+            }
+            body {
+                header {
+                    p.kicker { (common.kicker) }
+                    h1 { (page.title) }
+                    p.dated { (common.dated) }
+                }
+                main {
+                    @if let Some(failed) = &page.failed { aside.failed role="alert" { h2 { "Not converged" } (failed) } }
+                    section #answer aria-labelledby="answer-h" {
+                        h2 id="answer-h" { "Result" }
+                        @for said in &page.answer { (said) }
+                        p.seal {
+                            @if certified { "Every residual is within its bound." }
+                            @else { strong { "Not every residual is within its bound." } }
+                            " " a href="#certificates" { "Certificates" }
+                            @match page.remarks.len() {
+                                0 => {}
+                                1 => { " · " a href="#remarks" { "1 warning" } }
+                                count => { " · " a href="#remarks" { (count) " warnings" } }
+                            }
+                        }
+                    }
+                    section #asked aria-labelledby="asked-h" {
+                        h2 id="asked-h" { "Problem" }
+                        (facts(&page.asked))
+                    }
+                    @if !page.figures.is_empty() {
+                        section #figures aria-labelledby="figures-h" {
+                            h2 id="figures-h" { "Figures" }
+                            div.figures {
+                                @for (index, figure) in page.figures.iter().enumerate() {
+                                    figure {
+                                        (PreEscaped(&figure.svg))
+                                        figcaption { b { "Figure " (index + 1) ". " } (figure.caption) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                    @if !page.tables.is_empty() {
+                        section #numbers aria-labelledby="numbers-h" {
+                            h2 id="numbers-h" { "Numbers" }
+                            @for one in &page.tables { (table(one)) }
+                        }
+                    }
+                    section #certificates aria-labelledby="certificates-h" {
+                        h2 id="certificates-h" { "Convergence and certificates" }
+                        p {
+                            "The residuals of the contact conditions are recomputed from the final fields. The table has the "
+                            "largest of the file. " (common.checksum)
+                        }
+                        (certificates(&page.certificates))
+                    }
+                    @if !page.remarks.is_empty() {
+                        section #remarks aria-labelledby="remarks-h" {
+                            h2 id="remarks-h" { "Warnings" }
+                            ul { @for remark in &page.remarks { li { (text(remark)) } } }
+                        }
+                    }
+                    section #cost aria-labelledby="cost-h" {
+                        h2 id="cost-h" { "Cost" }
+                        (facts(&page.cost))
+                        (facts(&common.cost))
+                    }
+                    section #repeat aria-labelledby="repeat-h" {
+                        h2 id="repeat-h" { "To repeat it" }
+                        (common.repeat)
+                        h3 { "Configuration" }
+                        pre tabindex="0" { code { (text(&common.config)) } }
+                    }
+                    section #cite aria-labelledby="cite-h" {
+                        h2 id="cite-h" { "To cite" }
+                        p { (common.own) }
+                        @if !page.cited.is_empty() { ul { @for work in &page.cited { li { (work) } } } }
+                    }
+                }
+                footer { p { (common.version) } }
+            }
+        }
+    }
+}
+
+fn facts(facts: &[Fact]) -> Markup {
+    html! { @if !facts.is_empty() { dl { @for Fact(term, said) in facts { div { dt { (term) } dd { (said) } } } } } }
+}
+
+fn table(table: &Table) -> Markup {
+    let step = table.rows.len().div_ceil(MOST_ROWS).max(1);
+    let last = table.rows.len().saturating_sub(1);
+    let shown = |row: usize| row.is_multiple_of(step) || row == last;
+    html! {
+        div.wide tabindex="0" role="region" aria-label="table" {
+            table {
+                caption {
+                    span {
+                        (table.caption)
+                        @if step > 1 { " Every " (step) "th of " (table.rows.len()) " rows is shown, and the last." }
+                    }
+                }
+                thead { tr { @for cell in &table.head { th scope="col" { (cell) } } } }
+                tbody {
+                    @for (_, row) in table.rows.iter().enumerate().filter(|(index, _)| shown(*index)) {
+                        tr { @for cell in row { td { (cell) } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn certificates(all: &[Certificate]) -> Markup {
+    let word = |one: &Certificate| if one.largest <= one.allowed { "holds" } else { "does not hold" };
+    let row = |one: &Certificate| {
+        let class = if one.largest <= one.allowed { "holds" } else { "fails" };
+        vec![
+            html! { (one.name) },
+            number(one.largest),
+            given(one.allowed),
+            html! { span class=(class) { (word(one)) } },
+        ]
+    };
+    table(&Table {
+        caption: html! {},
+        head: ["residual", "largest", "at most", ""].map(|word| html! { (word) }).into(),
+        rows: all.iter().map(row).collect(),
+    })
+}

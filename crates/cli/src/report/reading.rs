@@ -1,0 +1,117 @@
+//! What a page takes from a file: columns by name, the configuration, fields of the expected shape.
+
+use gfmd_field::Grid;
+use gfmd_files::Reader;
+
+use super::write::text;
+use crate::failure::Failure;
+
+/// The configuration of a file as a table; empty if it has none that can be read.
+pub(crate) fn config(reader: &Reader) -> toml::Table {
+    reader.text("/", "config").ok().and_then(|config| config.parse().ok()).unwrap_or_default()
+}
+
+/// The columns of one group, all of one length.
+pub(crate) struct Stored<'a> {
+    reader: &'a Reader,
+    group: &'a str,
+    length: usize,
+}
+
+impl<'a> Stored<'a> {
+    /// The columns of `group`; `first` must be there, and has their length.
+    ///
+    /// # Errors
+    /// A file without it.
+    pub(crate) fn new(reader: &'a Reader, group: &'a str, first: &str) -> Result<Self, Failure> {
+        let values = reader.values::<f64>(&format!("{group}/{first}"));
+        let values = values.map_err(|error| Failure::Input(error.to_string()))?;
+        Ok(Self { reader, group, length: values.len() })
+    }
+
+    /// Number of rows.
+    pub(crate) fn len(&self) -> usize {
+        self.length
+    }
+
+    /// The column `name`; NaN in every row if the file has no such column of this length.
+    pub(crate) fn column(&self, name: &str) -> Vec<f64> {
+        let values = self.reader.values(&format!("{}/{name}", self.group)).unwrap_or_default();
+        if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
+    }
+
+    /// The largest residual `name` of the rows that were computed, which have a mean pressure; NaN if one of them is NaN.
+    pub(crate) fn worst(&self, name: &str) -> f64 {
+        let rows = self.column("mean_pressure").into_iter().zip(self.column(name));
+        let computed = rows.filter(|(pressure, _)| pressure.is_finite()).map(|(_, residual)| residual);
+        // The maximum of two numbers leaves NaN out.
+        computed.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN)
+    }
+
+    /// The sum of the numbers of a column, NaN if the file has none.
+    pub(crate) fn sum(&self, name: &str) -> f64 {
+        self.column(name).into_iter().filter(|value| !value.is_nan()).reduce(|a, b| a + b).unwrap_or(f64::NAN)
+    }
+
+    /// The columns whose names begin with `prefix`, sorted.
+    pub(crate) fn names(&self, prefix: &str) -> Vec<String> {
+        self.reader.names(self.group).into_iter().filter(|name| name.starts_with(prefix)).collect()
+    }
+
+    /// The unit of a column, as the file has it.
+    pub(crate) fn unit(&self, name: &str) -> String {
+        let unit = self.reader.text(&format!("{}/{name}", self.group), "units").unwrap_or_default();
+        text(&unit).replace('*', "·").replace("^2", "²")
+    }
+}
+
+/// The surface of a contact or path.
+pub(crate) struct StoredSurface {
+    pub(crate) grid: Grid,
+    pub(crate) heights: Vec<f64>,
+    /// Unit of lengths.
+    pub(crate) unit: String,
+    pub(crate) rms_gradient: f64,
+    pub(crate) description: String,
+}
+
+impl StoredSurface {
+    /// Reads `/surface`.
+    ///
+    /// # Errors
+    /// A file without heights or lengths.
+    pub(crate) fn read(reader: &Reader) -> Result<Self, String> {
+        let path = "/surface/height";
+        let heights: Vec<f64> = reader.values(path).map_err(|error| error.to_string())?;
+        let shape = reader.shape(path).map_err(|error| error.to_string())?;
+        let &[nx, ny] = &shape[..] else { return Err(format!("{path} has {} axes; it must have two", shape.len())) };
+        let length = |name| reader.number("/surface", name).map_err(|error| error.to_string());
+        let x = length("length_x")?;
+        let grid = if ny == 1 { Grid::line(nx, x) } else { Grid::new([nx, ny], [x, length("length_y")?]) };
+        Ok(Self {
+            grid: grid.map_err(|error| error.to_string())?,
+            heights,
+            unit: text(&reader.text(path, "units").unwrap_or_else(|_| "length".into())),
+            rms_gradient: reader.number("/surface", "rms_gradient").unwrap_or(f64::NAN),
+            description: text(&reader.text("/surface", "description").unwrap_or_default()),
+        })
+    }
+
+    /// The field `name` of state `index`, over `scale`.
+    ///
+    /// # Errors
+    /// A field that the file does not have, or not on the grid of the surface, or that was not computed.
+    pub(crate) fn field(&self, reader: &Reader, name: &str, index: usize, scale: f64) -> Result<Vec<f64>, String> {
+        let path = format!("/fields/{name}");
+        let shape = reader.shape(&path).map_err(|_| format!("the file has no field {name}"))?;
+        // The shape is compared before anything of that size is read.
+        if shape.get(1..) != Some(&self.grid.points()[..]) {
+            return Err(format!("{path} has the shape {shape:?}; its last two lengths must be those of the surface"));
+        }
+        let values: Vec<f64> = reader.slab(&path, index).map_err(|error| error.to_string())?;
+        match values.iter().all(|value| value.is_finite()) && scale > 0.0 {
+            true => Ok(values.into_iter().map(|value| value / scale).collect()),
+            false => Err(format!("{path} of state {index} was not computed")),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+use std::fmt;
+use std::str::FromStr;
+
+/// The surroundings of the surface of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Boundary {
+    /// The surface is one period of an endless one.
+    #[default]
+    Periodic,
+    /// The surface is a patch on an unbounded half-space: pressure acts within the patch only, and the displacement is zero
+    /// far away (theory.md, section 3.1).
+    Free,
+}
+
+impl Boundary {
+    /// Both boundaries.
+    pub const ALL: [Self; 2] = [Self::Periodic, Self::Free];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Periodic => "periodic",
+            Self::Free => "free",
+        }
+    }
+
+    /// The description in one line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Periodic => "the surface repeats without end",
+            Self::Free => "the surface is a patch on an unbounded half-space",
+        }
+    }
+}
+
+impl fmt::Display for Boundary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Error: no boundary has the given name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the boundary is {found}; it must be {} or {}", Boundary::Periodic, Boundary::Free)]
+pub struct UnknownBoundary {
+    /// The name given.
+    pub found: String,
+}
+
+impl FromStr for Boundary {
+    type Err = UnknownBoundary;
+
+    fn from_str(name: &str) -> Result<Self, UnknownBoundary> {
+        let named = Self::ALL.into_iter().find(|boundary| boundary.name() == name);
+        named.ok_or_else(|| UnknownBoundary { found: name.to_owned() })
+    }
+}

@@ -1,0 +1,179 @@
+use std::fmt;
+
+use crate::line::Line;
+use crate::plane::Plane;
+use crate::transform::{Plan, check, rows_of};
+use crate::{Grid, ShapeError, Workspace};
+
+/// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with
+/// a kernel that is even in both directions. It is built once and shared between threads.
+///
+/// Fields are zero outside of the patch: the sum becomes a product of spectra on a cell of twice the points in each direction
+/// (Hockney 1970). The zeros are neither stored nor transformed along y, and a quarter of the kernel's spectrum is stored.
+/// Memory is about one field, and two in each [`Workspace`]; the result has the same bits for any number of threads.
+///
+/// ```
+/// use gfmd_field::{Convolution, Grid};
+///
+/// let grid = Grid::line(4, 1.0)?;
+/// let distance = Convolution::new(grid, |[i, _]| i as f64);
+/// let mut out = vec![0.0; 4];
+/// distance.apply(&[1.0, 0.0, 0.0, 2.0], &mut out, &mut distance.workspace())?;
+/// assert!(out.iter().zip([6.0, 5.0, 4.0, 3.0]).all(|(out, exact)| (out - exact).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Convolution {
+    grid: Grid,
+    /// The points of the transforms.
+    padded: [usize; 2],
+    plan: Plan,
+    kernel: Vec<f64>,
+}
+
+impl Convolution {
+    /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along y.
+    pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
+        let [nx, ny] = grid.points();
+        let is_row = grid.points().contains(&1);
+        let (padded, plan) = if is_row {
+            let length = padded_length(grid.len());
+            ([length, 1], Plan::Line(Line::padded(length, grid.len())))
+        } else {
+            let padded = [nx, ny].map(padded_length);
+            (padded, Plan::Plane(Plane::padded(padded, [nx, ny])))
+        };
+        let mut memory = plan.workspace(padded);
+        let along_x = is_row && ny == 1;
+        let row = |i: usize, row: &mut [f64]| {
+            for (j, value) in row.iter_mut().enumerate() {
+                *value = kernel(if along_x { [j, 0] } else { [i, j] });
+            }
+        };
+        let kernel = match &plan {
+            Plan::Line(line) => line.even(&row, &mut memory.line),
+            Plan::Plane(plane) => plane.even(&row, &mut memory.plane),
+        };
+        Self { grid, padded, plan, kernel }
+    }
+
+    /// The grid of the fields.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
+    pub fn workspace(&self) -> Workspace {
+        self.plan.workspace(self.padded)
+    }
+
+    /// Computes `out` = Σ k `field`.
+    ///
+    /// # Errors
+    /// A slice or a workspace that does not fit the grid.
+    pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+        check("output", out.len(), self.grid.len())?;
+        self.check(field, ws)?;
+        let Self { kernel, .. } = self;
+        match &self.plan {
+            Plan::Line(line) => line.convolve(kernel, &rows_of(field), out, &|_, _| {}, &mut ws.line),
+            Plan::Plane(plane) => plane.convolve(kernel, &rows_of(field), out, &|_, _| {}, &mut ws.plane),
+        }
+        Ok(())
+    }
+
+    /// Returns Σ_r f(r) Σ_s k(r − s) f(s). It takes about half the work of [`apply`](Self::apply).
+    ///
+    /// # Errors
+    /// A slice or a workspace that does not fit the grid.
+    pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
+        self.check(field, ws)?;
+        let mean = match &self.plan {
+            Plan::Line(line) => line.quadratic_form(&self.kernel, &rows_of(field), &mut ws.line),
+            Plan::Plane(plane) => plane.quadratic_form(&self.kernel, &rows_of(field), &mut ws.plane),
+        };
+        Ok(mean * (self.padded[0] * self.padded[1]) as f64)
+    }
+
+    fn check(&self, field: &[f64], ws: &Workspace) -> Result<(), ShapeError> {
+        check("field", field.len(), self.grid.len())?;
+        check("workspace along x", ws.points[0], self.padded[0])?;
+        check("workspace along y", ws.points[1], self.padded[1])
+    }
+}
+
+impl fmt::Debug for Convolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Convolution").field("grid", &self.grid).finish_non_exhaustive()
+    }
+}
+
+/// The least even product of 2, 3, 5 and 7, for which transforms are fast, that is at least twice as large.
+fn padded_length(points: usize) -> usize {
+    let is_smooth = |length: &usize| {
+        let mut rest = *length;
+        for factor in [2, 3, 5, 7] {
+            while rest.is_multiple_of(factor) {
+                rest /= factor;
+            }
+        }
+        rest == 1
+    };
+    (2 * points..).step_by(2).find(is_smooth).unwrap_or(2 * points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reproducible, scattered numbers.
+    fn noise(n: usize, seed: f64) -> Vec<f64> {
+        (0..n).map(|i| ((i as f64 + 1.0) * 0.618_034 + seed).fract() - 0.5).collect()
+    }
+
+    #[test]
+    fn a_convolution_is_the_sum_on_any_grid() {
+        let kernel = |[i, j]: [usize; 2]| 1.0 / (1.0 + (i as f64).hypot(1.3 * j as f64));
+        for points in [[1, 1], [5, 1], [1, 6], [2, 2], [3, 8], [8, 3], [16, 16], [13, 11], [70, 33], [33, 130]] {
+            let grid = Grid::new(points, [1.0, 2.0]).unwrap();
+            let convolution = Convolution::new(grid, kernel);
+            let mut ws = convolution.workspace();
+            let field = noise(grid.len(), 0.3);
+            let mut out = vec![f64::NAN; grid.len()];
+            // Twice: the memory of the first call must not show in the second.
+            for _ in 0..2 {
+                convolution.apply(&field, &mut out, &mut ws).unwrap();
+            }
+            let [nx, ny] = points;
+            let mut form = 0.0;
+            for (index, out) in out.iter().enumerate() {
+                let [i, j] = [index / ny, index % ny];
+                let sum: f64 = (0..nx * ny).map(|s| kernel([i.abs_diff(s / ny), j.abs_diff(s % ny)]) * field[s]).sum();
+                form += field[index] * sum;
+                assert!((out - sum).abs() < 1e-12, "{points:?} {index}: {out} {sum}");
+            }
+            let found = convolution.quadratic_form(&field, &mut ws).unwrap();
+            assert!((found - form).abs() < 1e-12 * form.abs().max(1.0), "{points:?}: {found} {form}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_even_and_fast_and_hold_two_patches() {
+        for points in 1..2000 {
+            let length = padded_length(points);
+            assert!(length.is_multiple_of(2) && length >= 2 * points && length <= 3 * points, "{points}: {length}");
+        }
+        assert_eq!([64, 100, 509, 512].map(padded_length), [128, 200, 1024, 1024]);
+    }
+
+    #[test]
+    fn wrong_sizes_are_refused() {
+        let convolution = Convolution::new(Grid::square(4, 1.0).unwrap(), |_| 1.0);
+        let mut ws = convolution.workspace();
+        let mut out = vec![0.0; 16];
+        assert!(convolution.apply(&[0.0; 15], &mut out, &mut ws).is_err());
+        assert!(convolution.apply(&[0.0; 16], &mut out[..9], &mut ws).is_err());
+        let mut other = Convolution::new(Grid::square(6, 1.0).unwrap(), |_| 1.0).workspace();
+        assert!(convolution.apply(&[0.0; 16], &mut out, &mut other).is_err());
+        assert!(convolution.quadratic_form(&[0.0; 16], &mut other).is_err());
+    }
+}

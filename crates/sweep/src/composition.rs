@@ -1,0 +1,61 @@
+//! kappa of surfaces without end, from that of the surfaces of a sweep (theory.md, section 11).
+
+use std::collections::BTreeMap;
+
+use gfmd_fit::Datum;
+use gfmd_measure::LongWaves;
+
+use crate::{Analysis, Area, Extrapolation, Key, Plan, Point, SweepError};
+
+/// The part of the measured edge by which counted points exceed the area: s + s' eps_c with s and s' of theory.md, section
+/// 11. It decides on the width of the distribution of pressure alone; the fit has its own.
+const EDGE: [f64; 2] = [0.82, 0.3];
+
+/// The long waves that the surfaces of each point lack.
+pub(crate) struct Composition {
+    points: Vec<Option<LongWaves>>,
+}
+
+impl Composition {
+    /// From kappa of all points and loads.
+    pub(crate) fn new(plan: &Plan, data: &BTreeMap<Key, Datum>) -> Result<Self, SweepError> {
+        let loads = &plan.config.loads.p_star;
+        let limit = |point: usize, load: usize| {
+            let datum = data.get(&Key { point, load, area: Area::Raw });
+            datum.map_or(f64::NAN, |d| d.mean() - (EDGE[0] + EDGE[1] * d.eps_c) * d.mean_edge())
+        };
+        let of_point = |index: usize| {
+            let Point { hurst, discretisation, .. } = plan.points[index];
+            if !plan.config.composes(hurst) {
+                return Ok(None);
+            }
+            let missing = discretisation.missing_long_waves(hurst).map_err(SweepError::Points)?;
+            let kappa: Vec<f64> = (0..loads.len()).map(|load| limit(index, load)).collect();
+            let waves = LongWaves::new(loads, &kappa, missing);
+            waves.map(Some).ok_or(SweepError::Composition { hurst, discretisation, kappa })
+        };
+        Ok(Self { points: (0..plan.points.len()).map(of_point).collect::<Result<_, _>>()? })
+    }
+
+    /// The datum with kappa and edge of each surface composed.
+    pub(crate) fn compose(&self, data: &BTreeMap<Key, Datum>, key: &Key) -> Option<Datum> {
+        let (waves, datum) = (self.points[key.point].as_ref()?, data.get(key)?);
+        let at = |load: usize| data.get(&Key { load, ..*key });
+        let kappa_at = |load: usize, seed: u64| at(load).and_then(|d| d.kappa.get(&seed)).copied().unwrap_or(f64::NAN);
+        let edge_at = |load: usize, seed: u64| at(load).and_then(|d| d.edge.get(&seed)).copied().unwrap_or(f64::NAN);
+        let kappa = datum.kappa.keys().map(|&seed| (seed, waves.compose(key.load, |load| kappa_at(load, seed))));
+        let edge =
+            datum.edge.keys().map(|&seed| (seed, waves.compose_difference(key.load, |load| edge_at(load, seed))));
+        Some(Datum { edge: edge.collect(), ..Datum::new(datum.all_eps(), kappa.collect()) })
+    }
+}
+
+impl Analysis {
+    /// kappa with the long waves composed, point by point: the data of the extrapolations that are `composed`.
+    pub fn composed(&self, point: usize, load: usize, plan: &Plan) -> Option<&Datum> {
+        let (hurst, p_star) = (plan.points[point].hurst, plan.config.loads.p_star[load]);
+        let eps = self.data.get(&Key { point, load, area: Area::Raw })?.all_eps();
+        let of = |e: &&Extrapolation| e.composed && e.hurst == hurst && e.p_star == p_star && e.area == Area::Raw;
+        self.extrapolations.iter().find(of)?.data.iter().find(|datum| datum.all_eps() == eps)
+    }
+}

@@ -1,0 +1,163 @@
+//! Which configurations can be used.
+
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
+
+use gfmd_contact::{Budget, Contact, Solver};
+use gfmd_green::Height;
+
+use super::{Alpha, Config, Control, Estimator, Method, SurfaceConfig};
+use crate::SweepError;
+
+/// The moduli whose squares are numbers.
+const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
+
+/// The heights of a slab, over the length of the cell, whose stiffnesses are computed without loss of digits.
+const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
+
+/// The gradients whose squares, times those of a modulus, are numbers.
+const GRADIENTS: RangeInclusive<f64> = 1e-100..=1e100;
+
+/// The error of a field whose value is `found`.
+pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
+    SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
+}
+
+impl Config {
+    /// Checks that every value can be used.
+    ///
+    /// # Errors
+    /// The first field that cannot, its value, and the values allowed.
+    pub fn check(&self) -> Result<(), SweepError> {
+        let check = |good: bool, field, found: &dyn Debug, allowed: &str| match good {
+            true => Ok(()),
+            false => Err(refusal(field, &found, allowed)),
+        };
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let Self { surface, loads, statistics, solver, fit, .. } = self;
+        check([2, 3].contains(&surface.dim), "surface.dim", &surface.dim, "2 or 3")?;
+        let hurst = &surface.hurst;
+        let good = !hurst.is_empty() && hurst.iter().all(|h| (0.0..=1.0).contains(h)) && all_differ(hurst);
+        check(good, "surface.hurst", hurst, "a list of different numbers from 0 to 1")?;
+        let p_star = &loads.p_star;
+        let ascending = p_star.windows(2).all(|pair| pair[0] < pair[1]);
+        let good = !p_star.is_empty() && ascending && p_star.iter().all(|p| positive(*p));
+        check(good, "loads.p_star", p_star, "an ascending list of positive numbers")?;
+        let realisations = statistics.realisations;
+        check((1..=1_000_000).contains(&realisations), "statistics.realisations", &realisations, "from 1 to 1000000")?;
+        let tolerances = Budget::TOLERANCES;
+        let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
+        check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;
+        let names = Contact::SOLVERS.map(Solver::name).join(", ");
+        let method = solver.method;
+        check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
+        check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
+        check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
+        for (field, alpha, word) in [
+            ("fit.alpha_t", fit.alpha_t, None),
+            ("fit.alpha_f", fit.alpha_f, Some((Alpha::SelfAffine, "self-affine"))),
+            ("fit.alpha_c", fit.alpha_c, Some((Alpha::Edge, "edge"))),
+        ] {
+            let words = word.map_or_else(String::new, |(_, word)| format!("{word:?}, "));
+            let allowed = format!("from 0.01 to 16, {words}\"free\" or \"none\"");
+            match alpha {
+                Alpha::Fixed(found) => check((0.01..=16.0).contains(&found), field, &found, &allowed)?,
+                Alpha::SelfAffine | Alpha::Edge => {
+                    check(word.is_some_and(|(own, _)| own == alpha), field, &alpha.word(), &allowed)?;
+                }
+                Alpha::Free | Alpha::Without => {}
+            }
+        }
+        let allowed = "a number, \"free\" or \"none\" where surface.hurst is above 0.99, whose 1 - H is no exponent";
+        let good = fit.alpha_f != Alpha::SelfAffine || hurst.iter().all(|h| 1.0 - h >= 0.01);
+        check(good, "fit.alpha_f", &fit.alpha_f.word(), allowed)?;
+        let allowed = "a number, \"free\" or \"none\" where surface.dim is 2: line contacts have no perimeter";
+        check(fit.alpha_c != Alpha::Edge || surface.dim == 3, "fit.alpha_c", &fit.alpha_c.word(), allowed)?;
+        self.check_method()?;
+        self.check_protocol()?;
+        check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
+        let height = match self.body.height {
+            Height::Finite(height) => height,
+            Height::Infinite => 1.0,
+        };
+        self.body()?;
+        let (size, sizes) = (SIZES.contains(&self.body.young), "from 1e-140 to 1e140");
+        check(size, "body.young", &self.body.young, sizes)?;
+        check(HEIGHTS.contains(&height), "body.height", &height, "from 1e-12 to 1e12, or \"inf\"")?;
+        check(
+            GRADIENTS.contains(&surface.rms_gradient),
+            "surface.rms_gradient",
+            &surface.rms_gradient,
+            "from 1e-100 to 1e100",
+        )
+    }
+
+    /// Checks the way in which heights are made.
+    fn check_method(&self) -> Result<(), SweepError> {
+        let SurfaceConfig { method, roll_off, hurst, .. } = &self.surface;
+        if !(*roll_off > 0.0 && *roll_off <= 1.0) {
+            return Err(refusal("surface.roll_off", roll_off, "above 0 and at most 1"));
+        }
+        if *roll_off < 1.0 && matches!(method, Method::Sra | Method::Rmd) {
+            return Err(refusal(
+                "surface.roll_off",
+                roll_off,
+                "1 with the methods sra and rmd, which have no spectrum to change",
+            ));
+        }
+        if *method == Method::Printed && hurst[..] != [0.0] {
+            return Err(refusal(
+                "surface.hurst",
+                hurst,
+                "[0.0] with the method printed, which makes surfaces of 1 + 2H",
+            ));
+        }
+        if *method == Method::Printed && self.fit.alpha_f == Alpha::SelfAffine {
+            let allowed =
+                "a number, \"free\" or \"none\" with the method printed, whose surfaces have another exponent";
+            return Err(refusal("fit.alpha_f", &self.fit.alpha_f.word(), allowed));
+        }
+        Ok(())
+    }
+
+    /// Checks what concerns slopes, the control of the approach, and reference cells.
+    fn check_protocol(&self) -> Result<(), SweepError> {
+        let Self { loads, statistics, fit, .. } = self;
+        let count = loads.p_star.len();
+        if fit.estimator == Estimator::Slope && count < 2 {
+            return Err(refusal("fit.estimator", &"slope", "\"ratio\" with a single load; a slope needs two or more"));
+        }
+        if loads.control == Control::Approach && fit.estimator == Estimator::Ratio {
+            let allowed =
+                "load with fit.estimator \"ratio\": loads between the first and the last have no p* of their own";
+            return Err(refusal("loads.control", &"approach", allowed));
+        }
+        if fit.references.is_empty() {
+            return Ok(());
+        }
+        if fit.references.iter().flatten().any(|inverse| !(inverse.is_finite() && *inverse >= 1.0)) {
+            return Err(refusal(
+                "fit.references",
+                &fit.references,
+                "a list of [eps_t_inv, eps_f_inv, eps_c_inv], each 1 or more",
+            ));
+        }
+        if fit.alpha_c == Alpha::Edge {
+            return Err(refusal(
+                "fit.alpha_c",
+                &fit.alpha_c.word(),
+                "a number, \"free\" or \"none\" with fit.references",
+            ));
+        }
+        if statistics.nested || (statistics.equal_area && self.points.eps_t_inv.len() > 1) {
+            let allowed =
+                "false, and statistics.equal_area too, with fit.references: its cells need equally many surfaces";
+            return Err(refusal("statistics.nested", &statistics.nested, allowed));
+        }
+        Ok(())
+    }
+}
+
+fn all_differ(numbers: &[f64]) -> bool {
+    numbers.iter().enumerate().all(|(i, number)| !numbers[..i].contains(number))
+}

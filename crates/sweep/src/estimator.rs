@@ -1,0 +1,56 @@
+//! kappa of one surface, from its contact areas at all loads.
+
+use crate::config::Estimator;
+use crate::{Area, Config, Pressed};
+
+impl Estimator {
+    /// kappa of the area at load `load`, or of all loads.
+    pub(crate) fn kappa(self, loads: &[Pressed], load: usize, area: Area) -> f64 {
+        match self {
+            Self::Ratio => area.kappa(&loads[load]),
+            Self::Slope => slope(loads.iter().map(|load| {
+                let p_star = load.summary.p_star;
+                // Of a pair, kappa is a_r/p*.
+                (p_star, area.kappa(load) * p_star)
+            })),
+        }
+    }
+}
+
+impl Config {
+    /// The loads that have a fit each; the slope over all loads is fitted once, under the load of the result.
+    pub(crate) fn fitted_loads(&self) -> Vec<usize> {
+        let all = 0..self.loads.p_star.len();
+        match self.fit.estimator {
+            Estimator::Ratio => all.collect(),
+            Estimator::Slope => all.filter(|load| self.loads.p_star[*load] == self.fit.p_star).collect(),
+        }
+    }
+}
+
+/// The slope of the straight line of least squares through pairs (x, y); NaN for fewer than two different x.
+fn slope(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let count = pairs.clone().count() as f64;
+    let mean = |of: fn((f64, f64)) -> f64| pairs.clone().map(of).sum::<f64>() / count;
+    let [x0, y0] = [mean(|(x, _)| x), mean(|(_, y)| y)];
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for (x, y) in pairs {
+        xx += (x - x0) * (x - x0);
+        xy += (x - x0) * (y - y0);
+    }
+    if xx > 0.0 { xy / xx } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slope_is_that_of_a_line_and_of_the_normal_equations() {
+        let line = (0..5).map(|i| (0.001 * f64::from(i), 0.3 + 2.5 * 0.001 * f64::from(i)));
+        approx::assert_relative_eq!(slope(line), 2.5, max_relative = 1e-12);
+        // y = x²on 0, 1, 2, 3: slope 3 (normal equations by hand).
+        approx::assert_relative_eq!(slope((0..4).map(|i| (f64::from(i), f64::from(i * i)))), 3.0, max_relative = 1e-14);
+        assert!(slope([(1.0, 2.0), (1.0, 3.0)].into_iter()).is_nan());
+    }
+}

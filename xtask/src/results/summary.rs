@@ -1,0 +1,129 @@
+//! The summaries of sweeps: what `kappa-sweep --json` printed.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_cli::failure::Failure;
+use serde::Deserialize;
+
+/// The folder of the summaries.
+pub(super) struct Summaries {
+    folder: PathBuf,
+}
+
+/// One sweep.
+#[derive(Debug, Deserialize)]
+pub(super) struct Summary {
+    pub(super) points: Vec<Point>,
+    pub(super) fits: Vec<Fit>,
+    #[serde(default)]
+    pub(super) protocol: Vec<Protocol>,
+}
+
+/// kappa of a cell at a load.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Point {
+    pub(super) eps_t_inv: f64,
+    pub(super) eps_f_inv: f64,
+    pub(super) eps_c_inv: f64,
+    pub(super) n: u64,
+    pub(super) p_star: f64,
+    pub(super) kappa: f64,
+    pub(super) kappa_sem: Option<f64>,
+    pub(super) kappa_corrected: Option<f64>,
+}
+
+/// A joint fit.
+#[derive(Debug, Deserialize)]
+pub(super) struct Fit {
+    pub(super) hurst: f64,
+    pub(super) p_star: f64,
+    pub(super) area: String,
+    pub(super) kappa_tfc: f64,
+    pub(super) total_ci95: Option<[f64; 2]>,
+    pub(super) terms: Vec<Term>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Term {
+    pub(super) axis: String,
+    pub(super) coefficient: f64,
+    pub(super) exponent: f64,
+}
+
+/// One axis at a time about a reference cell.
+#[derive(Debug, Deserialize)]
+pub(super) struct Protocol {
+    pub(super) reference: [f64; 3],
+    pub(super) kappa_sim: Number,
+    pub(super) kappa_tfc: Option<Number>,
+    pub(super) arms: Vec<Arm>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Arm {
+    pub(super) axis: String,
+    pub(super) eps_inv: Vec<f64>,
+    pub(super) kappa: Vec<Number>,
+    pub(super) limit: Option<Number>,
+    pub(super) coefficient: Option<Number>,
+    pub(super) exponent: Option<Number>,
+    pub(super) predicted: Option<Number>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Number {
+    pub(super) value: f64,
+    pub(super) ci95: Option<[f64; 2]>,
+}
+
+impl Summaries {
+    pub(super) fn new(folder: &Path) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The summary `NAME.json`.
+    pub(super) fn read(&self, name: &str) -> Result<Summary, Failure> {
+        let path = self.folder.join(format!("{name}.json"));
+        let refuse = |error: &dyn std::fmt::Display| Failure::input(&path.display().to_string(), error);
+        let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;
+        serde_json::from_str(&text).map_err(|error| refuse(&error))
+    }
+}
+
+impl Summary {
+    /// The only cell of a sweep at one discretisation and load.
+    pub(super) fn cell(&self) -> Result<&Point, Failure> {
+        self.points.first().ok_or_else(|| Failure::Input("a summary has no points; it must have one".into()))
+    }
+}
+
+impl Protocol {
+    pub(super) fn arm(&self, axis: &str) -> Option<&Arm> {
+        self.arms.iter().find(|arm| arm.axis == axis)
+    }
+}
+
+impl Point {
+    /// kappa ± its standard error.
+    pub(super) fn shown(&self) -> String {
+        match self.kappa_sem {
+            Some(error) => format!("{:.3} ± {error:.3}", self.kappa),
+            None => format!("{:.3}", self.kappa),
+        }
+    }
+}
+
+impl Number {
+    /// The value and its interval.
+    pub(super) fn shown(&self) -> String {
+        match self.ci95 {
+            Some([low, high]) => format!("{:.2} [{low:.2}, {high:.2}]", self.value),
+            None => format!("{:.2}", self.value),
+        }
+    }
+}
+
+/// A number that may be missing.
+pub(super) fn or_none(number: Option<&Number>) -> String {
+    number.map_or_else(|| "none".into(), Number::shown)
+}
