@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gfmd_files::{Output, Reader, folder};
 use gfmd_sweep::{Plan, Shard};
+use rayon::prelude::*;
 
 use super::check;
 use super::journal::{Finished, Journal, Size};
@@ -56,23 +57,23 @@ impl Gathered {
     /// # Errors
     /// A journal of another sweep, or an unusable record; a shard that is being computed.
     pub(super) fn read(out: &Path, config: &str, size: Size, claim: bool) -> Result<Self, Failure> {
+        let read = |(shard, journal): (Shard, Option<PathBuf>)| {
+            let claimed = claim.then(|| Output::claim_beside(out, &suffix(shard))).transpose();
+            let _claimed = claimed.map_err(|error| Failure::input("--merge", error))?;
+            let Some(path) = journal else { return Ok((shard, None, Finished::new())) };
+            let length = length(&path);
+            let runs = Journal::look(&path, config, size)?;
+            Ok((shard, Some((path, length)), runs))
+        };
+        let all: Vec<Result<_, Failure>> =
+            find(out)?.into_iter().collect::<Vec<_>>().into_par_iter().map(read).collect();
         let mut gathered = Self { finished: Finished::new(), out: out.into(), shards: BTreeMap::new() };
-        for (shard, journal) in find(out)? {
-            let _claimed = match claim {
-                true => {
-                    Some(Output::claim_beside(out, &suffix(shard)).map_err(|error| Failure::input("--merge", error))?)
-                }
-                false => None,
-            };
-            let mut journal_and_length = None;
-            if let Some(path) = journal {
-                let length = length(&path);
-                for (run, loads) in Journal::look(&path, config, size)? {
-                    gathered.finished.entry(run).or_insert(loads);
-                }
-                journal_and_length = Some((path, length));
+        for one in all {
+            let (shard, journal, runs) = one?;
+            for (run, loads) in runs {
+                gathered.finished.entry(run).or_insert(loads);
             }
-            gathered.shards.insert(shard, journal_and_length);
+            gathered.shards.insert(shard, journal);
         }
         Ok(gathered)
     }
