@@ -40,7 +40,7 @@ pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::{axes, contiguous};
 pub use journal::{Journal, JournalError};
-pub use output::{Output, folder, replace, sync_folder};
+pub use output::{Output, folder, replace, sync_folder, target};
 pub use stored::Number;
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{ListedChannel, Listing, Topography, TopographyError, X3p};
