@@ -74,10 +74,10 @@ pub struct Load {
     pub p_star: f64,
     pub mean_pressure: f64,
     pub persson: PerssonRecord,
-    /// `null` for profiles, and where the theory has no such load.
+    /// `null` for profiles, bodies other than a half-space, and where the theory has no such load.
     pub bush_gibson_thomas: Option<AsperityRecord>,
     pub greenwood_williamson: Option<AsperityRecord>,
-    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, and for profiles.
+    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, profiles, and bodies other than a half-space.
     pub self_affine: Option<AreaRecord>,
 }
 
@@ -152,10 +152,13 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let generator = &args.source.generator;
     let made = args.source.surface.is_none() && generator.method == Method::Psd && !grid.is_line();
     let hurst = made.then_some(generator.hurst);
+    // The other theories know half-spaces only.
+    let longest = std::f64::consts::TAU / grid.lengths()[0];
+    let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
     let theories = Theories {
         persson,
-        asperities: if grid.is_line() { None } else { Asperities::new(moments.profile()) },
-        self_affine: hurst.and_then(SelfAffineArea::new),
+        asperities: if grid.is_line() || !is_half_space { None } else { Asperities::new(moments.profile()) },
+        self_affine: hurst.filter(|_| is_half_space).and_then(SelfAffineArea::new),
         e_star,
         rms_gradient,
     };
@@ -171,7 +174,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         rms_height: moments.rms_height(),
         rms_gradient,
         nayak: moments.nayak(),
-        summit_density: theories.asperities.map(|asperities| asperities.density()),
+        summit_density: theories.asperities.as_ref().map(Asperities::density),
         e_star,
         full_contact_deviation: theories.persson.variance(f64::INFINITY).sqrt(),
         hurst,
@@ -194,7 +197,7 @@ impl Theories {
     }
 
     fn asperity(&self, theory: AsperityTheory, p_star: f64) -> Option<AsperityRecord> {
-        let found = self.asperities?.at_pressure(theory, p_star * self.rms_gradient)?;
+        let found = self.asperities.as_ref()?.at_pressure(theory, p_star * self.rms_gradient)?;
         Some(AsperityRecord { area_fraction: found.area_fraction, separation: found.separation })
     }
 
@@ -259,7 +262,7 @@ impl fmt::Display for Report {
                 )?;
             }
         }
-        if self.hurst.is_some() {
+        if self.loads.iter().any(|load| load.self_affine.is_some()) {
             writeln!(
                 f,
                 "formula: computed contacts in the limit of endless spectra, docs/results.md; this surface has more"

@@ -44,12 +44,13 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
     let distribution = |(hue, load): (usize, &f64)| {
         let mean = theories.pressure(*load);
         let points = (0..=300).map(|i| highest * f64::from(i) / 300.0);
-        let points = points.map(|p| (p, theories.persson.pressure_density(mean, f64::INFINITY, p)));
+        let area = theories.area(*load);
+        let points = points.map(|p| (p, theories.persson.pressure_density(mean, f64::INFINITY, p) / area));
         Series::line(&format!("*p*\\* = {load}"), hue, points)
     };
     let panel = Panel {
         x: Axis::linear("pressure"),
-        y: Axis::linear("density, Persson"),
+        y: Axis::linear("density in the contact, Persson"),
         series: p_star.iter().take(MOST_CURVES).enumerate().map(distribution).collect(),
         ..Panel::default()
     };

@@ -4,15 +4,19 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use statrs::function::erf::erfc;
 
-use super::quadrature::gauss_legendre;
+use super::quadrature::{gauss_legendre, scaled, unit_rule};
 
 /// The summits of an isotropic Gaussian surface, each of which is an elastic contact of its own. Valid at light loads, where
 /// summits are far apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Asperities {
     m0: f64,
     m2: f64,
     m4: f64,
+    /// Paraboloids by their mean curvature t, in units of √m4: t, and what they carry of the area and of the load.
+    paraboloids: Vec<[f64; 3]>,
+    /// The rule by which interferences are integrated over, on [-1, 1].
+    rule: Vec<(f64, f64)>,
 }
 
 /// Contact of all summits at one separation.
@@ -50,7 +54,10 @@ impl Asperities {
     /// (1/length²). `None` unless all are positive and Nayak's parameter m0 m4/m2² is at least 3/2.
     pub fn new([m0, m2, m4]: [f64; 3]) -> Option<Self> {
         let positive = [m0, m2, m4].iter().all(|moment| *moment > 0.0 && moment.is_finite());
-        (positive && (m0 / m2) * (m4 / m2) >= LEAST_NAYAK).then_some(Self { m0, m2, m4 })
+        if !(positive && (m0 / m2) * (m4 / m2) >= LEAST_NAYAK) {
+            return None;
+        }
+        Some(Self { m0, m2, m4, paraboloids: paraboloids(), rule: unit_rule(NODES[2]).collect() })
     }
 
     /// Nayak's parameter m0 m4/m2².
@@ -96,52 +103,68 @@ impl Asperities {
         let mean = 4.0 / (PI * nayak).sqrt();
         let radius = 0.375 * (PI / self.m4).sqrt();
         let unit = self.m0.sqrt();
-        let [first, power] = interference(mean - level, scatter);
+        let [first, power] = self.interference(mean - level, scatter);
         let area = PI * radius * self.density() * unit * first;
         [area, 4.0 / 3.0 * radius.sqrt() * self.density() * unit.powf(1.5) * power]
     }
 
-    /// Area fraction and relative pressure of paraboloids. A summit of mean curvature t and principal curvatures t ± r has the
-    /// density (t² − r²)/(2π m2) times that of t, Gaussian with variance 2 m4/3, and of r, a Rayleigh distribution of
-    /// scale √(m4/3); its height has the mean (3/2)(m2/m4) t and the variance m0 − (3/2) m2²/m4.
+    /// Area fraction and relative pressure of paraboloids. The height of a summit of mean curvature t has the mean
+    /// (3/2)(m2/m4) t and the variance m0 − (3/2) m2²/m4.
     fn paraboloids(&self, level: f64) -> [f64; 2] {
         let nayak = self.nayak();
         let scatter = (1.0 - LEAST_NAYAK / nayak).max(1e-12).sqrt();
-        let ratios: Vec<(f64, f64, [f64; 2])> =
-            gauss_legendre(NODES[1], [0.0, 1.0]).map(|(ratio, weight)| (ratio, weight, ellipse(ratio))).collect();
         let [mut area, mut pressure] = [0.0; 2];
-        for (t, weight) in gauss_legendre(NODES[0], [0.0, STEEPEST]) {
-            let [first, power] = interference(LEAST_NAYAK * t / nayak.sqrt() - level, scatter);
-            let of_t = weight * (-0.75 * t * t).exp() / (4.0 * PI / 3.0).sqrt();
-            for &(ratio, weight, [of_area, of_load]) in &ratios {
-                let r = ratio * t;
-                let density = of_t * weight * t * (t * t - r * r) * 3.0 * r * (-1.5 * r * r).exp();
-                area += density * of_area / t * first;
-                pressure += density * of_load / t.sqrt() * power;
-            }
+        for [t, of_area, of_load] in &self.paraboloids {
+            let [first, power] = self.interference(LEAST_NAYAK * t / nayak.sqrt() - level, scatter);
+            area += of_area * first;
+            pressure += of_load * power;
         }
         let density = self.m4 / (2.0 * PI * self.m2);
         let [unit, curvature] = [self.m0.sqrt(), self.m4.sqrt()];
         [area * density * unit / curvature, pressure * density * unit.powf(1.5) / curvature.sqrt()]
     }
+
+    /// The means of w and w^{3/2} over w > 0, if w is normally distributed with `mean` and standard deviation `scatter`.
+    fn interference(&self, mean: f64, scatter: f64) -> [f64; 2] {
+        let level = mean / scatter;
+        let low = (level - 9.0).max(0.0);
+        let high = if level > 0.0 { level + 9.0 } else { level + (level * level + 81.0).sqrt() };
+        let mut sums = [0.0; 2];
+        for (root, weight) in scaled(&self.rule, [low.sqrt(), high.sqrt()]) {
+            let w = root * root;
+            let chance = weight * 2.0 * root * (-0.5 * (w - level).powi(2)).exp() / (2.0 * PI).sqrt();
+            sums[0] += chance * w;
+            sums[1] += chance * w * root;
+        }
+        // Where the closed form does not cancel, it is exact.
+        if level > -3.0 {
+            let normal = (-0.5 * level * level).exp() / (2.0 * PI).sqrt();
+            sums[0] = level * 0.5 * erfc(-level / 2_f64.sqrt()) + normal;
+        }
+        [scatter * sums[0], scatter.powf(1.5) * sums[1]]
+    }
 }
 
-/// The means of w and w^{3/2} over w > 0, if w is normally distributed with `mean` and standard deviation `scatter`.
-fn interference(mean: f64, scatter: f64) -> [f64; 2] {
-    let level = mean / scatter;
-    let normal = (-0.5 * level * level).exp() / (2.0 * PI).sqrt();
-    // For level < 0 the two terms cancel; the integral below does not.
-    let first = if level > -3.0 { scatter * (level * 0.5 * erfc(-level / 2_f64.sqrt()) + normal) } else { f64::NAN };
-    let low = (level - 9.0).max(0.0);
-    let high = if level > 0.0 { level + 9.0 } else { level + (level * level + 81.0).sqrt() };
-    let mut sums = [0.0; 2];
-    for (root, weight) in gauss_legendre(NODES[2], [low.sqrt(), high.sqrt()]) {
-        let w = root * root;
-        let chance = weight * 2.0 * root * (-0.5 * (w - level).powi(2)).exp() / (2.0 * PI).sqrt();
-        sums[0] += chance * w;
-        sums[1] += chance * w * root;
-    }
-    [if first.is_nan() { scatter * sums[0] } else { first }, scatter.powf(1.5) * sums[1]]
+/// What summits of each mean curvature t carry, over those of all orientations and shapes: t, area, load. A summit of
+/// principal curvatures t ± r has the density (t² − r²)/(2π m2) times that of t, Gaussian with variance 2 m4/3, and of r, a
+/// Rayleigh distribution of scale √(m4/3).
+fn paraboloids() -> Vec<[f64; 3]> {
+    let ratios: Vec<(f64, f64, [f64; 2])> = gauss_legendre(NODES[1], [0.0, 1.0])
+        .into_iter()
+        .map(|(ratio, weight)| (ratio, weight, ellipse(ratio)))
+        .collect();
+    let of_curvature = |(t, weight): (f64, f64)| {
+        let of_t = weight * (-0.75 * t * t).exp() / (4.0 * PI / 3.0).sqrt();
+        let [mut area, mut load] = [0.0; 2];
+        for &(ratio, weight, [of_area, of_load]) in &ratios {
+            let r = ratio * t;
+            let density = of_t * weight * t * (t * t - r * r) * 3.0 * r * (-1.5 * r * r).exp();
+            area += density * of_area / t;
+            load += density * of_load / t.sqrt();
+        }
+        [t, area, load]
+    };
+    gauss_legendre(NODES[0], [0.0, STEEPEST]).into_iter().map(of_curvature).collect()
 }
 
 /// Hertz contact of a paraboloid of mean curvature 1 and principal curvatures 1 ± `ratio`: the area over the interference w, and

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::quadrature::gauss_legendre;
+use super::quadrature::{scaled, unit_rule};
 
 /// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to short,
 /// and each spreads the distribution of pressure, which vanishes at zero pressure.
@@ -79,13 +79,15 @@ impl Persson {
     /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy for each
     /// area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011). Length.
     pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
+        let rule: Vec<(f64, f64)> = unit_rule(12).collect();
         let mut longer = 0.0;
         let mut sum = 0.0;
         for shell in &self.shells {
             // The waves of the shell itself spread the pressure that each of them meets: half of them, on average.
             let variance = longer + 0.5 * shell.variance();
             longer += shell.variance();
-            sum += 0.5 * shell.stiffness * shell.mean_square_height * separated(mean_pressure, variance, energy_factor);
+            let separated = separated(mean_pressure, variance, energy_factor, &rule);
+            sum += 0.5 * shell.stiffness * shell.mean_square_height * separated;
         }
         sum
     }
@@ -98,7 +100,7 @@ impl Shell {
 }
 
 /// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from `mean_pressure` to infinity, with a = erf(p/√(2V)); 1/stress.
-fn separated(mean_pressure: f64, variance: f64, energy_factor: f64) -> f64 {
+fn separated(mean_pressure: f64, variance: f64, energy_factor: f64, rule: &[(f64, f64)]) -> f64 {
     let unit = (2.0 * variance).sqrt();
     let start = (mean_pressure / unit).ln();
     // In x = ln(p/√(2V)); beyond p = 6.5 √(2V) the rest is below 1e-18.
@@ -112,7 +114,7 @@ fn separated(mean_pressure: f64, variance: f64, energy_factor: f64) -> f64 {
     let sum: f64 = (0..panels as usize)
         .flat_map(|panel| {
             let low = start + panel as f64 * length;
-            gauss_legendre(12, [low, low + length])
+            scaled(rule, [low, low + length])
         })
         .map(|(x, weight)| {
             let s = x.exp();
