@@ -50,8 +50,9 @@ type Table = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 9] = [
+const TABLES: [Table; 10] = [
     ("table 5.1", limits::table),
+    ("budget", loads::budget),
     ("light", loads::light),
     ("nayak", loads::nayak_table),
     ("one", loads::one),

@@ -113,6 +113,10 @@ pub struct AsperityRecord {
 pub struct AreaRecord {
     pub area_fraction: f64,
     pub standard_error: f64,
+    /// Of a spectrum that ends, as the generator's does.
+    pub of_band: f64,
+    /// As counted on the grid.
+    pub counted: f64,
 }
 
 /// The theories of one surface on one body.
@@ -120,6 +124,8 @@ struct Theories {
     persson: Persson,
     asperities: Option<Asperities>,
     self_affine: Option<SelfAffineArea>,
+    /// eps_f and eps_c of the generator.
+    eps: [f64; 2],
     e_star: f64,
     rms_gradient: f64,
 }
@@ -152,6 +158,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let generator = &args.source.generator;
     let made = args.source.surface.is_none() && generator.method == Method::Psd && !grid.is_line();
     let hurst = made.then_some(generator.hurst);
+    let eps = match made {
+        true => {
+            let spectrum = generator.spectrum(&grid)?;
+            let shortest = spectrum.shortest_wavelength;
+            [shortest / spectrum.longest_wavelength, grid.spacing()[0] / shortest]
+        }
+        false => [0.0; 2],
+    };
     // The other theories know half-spaces only.
     let longest = std::f64::consts::TAU / grid.lengths()[0];
     let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
@@ -159,6 +173,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         persson,
         asperities: if grid.is_line() || !is_half_space { None } else { Asperities::new(moments.profile()) },
         self_affine: hurst.filter(|_| is_half_space).and_then(SelfAffineArea::new),
+        eps,
         e_star,
         rms_gradient,
     };
@@ -210,6 +225,8 @@ impl Theories {
         let limit = |area: SelfAffineArea| AreaRecord {
             area_fraction: area.at(p_star),
             standard_error: area.standard_error(p_star),
+            of_band: area.of_band(self.eps[0], p_star),
+            counted: area.counted(self.eps[0], self.eps[1], p_star),
         };
         Load {
             p_star,
@@ -240,18 +257,27 @@ impl fmt::Display for Report {
         }
         writeln!(f, "pressure in full contact: standard deviation {:.4e}", self.full_contact_deviation)?;
         writeln!(f)?;
-        writeln!(f, "                            contact area fraction of                              mean gap")?;
-        writeln!(f, "      p*        Persson     Bush-Gibson-Thomas  Greenwood-Williamson  formula     Persson")?;
+        writeln!(
+            f,
+            "                            contact area fraction of                                          mean gap"
+        )?;
+        writeln!(
+            f,
+            "      p*        Persson     Bush-Gibson-Thomas  Greenwood-Williamson  formula    counted     Persson"
+        )?;
         let number =
             |value: Option<f64>| value.map_or_else(|| format!("{:>11}", "-"), |value| format!("{value:>11.4e}"));
         for load in &self.loads {
             let areas = [load.bush_gibson_thomas, load.greenwood_williamson]
                 .map(|found| number(found.map(|a| a.area_fraction)));
-            let limit = number(load.self_affine.map(|area| area.area_fraction));
+            let [limit, counted] = [
+                number(load.self_affine.map(|area| area.area_fraction)),
+                number(load.self_affine.map(|area| area.counted)),
+            ];
             let [bush, greenwood] = areas;
             writeln!(
                 f,
-                "{:>11.4e} {:>11.4e} {bush}         {greenwood}           {limit} {:>11.4e}",
+                "{:>11.4e} {:>11.4e} {bush}         {greenwood}           {limit} {counted} {:>11.4e}",
                 load.p_star, load.persson.area_fraction, load.persson.mean_gap
             )?;
             for seen in &load.persson.at_wavelength {
@@ -265,7 +291,7 @@ impl fmt::Display for Report {
         if self.loads.iter().any(|load| load.self_affine.is_some()) {
             writeln!(
                 f,
-                "formula: computed contacts in the limit of endless spectra, docs/results.md; this surface has more"
+                "formula: fitted to computed contacts in the limit of endless spectra; counted: on this band and grid (docs/results.md)"
             )?;
         }
         list_files(f, None, &self.plots)

@@ -6,7 +6,7 @@ use gfmd_cli::failure::Failure;
 use gfmd_measure::SelfAffineArea;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point as Dot, Series};
 
-use super::summary::{Point, Summaries};
+use super::summary::{Fit, Point, Summaries, Summary};
 
 const HURSTS: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
@@ -30,6 +30,48 @@ pub(super) fn light(summaries: &Summaries) -> Result<String, Failure> {
         }
         let _ = writeln!(text, "| {p_star} | {} |", cells.join(" | "));
     }
+    Ok(text)
+}
+
+/// The errors of kappa_TFC of the main sweep at its first load, one by one.
+pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
+    const FORMS: [(&str, &str); 5] = [
+        ("alpha-f-free", "α_f fitted"),
+        ("leading-alpha-f", "α_f = 1 − H"),
+        ("without-coarsest-eps-f", "without the largest ε_f"),
+        ("without-coarsest-eps-t", "without the largest ε_t"),
+        ("corrected-area", "area: perimeter correction in place of the edge"),
+    ];
+    const MAIN: f64 = 0.02;
+    let [main, loose, tight] =
+        [summaries.read("composed")?, summaries.read("tolerance-6")?, summaries.read("tolerance-10")?];
+    let of = |sweep: &Summary, hurst: f64| -> Result<usize, Failure> {
+        let wanted = |fit: &Fit| fit.hurst == hurst && fit.p_star == MAIN && fit.area == "raw";
+        let missing = || Failure::Input(format!("a summary has no fit for H = {hurst} at p* = {MAIN}"));
+        sweep.fits.iter().position(wanted).ok_or_else(missing)
+    };
+    let head = HURSTS.map(|hurst| format!("H = {hurst}")).join(" | ");
+    let mut text = format!("| error | {head} |\n|---|{}\n", "---|".repeat(HURSTS.len()));
+    let mut row = |name: &str, value: &dyn Fn(f64) -> Result<String, Failure>| -> Result<(), Failure> {
+        let cells = HURSTS.into_iter().map(value).collect::<Result<Vec<_>, _>>()?;
+        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
+        Ok(())
+    };
+    row("statistical, 95 %", &|hurst| {
+        let fit = &main.fits[of(&main, hurst)?];
+        Ok(fit.ci95.map_or_else(|| "–".into(), |[low, high]| format!("± {:.4}", 0.5 * (high - low))))
+    })?;
+    for (form, name) in FORMS {
+        row(name, &|hurst| {
+            let fit = &main.fits[of(&main, hurst)?];
+            let found = fit.alternatives.iter().find(|other| other.form == form);
+            Ok(found.map_or_else(|| "–".into(), |other| format!("{:+.4}", other.kappa_tfc - fit.kappa_tfc)))
+        })?;
+    }
+    row("residuals of 1e-6 in place of 1e-10", &|hurst| {
+        let [one, other] = [&loose.fits[of(&loose, hurst)?], &tight.fits[of(&tight, hurst)?]];
+        Ok(format!("{:+.4}", one.kappa_tfc - other.kappa_tfc))
+    })?;
     Ok(text)
 }
 

@@ -41,8 +41,18 @@ pub(super) struct Fit {
     pub(super) p_star: f64,
     pub(super) area: String,
     pub(super) kappa_tfc: f64,
+    pub(super) ci95: Option<[f64; 2]>,
     pub(super) total_ci95: Option<[f64; 2]>,
+    #[serde(default)]
+    pub(super) alternatives: Vec<Alternative>,
     pub(super) terms: Vec<Term>,
+}
+
+/// kappa_TFC of another form of the fit.
+#[derive(Debug, Deserialize)]
+pub(super) struct Alternative {
+    pub(super) form: String,
+    pub(super) kappa_tfc: f64,
 }
 
 #[derive(Debug, Deserialize)]
