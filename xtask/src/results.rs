@@ -50,10 +50,11 @@ type Table = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 10] = [
+const TABLES: [Table; 11] = [
     ("table 5.1", limits::table),
     ("budget", loads::budget),
     ("light", loads::light),
+    ("edge", loads::edge),
     ("nayak", loads::nayak_table),
     ("one", loads::one),
     ("table 5.2", source::table),

@@ -139,3 +139,19 @@ pub(super) fn one(summaries: &Summaries) -> Result<String, Failure> {
     }
     Ok(text)
 }
+
+/// The area of the same surfaces on finer and finer grids, counted, and corrected by its perimeter.
+pub(super) fn edge(summaries: &Summaries) -> Result<String, Failure> {
+    let sweep = summaries.read("edge")?;
+    let mut cells: Vec<&Point> = sweep.points.iter().collect();
+    cells.sort_by(|one, other| one.eps_c_inv.total_cmp(&other.eps_c_inv));
+    let mut text =
+        String::from("| n | 1/ε_c | counted | corrected | with the edge of the fit |\n|---|---|---|---|---|\n");
+    for cell in cells {
+        let counted = cell.kappa * cell.p_star;
+        let corrected = cell.kappa_corrected.unwrap_or(f64::NAN) * cell.p_star;
+        let fitted = counted - (0.82 + 0.3 / cell.eps_c_inv) * (counted - corrected);
+        let _ = writeln!(text, "| {} | {} | {counted:.4} | {corrected:.4} | {fitted:.4} |", cell.n, cell.eps_c_inv);
+    }
+    Ok(text)
+}
