@@ -1,7 +1,7 @@
 //! The page about a sweep. The numbers are those of the file; the figures are drawn from its runs.
 
 use gfmd_files::Reader;
-use gfmd_sweep::{Alpha, Analysis, Config, Method, Plan, Study};
+use gfmd_sweep::{Alpha, Analysis, Config, Method, Plan, StatisticsConfig, Study};
 use maud::{Markup, html};
 
 use super::check::runs;
@@ -209,6 +209,9 @@ fn asked(page: &mut Page, config: &Config) {
         Alpha::Fixed(value) => value.to_string(),
         Alpha::Free => "fitted".into(),
         Alpha::Without => "no term".into(),
+        Alpha::SelfAffine if surface.hurst.iter().all(|hurst| config.composes(*hurst)) => {
+            "min(1, 2 − 2H), long waves composed".into()
+        }
         Alpha::SelfAffine => "1 − H".into(),
         Alpha::Edge => "measured edge".into(),
     };
@@ -229,10 +232,22 @@ fn asked(page: &mut Page, config: &Config) {
         Fact::new("1/ε of the roughness (f)", &list(&points.eps_f_inv)),
         Fact::new("1/ε of the grid (c)", &list(&points.eps_c_inv)),
         Fact::new("reduced pressures p*", &format!("{}; result at {}", list(&loads.p_star), fit.p_star)),
-        Fact::new("surfaces of each point", &format!("{}, first seed {}", statistics.realisations, statistics.seed)),
+        Fact::new("number of surfaces", &surfaces(statistics)),
         Fact::new("exponents α (t, f, c)", &[fit.alpha_t, fit.alpha_f, fit.alpha_c].map(word).join(", ")),
         Fact::new("solver", &format!("{}, tolerance {:e}", solver.method.name(), solver.tol)),
     ]);
+}
+
+/// The number of surfaces of the points, in words.
+fn surfaces(statistics: &StatisticsConfig) -> String {
+    let StatisticsConfig { realisations, nested, target, surfaces, seed, .. } = statistics;
+    let number = match (surfaces.iter().min(), surfaces.iter().max()) {
+        (Some(least), Some(most)) => format!("{least} to {most} at each point"),
+        _ if *nested => format!("{realisations} on the largest grid, up to 64 times as many on smaller ones"),
+        _ => format!("{realisations} at each point"),
+    };
+    let aim = if *target > 0.0 { format!(", for a statistical error of {} %", 100.0 * target) } else { String::new() };
+    format!("{number}{aim}, first seed {seed}")
 }
 
 /// Draws the figures from the runs of the file. `stored` is the result that the file has.
