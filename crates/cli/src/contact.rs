@@ -36,7 +36,7 @@ use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 
 pub(crate) use check::{again, check};
-pub use file::ContactFile;
+pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 
 /// Flags of `contact`.
@@ -71,6 +71,10 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
+    /// Fields of each load that go into --out: some of pressure, displacement_z, gap and plastic_depth, or none; default: all
+    #[arg(long, value_name = "F1,F2,..|none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fields: Option<Chosen>,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -191,6 +195,11 @@ impl Prepared {
         }
         if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
             return Err(Failure::value("--hardness", hardness, "positive and finite"));
+        }
+        if let (Some(fields), None) = (&args.fields, args.hardness)
+            && fields.names_plastic_depth()
+        {
+            return Err(Failure::value("--fields", fields, "without plastic_depth, or with --hardness"));
         }
         let surface = args.source.bounded(args.boundary, session)?;
         let fields = match (args.law.law, args.boundary) {
@@ -320,8 +329,10 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
         let budget = args.solver.budget();
         let with_law = args.law.law != Kind::HardWall;
         let provenance = session.provenance(config);
+        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
         let create = |output| {
-            ContactFile::create(output, &provenance, surface, controls.len(), with_law, args.hardness.is_some())
+            let is_plastic = args.hardness.is_some();
+            ContactFile::create(output, &provenance, surface, controls.len(), with_law, is_plastic, chosen.clone())
         };
         let mut file = output.as_ref().map(create).transpose()?;
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
@@ -374,7 +385,7 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = ContactFile::fields(&state);
+                let fields = chosen.fields(&state);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&Part { text: record.to_toml()?, fields });
                 kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
