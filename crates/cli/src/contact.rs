@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
-use crate::elastic::BodyArgs;
+use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
@@ -134,6 +134,11 @@ pub struct Report {
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
+    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    #[serde(flatten)]
+    pub others: OtherArgs,
+    #[serde(skip)]
+    pub body: Option<String>,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
@@ -203,7 +208,7 @@ impl Prepared {
             _ => Held::LAW,
         };
         fields.check("the grid", surface.grid.points())?;
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
             .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
@@ -262,7 +267,9 @@ impl Prepared {
             scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
-            e_star: self.body.material().contact_modulus(),
+            e_star: self.body.contact_modulus(),
+            others: args.body.others.clone(),
+            body: args.body.words(),
             boundary: self.surface.boundary.name(),
             hardness: args.hardness,
             loads: Vec::new(),
@@ -474,6 +481,9 @@ impl fmt::Display for Report {
             "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
             self.rms_gradient, self.rms_height, self.e_star
         )?;
+        if let Some(body) = &self.body {
+            writeln!(f, "elastic body: {body}\n")?;
+        }
         if let Some(hardness) = self.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
             writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;

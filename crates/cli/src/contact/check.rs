@@ -33,7 +33,7 @@ pub(crate) fn check(
     let prepared = Prepared::new(&args, session)?;
     let Prepared { surface, body, law, controls, .. } = &prepared;
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
-    let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient: surface.rms_gradient() };
+    let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
     let field = |name: &str, index: usize| -> Result<Array2<f64>, Failure> {
         let values = reader.slab(&format!("/fields/{name}"), index)?;
         let [nx, ny] = surface.grid.points();
