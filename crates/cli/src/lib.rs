@@ -44,3 +44,4 @@ pub mod session;
 pub mod solver;
 pub mod source;
 pub mod surface;
+mod values;

@@ -14,6 +14,14 @@ pub fn persson_area(reduced_pressure: f64) -> f64 {
     libm::erf(SQRT_2 * reduced_pressure)
 }
 
+/// The density of a positive pressure in Persson's theory, from its variance in full contact (E*² ḡ²/4 on a half-space): a
+/// Gaussian about the mean pressure less its mirror image (Persson, J. Chem. Phys. 115 (2001) 3840). All in stress.
+pub fn persson_pressure(pressure: f64, mean_pressure: f64, variance: f64) -> f64 {
+    let gaussian = |distance: f64| (-0.5 * distance * distance / variance).exp();
+    let [about, image] = [pressure - mean_pressure, pressure + mean_pressure].map(gaussian);
+    (about - image) / (std::f64::consts::TAU * variance).sqrt()
+}
+
 /// Hertz contact of a parabola h = −r²/2R with a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzPoint {
@@ -188,6 +196,21 @@ pub fn johnson_area_near_full_contact(relative_pressure: f64) -> f64 {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    #[test]
+    fn the_pressures_of_persson_add_up_to_the_area_and_the_load() {
+        for p_star in [0.01, 0.2, 2.0] {
+            let step = 1e-3;
+            let density = |k: i32| persson_pressure(f64::from(k) * step, p_star, 0.25);
+            let (mut area, mut load) = (0.0, 0.0);
+            for k in 1..10_000 {
+                area += density(k) * step;
+                load += density(k) * step * f64::from(k) * step;
+            }
+            approx::assert_relative_eq!(area, persson_area(p_star), max_relative = 1e-5);
+            approx::assert_relative_eq!(load, p_star, max_relative = 1e-5);
+        }
+    }
 
     #[test]
     fn constants_are_the_square_roots_they_claim() {

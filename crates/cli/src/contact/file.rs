@@ -3,23 +3,21 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use gfmd_contact::Boundary;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
 use ndarray::{CowArray, Ix2};
 
+use super::statistics::{self, Measured};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
-use crate::load::{LoadRecord, Recorded, columns};
+use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::source::Surface;
 
 /// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
 pub struct ContactFile<'a> {
     archive: Archive<'a>,
-    with_law: bool,
-    boundary: Boundary,
-    is_plastic: bool,
+    recording: Recording,
 }
 
 const FIELDS: [(&str, &str, &str); 3] = [
@@ -47,19 +45,18 @@ impl<'a> ContactFile<'a> {
         provenance: &Provenance,
         surface: &Surface,
         loads: usize,
-        with_law: bool,
-        is_plastic: bool,
+        recording: Recording,
     ) -> Result<Self, Failure> {
         let mut archive = Archive::create(output, provenance)?;
         let load = Dimension::index("load", loads, "load step");
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         surface.write(&mut archive, [&x, &y])?;
-        for (path, units, long_name) in FIELDS.into_iter().chain(is_plastic.then_some(PLASTIC_DEPTH)) {
+        for (path, units, long_name) in FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH)) {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive, with_law, boundary: surface.boundary, is_plastic })
+        Ok(Self { archive, recording })
     }
 
     /// Writes the fields of one state.
@@ -103,6 +100,11 @@ impl<'a> ContactFile<'a> {
         Ok(())
     }
 
+    /// Writes patches, distributions and spectra of the loads.
+    pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
+        statistics::write(&mut self.archive, surface, loads)
+    }
+
     /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name.
     ///
     /// # Errors
@@ -114,7 +116,7 @@ impl<'a> ContactFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
-        for Column { name, units, long_name, value } in columns(self.with_law, self.boundary, self.is_plastic) {
+        for Column { name, units, long_name, value } in columns(self.recording) {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
             self.archive.write(
                 &format!("/loads/{name}"),
