@@ -44,7 +44,7 @@ use crate::source::{SourceArgs, Surface};
 use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
-pub use file::ContactFile;
+pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 use statistics::{Measured, through};
 
@@ -89,6 +89,10 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
+    /// Fields of each load that go into --out: some of pressure, displacement_z, gap and plastic_depth, or none; default: all
+    #[arg(long, value_name = "F1,F2,..|none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fields: Option<Chosen>,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -205,6 +209,17 @@ impl Prepared {
         }
         if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
             return Err(Failure::value("--hardness", hardness, "positive and finite"));
+        }
+        if let (Some(fields), None) = (&args.fields, args.hardness)
+            && fields.names_plastic_depth()
+        {
+            return Err(Failure::value("--fields", fields, "without plastic_depth, or with --hardness"));
+        }
+        // The statistics of loads that are kept are measured again.
+        if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
+            && fields.pressure_and_gap().is_none()
+        {
+            return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
         }
         let surface = args.source.bounded(args.boundary, session)?;
         if args.flow && surface.grid.is_line() {
@@ -368,7 +383,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = self.prepared.recording(args);
-        let create = |output| ContactFile::create(output, &provenance, surface, controls.len(), recording);
+        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
+        let create =
+            |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
         let mut file = output.as_ref().map(create).transpose()?;
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
@@ -423,7 +440,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = ContactFile::fields(&state);
+                let fields = chosen.fields(&state);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&Part { text: record.to_toml()?, fields });
                 kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
@@ -504,11 +521,12 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         progress: &Progress,
     ) -> Result<Option<E::State>, Failure> {
         let shape = self.prepared.surface.grid.points();
+        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).pressure_and_gap();
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
             let mut record: LoadRecord =
                 toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
-            if let [pressure, _, gap, ..] = &fields[..] {
+            if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
                 let field = |values| ArrayView2::from_shape(shape, values);
                 let unusable = |error: ndarray::ShapeError| kept.unusable(index, &error.to_string());
                 let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);

@@ -9,6 +9,7 @@ mod journal;
 mod page;
 mod protocol;
 mod report;
+mod shards;
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -18,19 +19,20 @@ use std::time::Instant;
 use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
-use gfmd_files::Output;
-use gfmd_sweep::{Extrapolation, Keep, Plan, Preset, Pressed, Study, SweepError};
+use gfmd_files::{Output, target};
+use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Shard, Study, SweepError, run_shard};
 
 pub(crate) use check::check;
 pub(crate) use page::page;
 pub use protocol::ProtocolReport;
-pub use report::{PlanReport, Report};
+pub use report::{PlanReport, Report, ShardReport};
 
 use crate::failure::Failure;
 use crate::memory::{self, Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use journal::{Finished, Journal, Size};
+use shards::Gathered;
 
 /// Flags of `kappa-sweep`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -39,7 +41,9 @@ use journal::{Finished, Journal, Size};
   gfmd kappa-sweep --preset smoke --out smoke.h5
   gfmd kappa-sweep --preset thesis --dry-run
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume
-  gfmd kappa-sweep --config other-fit.toml --runs-of sweep.h5 --out other-fit.h5")]
+  gfmd kappa-sweep --config other-fit.toml --runs-of sweep.h5 --out other-fit.h5
+  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume --shard 3/64
+  gfmd kappa-sweep --config sweep.toml --out sweep.h5 --merge")]
 pub struct Args {
     /// Sweep to compute, by name
     #[arg(long, default_value = Preset::Default.name(), value_parser = preset(), conflicts_with = "config")]
@@ -56,6 +60,13 @@ pub struct Args {
     /// Take the contacts from this result, whose configuration may differ in the fit only, and analyse them anew
     #[arg(long, value_name = "FILE.h5", conflicts_with = "resume")]
     pub runs_of: Option<PathBuf>,
+    /// Compute the K-th (from 0) of M shards of the runs, of about equal work, into a journal beside --out, and no result:
+    /// any scheduler can start them (docs/cluster.md)
+    #[arg(long, value_name = "K/M", conflicts_with_all = ["runs_of", "merge", "show_config"])]
+    pub shard: Option<Shard>,
+    /// Take the runs from all journals of this sweep beside --out, compute those that are missing, and write the result
+    #[arg(long, conflicts_with_all = ["runs_of", "show_config"])]
+    pub merge: bool,
     /// Print every point, its memory and the expected time, and compute nothing
     #[arg(long)]
     pub dry_run: bool,
@@ -72,10 +83,15 @@ fn preset() -> impl TypedValueParser<Value = Preset> {
 /// The bytes of a finished contact: in the journal, in the result and in the file.
 const CONTACT_BYTES: u64 = 1024;
 
+/// The bytes of the program itself, with its threads and the libraries.
+const PROGRAM_BYTES: u64 = 64 << 20;
+
 /// The output of the command.
 pub enum Outcome {
     /// The result of a sweep.
     Done(Box<Report>),
+    /// The runs of a shard, in its journal.
+    Shard(ShardReport),
     /// The plan of a sweep.
     Planned(PlanReport),
     /// A configuration as TOML.
@@ -94,38 +110,153 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     };
     let text = config::text(&config)?;
     let plan = Plan::new(config)?;
-    plan.points.iter().try_for_each(|point| Held::HARD_WALL.check("the grid", point.grid.points()))?;
-    let (runs, loads) = (plan.runs.len() as u64, plan.config.loads.p_star.len() as u64);
-    memory::check_count("statistics.realisations", "contacts", runs.saturating_mul(loads), CONTACT_BYTES)?;
-    if args.show_config {
-        return Ok(Outcome::Config(text));
+    let (runs, loads) = (plan.runs.len(), plan.config.loads.p_star.len());
+    memory::check_count(
+        "statistics.realisations",
+        "contacts",
+        (runs as u64).saturating_mul(loads as u64),
+        CONTACT_BYTES,
+    )?;
+    let sweep = Sweep { args, session, plan, text, size: Size { runs, loads } };
+    match args.shard {
+        Some(shard) if args.dry_run => {
+            Ok(Outcome::Planned(PlanReport::new(&sweep.plan, &sweep.plan.runs_of_shard(shard), Some(shard))?))
+        }
+        Some(shard) => sweep.compute_shard(shard),
+        None if args.merge => sweep.merge(),
+        None => sweep.compute(),
     }
-    if args.dry_run {
-        return Ok(Outcome::Planned(PlanReport::new(&plan)?));
+}
+
+/// A sweep that was asked for.
+struct Sweep<'a> {
+    args: &'a Args,
+    session: &'a Session,
+    plan: Plan,
+    /// The configuration as TOML.
+    text: String,
+    size: Size,
+}
+
+impl Sweep<'_> {
+    fn all(&self) -> Vec<usize> {
+        (0..self.plan.runs.len()).collect()
     }
-    let earlier = args.runs_of.as_deref().map(|path| check::earlier(path, &plan)).transpose()?;
-    let output = Output::claim(&args.out).map_err(|error| Failure::input("--out", error))?;
-    let size = Size { runs: plan.runs.len(), loads: plan.config.loads.p_star.len() };
-    let (journal, mut finished) = Journal::open(&output.beside(".journal"), &text, size, args.resume)?;
-    finished.extend(earlier.into_iter().flatten().enumerate());
-    let started = Instant::now();
-    let keeper = Keeper::new(&plan, journal, finished, session);
-    let study = Study::new(plan.clone(), &keeper);
-    keeper.progress.finish();
-    let study = study.map_err(|error| {
-        let kept = format!("; finished runs are in {}, --resume continues", keeper.journal.path().display());
-        Failure::from(error).with(&kept)
-    })?;
-    let seconds = started.elapsed().as_secs_f64();
-    for Extrapolation { hurst, p_star, area, fit, .. } in &study.analysis.extrapolations {
-        let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
-        fit.warnings.iter().for_each(|warning| session.note(warning.code(), format!("{place}: {warning}")));
+
+    /// Refuses runs whose grids do not fit into memory.
+    fn check_memory(&self, runs: &[usize]) -> Result<(), Failure> {
+        let mut points: Vec<usize> = runs.iter().map(|run| self.plan.runs[*run].point).collect();
+        points.dedup();
+        points.into_iter().try_for_each(|point| self.check_grid(point))
     }
-    let kept = format!("; all runs are in {}, --resume continues", keeper.journal.path().display());
-    let path = file::write(&output, &study, &session.provenance(text), seconds).map_err(|error| error.with(&kept))?;
-    keeper.journal.remove();
-    let plots = figures::draw(&args.out, &study)?;
-    Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
+
+    fn check_grid(&self, point: usize) -> Result<(), Failure> {
+        Held::HARD_WALL.check("the grid", self.plan.points[point].grid.points())
+    }
+
+    /// Computes all runs in this process.
+    fn compute(self) -> Result<Outcome, Failure> {
+        if self.args.show_config {
+            return Ok(Outcome::Config(self.text));
+        }
+        let all = self.all();
+        self.check_memory(&all)?;
+        if self.args.dry_run {
+            return Ok(Outcome::Planned(PlanReport::new(&self.plan, &all, None)?));
+        }
+        let earlier = self.args.runs_of.as_deref().map(|path| check::earlier(path, &self.plan)).transpose()?;
+        let output = self.claim()?;
+        let (journal, mut finished) =
+            Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
+        finished.extend(earlier.into_iter().flatten().enumerate());
+        let kept = format!("{}, --resume continues", journal.path().display());
+        self.conclude(&output, journal, finished, &kept)
+    }
+
+    /// Computes the runs of a shard.
+    fn compute_shard(self, shard: Shard) -> Result<Outcome, Failure> {
+        let runs = self.plan.runs_of_shard(shard);
+        self.check_memory(&runs)?;
+        let output = Output::claim_beside(&self.args.out, &shards::suffix(shard));
+        let output = output.map_err(|error| Failure::input("--out", error))?;
+        let (journal, finished) = Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
+        let started = Instant::now();
+        let keeper = Keeper::new(&self.plan, &runs, journal, finished, self.session);
+        let computed = run_shard(&self.plan, shard, &keeper);
+        keeper.progress.finish();
+        let journal = keeper.journal.path().to_path_buf();
+        computed.map_err(|error| {
+            let kept = format!("; finished runs are in {}, --resume continues", journal.display());
+            Failure::from(error).with(&kept)
+        })?;
+        Ok(Outcome::Shard(ShardReport {
+            shard: shard.to_string(),
+            runs: runs.len(),
+            all_runs: self.size.runs,
+            journal,
+            seconds: started.elapsed().as_secs_f64(),
+            peak_bytes: peak_bytes(),
+        }))
+    }
+
+    /// Takes the runs from the journals of all shards, and computes those that are missing.
+    fn merge(self) -> Result<Outcome, Failure> {
+        let missing = |finished: &Finished| -> Vec<usize> {
+            self.all().into_iter().filter(|run| !finished.contains_key(run)).collect()
+        };
+        if self.args.dry_run {
+            let out = target(&self.args.out).map_err(|error| Failure::input("--out", error))?;
+            let gathered = Gathered::read(&out, &self.text, self.size, false)?;
+            return Ok(Outcome::Planned(PlanReport::new(&self.plan, &missing(&gathered.finished), None)?));
+        }
+        let output = self.claim()?;
+        let path = output.beside(".journal");
+        let mut gathered = Gathered::read(output.path(), &self.text, self.size, true)?;
+        let mut finished = std::mem::take(&mut gathered.finished);
+        if path.exists() {
+            finished.extend(Journal::look(&path, &self.text, self.size)?);
+        }
+        let mut open = missing(&finished);
+        if !open.is_empty() {
+            finished.extend(shards::stored(output.path(), &self.text, &self.plan).unwrap_or_default());
+            open = missing(&finished);
+        }
+        let (found, runs, journals) = (finished.len(), self.size.runs, gathered.journals());
+        let lacking: Vec<String> = gathered.lacking(&self.plan, &open).iter().map(ToString::to_string).collect();
+        let of_shards = if lacking.is_empty() { String::new() } else { format!(", those of {}", lacking.join(", ")) };
+        tracing::info!("{found} of {runs} runs are in {journals} journals; {} are computed now{of_shards}", open.len());
+        self.check_memory(&open)?;
+        self.check_grid(Example::point(&self.plan))?;
+        let (journal, _) = Journal::open(&path, &self.text, self.size, true)?;
+        let kept = format!("the journals beside {}, --merge continues", output.path().display());
+        let outcome = self.conclude(&output, journal, finished, &kept)?;
+        gathered.remove();
+        Ok(outcome)
+    }
+
+    fn claim(&self) -> Result<Output, Failure> {
+        Output::claim(&self.args.out).map_err(|error| Failure::input("--out", error))
+    }
+
+    /// Computes the runs that are not finished, and writes the result; `kept` names what is kept if that fails.
+    fn conclude(&self, output: &Output, journal: Journal, finished: Finished, kept: &str) -> Result<Outcome, Failure> {
+        let Self { args, session, plan, .. } = self;
+        let started = Instant::now();
+        let keeper = Keeper::new(plan, &self.all(), journal, finished, session);
+        let study = Study::new(plan.clone(), &keeper);
+        keeper.progress.finish();
+        let study = study.map_err(|error| Failure::from(error).with(&format!("; finished runs are in {kept}")))?;
+        let seconds = started.elapsed().as_secs_f64();
+        for Extrapolation { hurst, p_star, area, fit, .. } in &study.analysis.extrapolations {
+            let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
+            fit.warnings.iter().for_each(|warning| session.note(warning.code(), format!("{place}: {warning}")));
+        }
+        let path = file::write(output, &study, &session.provenance(self.text.clone()), seconds)
+            .map_err(|error| error.with(&format!("; all runs are in {kept}")))?;
+        keeper.journal.remove();
+        let plots = figures::draw(&args.out, &study)?;
+        Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
+    }
 }
 
 /// The journal, the progress bar and Ctrl-C of a sweep.
@@ -138,8 +269,9 @@ struct Keeper<'a> {
 }
 
 impl<'a> Keeper<'a> {
-    fn new(plan: &'a Plan, journal: Journal, finished: Finished, session: &'a Session) -> Self {
-        let work = plan.runs.iter().map(|run| plan.work(&plan.points[run.point])).sum();
+    /// The keeper of these runs of a plan.
+    fn new(plan: &'a Plan, runs: &[usize], journal: Journal, finished: Finished, session: &'a Session) -> Self {
+        let work = runs.iter().map(|run| plan.work(&plan.points[plan.runs[*run].point])).sum();
         let progress = Progress::new(&session.common, "kappa sweep", work);
         Self { plan, journal, finished: Mutex::new(finished), progress, session }
     }

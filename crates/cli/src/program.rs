@@ -117,6 +117,7 @@ impl Command {
             Self::Contact(args) => conclude(contact::run(args, session)?, session),
             Self::KappaSweep(args) => match kappa_sweep::run(args, session)? {
                 kappa_sweep::Outcome::Done(report) => print(&*report, session),
+                kappa_sweep::Outcome::Shard(report) => print(&report, session),
                 kappa_sweep::Outcome::Planned(plan) => print(&plan, session),
                 kappa_sweep::Outcome::Config(text) => write(&text),
             },

@@ -279,3 +279,63 @@ fn a_text_scan_brings_its_size_and_its_wrap_around_is_stated() {
     assert!(number(&mirrored, "rms_gradient") < 0.5 * number(&raw, "rms_gradient"));
     assert!(mirrored["surface"].as_str().unwrap().contains("mirrored") && !quiet.contains("WARN"), "{quiet}");
 }
+
+#[test]
+fn a_file_has_the_fields_that_were_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let contact = "contact --n 32 --eps-f-inv 8 --p-star 0.05,0.1 --resume";
+    assert!(run(&format!("{contact} --out all.h5")).status.success());
+    let all = Reader::open(folder.path().join("all.h5")).unwrap();
+    for (fields, names) in [
+        ("none", &[][..]),
+        ("gap", &["gap"]),
+        ("gap,pressure", &["gap", "pressure"]),
+        ("pressure,displacement_z,gap", &["displacement_z", "gap", "pressure"]),
+    ] {
+        let output = run(&format!("{contact} --out some.h5 --fields {fields}"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let some = Reader::open(folder.path().join("some.h5")).unwrap();
+        let found =
+            some.names("/fields").into_iter().filter(|name| some.shape(&format!("/fields/{name}")).unwrap().len() == 3);
+        assert!(found.eq(names.iter().copied()), "{fields}: {:?}", some.names("/fields"));
+        for name in names.iter().map(|name| format!("/fields/{name}")) {
+            assert_eq!(some.values::<f64>(&name).unwrap(), all.values::<f64>(&name).unwrap());
+        }
+        assert_eq!(some.values::<f64>("/loads/kappa").unwrap(), all.values::<f64>("/loads/kappa").unwrap());
+        drop(some);
+        let check = run("check some.h5");
+        assert!(check.status.success(), "{fields}: {}", String::from_utf8_lossy(&check.stderr));
+        let missing = String::from_utf8_lossy(&check.stderr).contains("no /fields/pressure");
+        assert_eq!(missing, !fields.contains("pressure"), "{fields}");
+        let rerun = run("check some.h5 --rerun --json");
+        let report: Value = serde_json::from_slice(&rerun.stdout).unwrap();
+        assert!(report["differing"] == 0 && report["compared"].as_u64().unwrap() > 60, "{fields}: {report}");
+        assert!(run("report some.h5 --out some.html").status.success());
+    }
+    let below = run("body --surface all.h5 --levels 2 --deepest 0.1 --out below.vti");
+    assert!(below.status.success());
+    assert!(run(&format!("{contact} --out some.h5 --fields pressure")).status.success());
+    let below = run("body --surface some.h5 --levels 2 --deepest 0.1 --out below.vti");
+    let message = String::from_utf8_lossy(&below.stderr).into_owned();
+    assert!(
+        below.status.code() == Some(2) && message.contains("no /fields/displacement") && message.contains("pressure"),
+        "{message}"
+    );
+    for (bad, words) in [
+        ("heat", "some of pressure, displacement_z, gap"),
+        ("gap,none", "none, or some"),
+        ("plastic_depth", "--hardness"),
+    ] {
+        let refused = run(&format!("{contact} --out bad.h5 --fields {bad}"));
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && message.contains(words), "{message}");
+    }
+    assert!(
+        run("contact --n 32 --eps-f-inv 8 --p-star 0.3 --hardness 0.05 --out p.h5 --fields plastic_depth")
+            .status
+            .success()
+    );
+    let file = Reader::open(folder.path().join("p.h5")).unwrap();
+    assert!(file.contains("/fields/plastic_depth") && !file.contains("/fields/pressure"));
+}

@@ -20,8 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::gfmd;
-use gfmd_files::Reader;
+use common::{gfmd, numbers};
 
 const SWEEP: &str = "
 [points]
@@ -65,9 +64,6 @@ const SMALL: [&str; 8] = [
 
 /// The commands that keep finished parts.
 const RESUMABLE: [&str; 6] = ["sweep", "contact", "relaxation", "law", "path", "loop"];
-
-/// Scalars that differ between identical runs.
-const VOLATILE: &str = "seconds";
 
 struct Case {
     name: &'static str,
@@ -141,33 +137,6 @@ fn kept(folder: &Path, out: &str, name: &str) -> usize {
     // The number of parts follows the checksum of the head.
     let state = std::fs::read(folder.join(format!("{out}.state"))).ok();
     state.map_or(0, |bytes| u64::from_le_bytes(bytes[64..72].try_into().unwrap()) as usize)
-}
-
-/// Every number of a file.
-fn numbers(path: &Path) -> BTreeMap<String, Vec<u64>> {
-    let mut all = BTreeMap::new();
-    if path.extension().is_some_and(|extension| extension == "vti") {
-        let bytes = std::fs::read(path).unwrap();
-        all.insert("bytes".into(), bytes.into_iter().map(u64::from).collect());
-        return all;
-    }
-    fn group(file: &Reader, path: &str, all: &mut BTreeMap<String, Vec<u64>>) {
-        for name in file.names(if path.is_empty() { "/" } else { path }) {
-            let member = format!("{path}/{name}");
-            if !file.contains(&member) {
-                group(file, &member, all);
-            } else if name != VOLATILE {
-                let values = match file.values::<f64>(&member) {
-                    Ok(values) => values.into_iter().map(f64::to_bits).collect(),
-                    Err(_) => file.texts(&member).unwrap().concat().bytes().map(u64::from).collect(),
-                };
-                all.insert(member, values);
-            }
-        }
-    }
-    let file = Reader::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    group(&file, "", &mut all);
-    all
 }
 
 /// The reference runs of all commands, in a folder with their inputs.

@@ -43,7 +43,7 @@ fn the_case_of_the_source_in_json_and_in_the_file() {
     let mean: f64 = traction.slice(ndarray::s![.., .., 2]).mean().unwrap();
     assert_relative_eq!(-mean, number(&report, "mean_pressure"), max_relative = 1e-12);
     assert_eq!(file.texts("/fields/component").unwrap(), ["x", "y", "z"]);
-    assert_eq!(file.values::<u8>("/fields/under_punch").unwrap().iter().filter(|under| **under == 1).count(), 961);
+    assert_eq!(file.values::<u64>("/fields/under_punch").unwrap().iter().filter(|under| **under == 1).count(), 961);
     for name in ["mean_pressure", "max_pressure", "residual", "transform_pairs", "effective_width"] {
         assert_eq!(file.values::<f64>(&format!("/punch/{name}")).unwrap(), [number(&report, name)]);
     }

@@ -9,7 +9,8 @@
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
 //! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
-//! - [`Reader`] reads values, for resuming and for input.
+//! - [`Reader`] reads values, for resuming and for input. It is written in Rust, the HDF5 library only writes: a damaged file can
+//!   end a process that reads it by the library.
 
 mod content;
 mod reader;
@@ -26,6 +27,7 @@ use std::path::PathBuf;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
+use crate::stored::Hdf5;
 use crate::{FileError, Output, Warnings};
 use scale::Scale;
 
@@ -150,8 +152,10 @@ impl<'a> Archive<'a> {
         for scale in self.scales.values() {
             scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }
-        let sum = self.file()?.flush().and_then(|()| content::checksum(self.file.as_ref().ok_or("closed")?));
-        self.attribute("/", content::NAME, sum.map_err(|error| self.failed("(checksum)", &error))?)?;
+        self.file()?.flush().map_err(|error| self.failed("(checksum)", &error))?;
+        let sum = Hdf5::open(&part).and_then(|file| content::checksum(&file));
+        let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
+        self.attribute("/", content::NAME, sum.map_err(unreadable)?)?;
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());
             if let Err(error) = closed {

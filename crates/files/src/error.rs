@@ -121,10 +121,6 @@ impl FileError {
     pub(crate) fn write(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
         Self::Write { path: path.into(), variable: variable.into(), reason: reason(error) }
     }
-
-    pub(crate) fn read(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
-        Self::Read { path: path.into(), variable: variable.into(), reason: reason(error) }
-    }
 }
 
 fn listed(names: &[String]) -> String {

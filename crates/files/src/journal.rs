@@ -54,7 +54,7 @@ pub enum JournalError {
     },
 }
 
-/// A journal open for writing.
+/// An open journal.
 pub struct Journal {
     path: PathBuf,
     records: Mutex<Records<File>>,
@@ -69,8 +69,22 @@ impl Journal {
         let failed = |source| JournalError::Io { action: "open", path: path.into(), source };
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         sync_folder(folder(path)).map_err(failed)?;
-        let records = Records::open(file, head).map_err(|unusable| match unusable {
-            Unusable::Io(source) => failed(source),
+        Self::of(path, Records::open(file, head))
+    }
+
+    /// Reads the journal at `path` of the work that `head` identifies, also while another process writes to it, and changes
+    /// nothing. Nothing can be appended.
+    ///
+    /// # Errors
+    /// A journal of other work, or a damaged one; a file that cannot be read.
+    pub fn look(path: &Path, head: &[u8]) -> Result<Self, JournalError> {
+        let failed = |source| JournalError::Io { action: "open", path: path.into(), source };
+        Self::of(path, Records::look(File::open(path).map_err(failed)?, head))
+    }
+
+    fn of(path: &Path, records: Result<Records<File>, Unusable>) -> Result<Self, JournalError> {
+        let records = records.map_err(|unusable| match unusable {
+            Unusable::Io(source) => JournalError::Io { action: "open", path: path.into(), source },
             Unusable::NoJournal => JournalError::NoJournal { path: path.into() },
             Unusable::Other => JournalError::Other { path: path.into() },
             Unusable::Damaged { record } => {

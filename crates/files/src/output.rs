@@ -19,19 +19,9 @@ impl Output {
     /// another process holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is
     /// no regular file: renaming a result to a device or a pipe would destroy it.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref().to_path_buf();
-        let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
-        if path.file_name().is_none() || path.is_dir() {
-            return Err(refuse("it is a folder; it must be a file name"));
-        }
-        let path = followed(&path)?;
-        let refuse = |reason: &str| FileError::Target { path: path.clone(), reason: reason.into() };
-        for path in [path.clone(), beside(&path, ".lock"), beside(&path, ".part")] {
+        let path = target(path.as_ref())?;
+        for path in [beside(&path, ".lock"), beside(&path, ".part")] {
             check_regular(&path)?;
-        }
-        let folder = folder(&path);
-        if !folder.is_dir() {
-            return Err(refuse(&format!("there is no folder {}", folder.display())));
         }
         let lock_path = beside(&path, ".lock");
         // The last holder may unlink the lock file after this process has opened it, and another process may then
@@ -53,6 +43,15 @@ impl Output {
             }
         }
         Err(FileError::Busy { path })
+    }
+
+    /// Claims `NAME` + `suffix` beside `path` in place of `path` itself, for a process that does a share of its work. Fails
+    /// if `path` could not be claimed by a process that comes later, or as [`claim`](Self::claim) does.
+    ///
+    /// # Errors
+    /// A claim that another process holds; paths at which there can be no file.
+    pub fn claim_beside(path: &Path, suffix: &str) -> Result<Self, FileError> {
+        Self::claim(beside(&target(path)?, suffix))
     }
 
     /// The path of the target.
@@ -126,6 +125,24 @@ impl Drop for Output {
         let _ = fs::remove_file(beside(&self.path, ".lock"));
         let _ = self.lock.unlock();
     }
+}
+
+/// The path of a file to be written, which need not exist; of a symbolic link, the file to which it points.
+///
+/// # Errors
+/// A folder, a device or a pipe; a path in no folder.
+pub fn target(path: &Path) -> Result<PathBuf, FileError> {
+    let refuse = |path: &Path, reason: &str| FileError::Target { path: path.into(), reason: reason.into() };
+    if path.file_name().is_none() || path.is_dir() {
+        return Err(refuse(path, "it is a folder; it must be a file name"));
+    }
+    let path = followed(path)?;
+    check_regular(&path)?;
+    let folder = folder(&path);
+    if !folder.is_dir() {
+        return Err(refuse(&path, &format!("there is no folder {}", folder.display())));
+    }
+    Ok(path)
 }
 
 /// The path itself, or the file to which a symbolic link points.

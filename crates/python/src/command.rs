@@ -84,6 +84,7 @@ fn report(command: &Command, session: &Session) -> Report {
         Command::Law(args) => whole(&law::run(args)?, session),
         Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
             kappa_sweep::Outcome::Done(report) => whole(&*report, session),
+            kappa_sweep::Outcome::Shard(report) => whole(&report, session),
             kappa_sweep::Outcome::Planned(plan) => whole(&plan, session),
             kappa_sweep::Outcome::Config(text) => {
                 Ok((json::to_string(&text).map_err(|error| Failure::Computation(error.to_string()))?, None))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_cli::contact::ContactFile;
+use gfmd_cli::contact::{Chosen, ContactFile};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recording};
 use gfmd_cli::session::{Common, Session};
@@ -49,7 +49,8 @@ pub(crate) fn save(
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
         let recording = Recording::plain(with_law, boundary);
-        let mut file = ContactFile::create(&output, &session.provenance(config), &surface, records.len(), recording)?;
+        let provenance = session.provenance(config);
+        let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
             file.write_fields(index, [pressure, displacement, gap].map(|field| field.view().into()))?;
         }

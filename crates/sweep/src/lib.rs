@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Config`] | the values that a user chooses; presets by name |
 //! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
-//! | [`run()`] | the loads of every run, [`Pressed`]; [`run_one`] computes a single run |
+//! | [`run()`] | the loads of every run, [`Pressed`]; [`run_shard`] computes a shard of the runs, [`run_one`] a single one |
 //! | [`Analysis`] | kappa of every point and load, the extrapolations, and the former practice, one axis at a time ([`Protocol`]) |
 //! | [`Study`] | all of these steps, in one call |
 //!
@@ -45,6 +45,7 @@ mod preset;
 mod pressed;
 mod protocol;
 mod run;
+mod shard;
 mod study;
 mod words;
 
@@ -58,5 +59,6 @@ pub use plan::{Plan, Point, Run};
 pub use preset::Preset;
 pub use pressed::Pressed;
 pub use protocol::{Arm, Curve, Estimated, Protocol};
-pub use run::{Example, Keep, run, run_one};
+pub use run::{Example, Keep, run, run_one, run_shard};
+pub use shard::{Shard, ShardError};
 pub use study::Study;

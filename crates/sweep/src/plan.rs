@@ -26,7 +26,16 @@ impl Point {
     pub fn n(&self) -> usize {
         self.grid.points()[0]
     }
+
+    /// True if realisations are computed side by side, one on each thread. On larger grids all threads work on one
+    /// realisation.
+    pub fn is_small(&self) -> bool {
+        self.grid.is_line() || self.n() <= SIDE_BY_SIDE
+    }
 }
+
+/// The largest number of points along one axis of a square for which realisations are computed side by side.
+const SIDE_BY_SIDE: usize = 512;
 
 /// One realisation of the surface of one point, pressed with all loads of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]

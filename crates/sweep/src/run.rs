@@ -11,7 +11,7 @@ use ndarray::Array2;
 use rayon::prelude::*;
 
 use crate::config::{Control, refusal};
-use crate::{Plan, Point, Pressed, Run, SweepError};
+use crate::{Plan, Point, Pressed, Run, Shard, SweepError};
 
 /// A store of the finished runs of a sweep, from which the sweep can be continued, and a request to stop. Every method is
 /// called from several threads. `()` keeps nothing and never stops.
@@ -37,20 +37,31 @@ pub trait Keep: Sync {
 
 impl Keep for () {}
 
-/// The largest number of points along one axis of a square for which realisations are computed in parallel. On larger grids
-/// all threads work on one realisation.
-const SIDE_BY_SIDE: usize = 512;
-
 /// Computes the runs that `keep` does not recall, point by point. Returns the loads of every run, in the order of
 /// [`Plan::runs`].
 ///
 /// # Errors
 /// A contact that did not converge, a run that could not be kept, an interruption.
 pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
-    let mut all = Vec::with_capacity(plan.runs.len());
-    for (index, point) in plan.points.iter().enumerate() {
+    run_all(plan, &(0..plan.runs.len()).collect::<Vec<_>>(), keep)
+}
+
+/// Computes the runs of one shard that `keep` does not recall, so that a sweep can be distributed over many processes. Returns
+/// the loads of each run, in the order of [`Plan::runs_of_shard`].
+///
+/// # Errors
+/// A contact that did not converge, a run that could not be kept, an interruption.
+pub fn run_shard(plan: &Plan, shard: Shard, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
+    run_all(plan, &plan.runs_of_shard(shard), keep)
+}
+
+/// Computes the runs of these indices, which ascend.
+fn run_all(plan: &Plan, runs: &[usize], keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
+    let mut all = Vec::with_capacity(runs.len());
+    for runs in runs.chunk_by(|a, b| plan.runs[*a].point == plan.runs[*b].point) {
+        let point = &plan.points[plan.runs[runs[0]].point];
         let (recalled, open): (Vec<_>, Vec<_>) =
-            plan.runs_of(index).map(|run| (run, keep.recall(run))).partition(|(_, loads)| loads.is_some());
+            runs.iter().map(|run| (*run, keep.recall(*run))).partition(|(_, loads)| loads.is_some());
         let mut loads = recalled;
         if !open.is_empty() {
             let bench = Bench::new(plan, point)?;
@@ -59,7 +70,7 @@ pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError
                 keep.keep(run, &loads).map_err(SweepError::Keep)?;
                 Ok((run, Some(loads)))
             };
-            let computed: Result<Vec<_>, SweepError> = if point.grid.is_line() || point.n() <= SIDE_BY_SIDE {
+            let computed: Result<Vec<_>, SweepError> = if point.is_small() {
                 open.into_par_iter().map(one).collect()
             } else {
                 open.into_iter().map(one).collect()
@@ -72,7 +83,7 @@ pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError
     Ok(all)
 }
 
-/// Computes one run and recalls nothing, so that a sweep can be distributed over many machines.
+/// Computes one run and recalls nothing.
 ///
 /// # Errors
 /// A run number that is not in the plan, a contact that did not converge, an interruption.
@@ -99,14 +110,19 @@ pub struct Example {
 const EXAMPLE_POINTS: usize = 1024;
 
 impl Example {
+    /// The index of the point of the example of a plan.
+    pub fn point(plan: &Plan) -> usize {
+        let moderate = |point: &Point| point.grid.is_line() || point.n() <= EXAMPLE_POINTS;
+        let candidates = (0..plan.points.len()).filter(|index| moderate(&plan.points[*index]));
+        candidates.max_by_key(|index| plan.points[*index].n()).unwrap_or(0)
+    }
+
     /// Computes the example of a plan.
     ///
     /// # Errors
     /// A contact that did not converge, an interruption.
     pub fn new(plan: &Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
-        let moderate = |point: &Point| point.grid.is_line() || point.n() <= EXAMPLE_POINTS;
-        let candidates = (0..plan.points.len()).filter(|index| moderate(&plan.points[*index]));
-        let index = candidates.max_by_key(|index| plan.points[*index].n()).unwrap_or(0);
+        let index = Self::point(plan);
         let (point, run) = (plan.points[index], plan.runs[plan.runs_of(index).start]);
         let bench = Bench::new(plan, &point)?;
         let heights = bench.heights(&run)?;

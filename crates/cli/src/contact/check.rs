@@ -8,7 +8,7 @@ use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
 use gfmd_response::NormalResponse;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{Measured, Stored, arrays, through};
 use super::{Args, Prepared};
@@ -36,10 +36,18 @@ pub(crate) fn check(
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient: surface.rms_gradient() };
     let solved = |field: &Array2<f64>| field.iter().all(|value| value.is_finite());
-    let count = reader.shape("/fields/pressure")?.first().copied().unwrap_or(0);
+    let count = reader.shape("/loads/mean_pressure")?.first().copied().unwrap_or(0);
     if count != controls.len() {
         comparison
-            .differ("/fields/pressure", format!("it has {count} loads; the configuration has {}", controls.len()));
+            .differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {}", controls.len()));
+    }
+    let needed = if args.law.law == Kind::HardWall { "/fields/pressure" } else { "/fields/gap" };
+    if args.fields.is_some() && !reader.contains(needed) {
+        session.warn(
+            "fields-missing",
+            format!("the file has no {needed}, from which loads are recomputed; --rerun solves them"),
+        );
+        return Ok(());
     }
     let tolerance = args.solver.tol;
     let recording = prepared.recording(&args);
@@ -109,14 +117,18 @@ impl Checked<'_> {
             ("/fields/gap", state.gap().iter().copied().collect()),
         ];
         let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
-        for (path, values) in fields.iter().chain(&depth) {
+        for (path, values) in fields.iter().chain(&depth).filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
         let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
         let mut record = record.stiff(stiffness.filter(|_| record.converged));
         if recording.statistics || recording.flow {
             // From the fields of the file: a number that rounding moves to another bin would be a difference.
-            let (repulsion, gap) = (self.field("pressure", index)?.mapv(|p| p.max(0.0)), self.field("gap", index)?);
+            let stored = |name: &str, made: ArrayView2<f64>| {
+                if reader.contains(&format!("/fields/{name}")) { self.field(name, index) } else { Ok(made.to_owned()) }
+            };
+            let repulsion = stored("pressure", state.pressure().view())?.mapv(|p| p.max(0.0));
+            let gap = stored("gap", state.gap())?;
             if recording.statistics {
                 let modulus = scales.contact_modulus;
                 self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);

@@ -1,12 +1,15 @@
 //! The HDF5 file of a contact.
 
 use std::borrow::Cow;
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
 use ndarray::{CowArray, Ix2};
+use serde::{Serialize, Serializer};
 
 use super::statistics::{self, Measured};
 use crate::convergence::NotConverged;
@@ -18,6 +21,7 @@ use crate::source::Surface;
 pub struct ContactFile<'a> {
     archive: Archive<'a>,
     recording: Recording,
+    chosen: Chosen,
 }
 
 const FIELDS: [(&str, &str, &str); 3] = [
@@ -30,9 +34,79 @@ const FIELDS: [(&str, &str, &str); 3] = [
 const PLASTIC_DEPTH: (&str, &str, &str) =
     ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching");
 
-/// The names of the fields, in the order of [`ContactFile::fields`].
-fn paths() -> impl Iterator<Item = &'static str> {
-    FIELDS.into_iter().chain([PLASTIC_DEPTH]).map(|(path, ..)| path)
+/// The fields of each load that go into a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chosen([bool; 4]);
+
+/// Words that name no fields.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("it must be none, or some of {}, with commas between them", names().collect::<Vec<_>>().join(", "))]
+pub struct ChosenError;
+
+fn all() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    FIELDS.into_iter().chain([PLASTIC_DEPTH])
+}
+
+/// The names of the fields, in the order of a state's.
+fn names() -> impl Iterator<Item = &'static str> {
+    all().map(|(path, ..)| path.trim_start_matches("/fields/"))
+}
+
+impl Chosen {
+    /// All fields.
+    pub const ALL: Self = Self([true; 4]);
+
+    /// True if the depth of plastic indentation is among them, and named as such.
+    pub(super) fn names_plastic_depth(&self) -> bool {
+        *self != Self::ALL && self.0[3]
+    }
+
+    /// The places of pressure and gap among the chosen fields, if both are.
+    pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
+        let place = |field: usize| self.of(0..4).position(|chosen| chosen == field);
+        Some([place(0)?, place(2)?])
+    }
+
+    /// The chosen ones of the items that belong to the fields of a state.
+    fn of<T>(&self, items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+        items.into_iter().zip(self.0).filter(|(_, chosen)| *chosen).map(|(item, _)| item)
+    }
+
+    /// The chosen fields of a state, in the order of the file: pressure, displacement and gap, with a hardness also plastic
+    /// depth.
+    pub(super) fn fields<'s>(&self, state: &'s impl Recorded) -> Vec<CowArray<'s, f64, Ix2>> {
+        let mut fields = vec![state.pressure(), state.displacement_z().into(), state.gap().into()];
+        fields.extend(state.plastic().map(|plastic| plastic.depth.view().into()));
+        self.of(fields).collect()
+    }
+}
+
+impl FromStr for Chosen {
+    type Err = ChosenError;
+
+    fn from_str(text: &str) -> Result<Self, ChosenError> {
+        let mut chosen = [false; 4];
+        if text == "none" {
+            return Ok(Self(chosen));
+        }
+        for word in text.split(',') {
+            chosen[names().position(|name| name == word).ok_or(ChosenError)?] = true;
+        }
+        Ok(Self(chosen))
+    }
+}
+
+impl fmt::Display for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<&str> = self.of(names()).collect();
+        f.write_str(&if names.is_empty() { "none".into() } else { names.join(",") })
+    }
+}
+
+impl Serialize for Chosen {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 impl<'a> ContactFile<'a> {
@@ -46,17 +120,19 @@ impl<'a> ContactFile<'a> {
         surface: &Surface,
         loads: usize,
         recording: Recording,
+        chosen: Chosen,
     ) -> Result<Self, Failure> {
         let mut archive = Archive::create(output, provenance)?;
         let load = Dimension::index("load", loads, "load step");
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         surface.write(&mut archive, [&x, &y])?;
-        for (path, units, long_name) in FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH)) {
+        let fields = FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH));
+        for (path, units, long_name) in chosen.of(fields) {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive, recording })
+        Ok(Self { archive, recording, chosen })
     }
 
     /// Writes the fields of one state.
@@ -64,14 +140,7 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&mut self, index: usize, state: &impl Recorded) -> Result<(), Failure> {
-        self.write_fields(index, Self::fields(state))
-    }
-
-    /// The fields of a state, in the order of the file: pressure, displacement and gap, with a hardness also plastic depth.
-    pub fn fields(state: &impl Recorded) -> Vec<CowArray<'_, f64, Ix2>> {
-        let mut fields = vec![state.pressure(), state.displacement_z().into(), state.gap().into()];
-        fields.extend(state.plastic().map(|plastic| plastic.depth.view().into()));
-        fields
+        self.write_fields(index, self.chosen.fields(state))
     }
 
     /// As [`write`](Self::write), from the values of the fields row by row.
@@ -79,13 +148,13 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
-        for (path, field) in paths().zip(fields) {
+        for ((path, ..), field) in self.chosen.of(all()).zip(fields) {
             self.archive.write_slab(path, index, field)?;
         }
         Ok(())
     }
 
-    /// Writes the fields of one load, in the order of [`fields`](Self::fields).
+    /// Writes the chosen fields of one load, in the order pressure, displacement, gap, plastic depth.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -94,7 +163,7 @@ impl<'a> ContactFile<'a> {
         index: usize,
         fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
     ) -> Result<(), Failure> {
-        for (path, field) in paths().zip(fields) {
+        for ((path, ..), field) in self.chosen.of(all()).zip(fields) {
             self.archive.write_slab(path, index, field.as_standard_layout().as_slice().unwrap_or_default())?;
         }
         Ok(())

@@ -108,14 +108,20 @@ impl Journal {
             let reason = "the journal of an unfinished sweep exists; continue it with --resume, or delete it";
             return Err(Failure::input(&path.display().to_string(), reason));
         }
-        let head = Head { version: env!("CARGO_PKG_VERSION").into(), config: config.into() };
-        let head = json::to_string(&head).map_err(|error| Failure::Computation(error.to_string()))?;
-        let records = Records::open(path, head.as_bytes())?;
+        let records = Records::open(path, head(config)?.as_bytes())?;
         let finished = runs(&records, size)?;
         if !finished.is_empty() {
             tracing::info!("finished parts taken over: {} of {}", finished.len(), size.runs);
         }
         Ok((Self(records), finished))
+    }
+
+    /// The finished runs of a journal, which is left as it is.
+    ///
+    /// # Errors
+    /// A journal that belongs to another sweep, or that has an unusable record; a file that cannot be read.
+    pub(super) fn look(path: &Path, config: &str, size: Size) -> Result<Finished, Failure> {
+        runs(&Records::look(path, head(config)?.as_bytes())?, size)
     }
 
     /// Records a finished run.
@@ -141,6 +147,12 @@ impl Journal {
             tracing::info!("{error}");
         }
     }
+}
+
+/// The head of the journals of a sweep.
+fn head(config: &str) -> Result<String, Failure> {
+    let head = Head { version: env!("CARGO_PKG_VERSION").into(), config: config.into() };
+    json::to_string(&head).map_err(|error| Failure::Computation(error.to_string()))
 }
 
 /// The runs of a journal.

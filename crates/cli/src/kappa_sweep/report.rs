@@ -5,11 +5,12 @@ use std::path::PathBuf;
 
 use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
-use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Study};
+use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Shard, Study};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
 use super::protocol::ProtocolReport;
+use super::{CONTACT_BYTES, PROGRAM_BYTES};
 use crate::failure::Failure;
 use crate::memory::Held;
 use crate::session::list_files;
@@ -298,13 +299,36 @@ impl fmt::Display for Headline<'_> {
     }
 }
 
+/// What a shard did, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct ShardReport {
+    pub shard: String,
+    pub runs: usize,
+    pub all_runs: usize,
+    pub journal: PathBuf,
+    pub seconds: f64,
+    pub peak_bytes: u64,
+}
+
+impl fmt::Display for ShardReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { shard, runs, all_runs, journal, seconds, peak_bytes } = self;
+        writeln!(f, "shard {shard}: {runs} of {all_runs} runs are in {}; --merge makes the result", journal.display())?;
+        writeln!(f, "{seconds:.0} s, {:.2} GiB at the peak", *peak_bytes as f64 / f64::from(1 << 30))
+    }
+}
+
 /// The output of `--dry-run`.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PlanReport {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shard: Option<String>,
     pub points: Vec<PlannedPoint>,
     pub loads: Vec<f64>,
     pub runs: usize,
+    pub threads: usize,
     pub seconds: f64,
     pub memory_bytes: u64,
 }
@@ -323,33 +347,38 @@ pub struct PlannedPoint {
 }
 
 impl PlanReport {
-    /// Estimates memory and time of a plan on this machine.
+    /// Estimates memory and time of these runs of a plan on this machine.
     ///
     /// # Errors
     /// None on a machine that can transform a small grid.
-    pub fn new(plan: &Plan) -> Result<Self, Failure> {
+    pub fn new(plan: &Plan, runs: &[usize], shard: Option<Shard>) -> Result<Self, Failure> {
         let pair = seconds_per_pair()?;
-        let points: Vec<PlannedPoint> = (plan.points.iter().enumerate())
-            .map(|(index, point)| {
-                let realisations = plan.runs_of(index).len();
-                PlannedPoint {
-                    dim: plan.config.surface.dim,
-                    hurst: point.hurst,
-                    eps_t_inv: point.discretisation.eps_t_inv,
-                    eps_f_inv: point.discretisation.eps_f_inv,
-                    eps_c_inv: point.discretisation.eps_c_inv,
-                    n: point.n(),
-                    realisations,
-                    memory_bytes: Held::HARD_WALL.bytes(point.grid.points()),
-                    seconds: plan.work(point) * pair * realisations as f64,
-                }
-            })
-            .collect();
+        let threads = rayon::current_num_threads();
+        let mut points: Vec<PlannedPoint> = Vec::new();
+        for runs in runs.chunk_by(|a, b| plan.runs[*a].point == plan.runs[*b].point) {
+            let point = &plan.points[plan.runs[runs[0]].point];
+            let side_by_side = if point.is_small() { threads.min(runs.len()) } else { 1 };
+            points.push(PlannedPoint {
+                dim: plan.config.surface.dim,
+                hurst: point.hurst,
+                eps_t_inv: point.discretisation.eps_t_inv,
+                eps_f_inv: point.discretisation.eps_f_inv,
+                eps_c_inv: point.discretisation.eps_c_inv,
+                n: point.n(),
+                realisations: runs.len(),
+                memory_bytes: Held::HARD_WALL.bytes(point.grid.points()).saturating_mul(side_by_side as u64),
+                seconds: plan.work(point) * pair * runs.len() as f64,
+            });
+        }
+        let contacts = (runs.len() * plan.config.loads.p_star.len()) as u64;
+        let largest = points.iter().map(|point| point.memory_bytes).max().unwrap_or(0);
         Ok(Self {
+            shard: shard.map(|shard| shard.to_string()),
             loads: plan.config.loads.p_star.clone(),
-            runs: plan.runs.len(),
+            runs: runs.len(),
+            threads,
             seconds: points.iter().map(|point| point.seconds).sum(),
-            memory_bytes: points.iter().map(|point| point.memory_bytes).max().unwrap_or(0),
+            memory_bytes: largest.saturating_add(contacts.saturating_mul(CONTACT_BYTES)).saturating_add(PROGRAM_BYTES),
             points,
         })
     }
@@ -379,10 +408,12 @@ impl fmt::Display for PlanReport {
         }
         writeln!(
             f,
-            "\n{} runs with {} loads each, about {:.0} s here, at most {:.0} MiB",
+            "\n{}{} runs with {} loads each, about {:.0} s here on {} threads, at most {:.0} MiB",
+            self.shard.as_ref().map(|shard| format!("shard {shard}: ")).unwrap_or_default(),
             self.runs,
             self.loads.len(),
             self.seconds,
+            self.threads,
             mebibytes(self.memory_bytes)
         )
     }

@@ -1,7 +1,10 @@
 //! Runs the program as a user would.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
+
+use gfmd_files::Reader;
 
 /// A sweep of seconds.
 #[allow(dead_code, reason = "not every test file makes a sweep")]
@@ -34,4 +37,32 @@ pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let output = gfmd(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}"))
+}
+
+/// Every number of a file, but for the seconds, which differ between identical runs.
+#[allow(dead_code, reason = "not every test file reads results")]
+pub(crate) fn numbers(path: &Path) -> BTreeMap<String, Vec<u64>> {
+    let mut all = BTreeMap::new();
+    if path.extension().is_some_and(|extension| extension == "vti") {
+        let bytes = std::fs::read(path).unwrap();
+        all.insert("bytes".into(), bytes.into_iter().map(u64::from).collect());
+        return all;
+    }
+    fn group(file: &Reader, path: &str, all: &mut BTreeMap<String, Vec<u64>>) {
+        for name in file.names(if path.is_empty() { "/" } else { path }) {
+            let member = format!("{path}/{name}");
+            if !file.contains(&member) {
+                group(file, &member, all);
+            } else if name != "seconds" {
+                let values = match file.values::<f64>(&member) {
+                    Ok(values) => values.into_iter().map(f64::to_bits).collect(),
+                    Err(_) => file.texts(&member).unwrap().concat().bytes().map(u64::from).collect(),
+                };
+                all.insert(member, values);
+            }
+        }
+    }
+    let file = Reader::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    group(&file, "", &mut all);
+    all
 }

@@ -129,6 +129,53 @@ fn a_changed_value_shape_or_attribute_is_noticed() {
     assert_eq!(read(&empty).is_intact().unwrap(), None);
 }
 
+/// A file with damaged bytes, or cut, is an error or noticed, or the bytes were nobody's: all that can be read is as it was.
+#[test]
+fn a_damaged_file_neither_ends_the_process_nor_goes_unnoticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    write_all(&path);
+    let good = fs::read(&path).unwrap();
+    let content = |file: &Reader| -> Result<Vec<u64>, crate::FileError> {
+        let mut bits = Vec::new();
+        for group in ["/loads", "/surface", "/fields", "/fit"] {
+            for name in file.names(group) {
+                let name = format!("{group}/{name}");
+                match file.values::<f64>(&name) {
+                    Ok(values) => bits.extend(values.into_iter().map(f64::to_bits)),
+                    Err(_) => bits.extend(file.texts(&name)?.into_iter().flat_map(String::into_bytes).map(u64::from)),
+                }
+            }
+        }
+        Ok(bits)
+    };
+    let expected = content(&Reader::open(&path).unwrap()).unwrap();
+    let (mut state, mut noticed) = (1_u64, 0);
+    let mut random = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    const CASES: usize = 800;
+    for case in 0..CASES {
+        let mut bad = good.clone();
+        match case % 10 {
+            0 => bad.truncate(random(good.len())),
+            _ => {
+                let (place, flip) = (random(good.len()), 1 + random(255) as u8);
+                let length = 1 + random(16);
+                bad[place..].iter_mut().take(length).for_each(|byte| *byte ^= flip);
+            }
+        }
+        fs::write(&path, &bad).unwrap();
+        let found = Reader::open(&path).and_then(|file| Ok((file.is_intact()?, content(&file)?)));
+        match found {
+            Ok((Some(true), found)) => assert!(found == expected, "case {case}"),
+            _ => noticed += 1,
+        }
+    }
+    assert!(noticed > CASES / 2, "{noticed}");
+}
+
 #[test]
 fn equal_content_gives_equal_bytes() {
     let folder = tempfile::tempdir().unwrap();

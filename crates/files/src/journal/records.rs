@@ -111,20 +111,34 @@ pub(super) struct Records<F> {
 impl<F: Storage> Records<F> {
     /// Reads all records, removes an incomplete one at the end, and writes the head if there is none.
     pub(super) fn open(file: F, head: &[u8]) -> Result<Self, Unusable> {
+        let (mut records, torn) = Self::find(file, head)?;
+        if torn {
+            records.file.cut(records.whole)?;
+            records.file.sync()?;
+        }
+        if records.places.is_empty() {
+            records.append(&[head])?;
+        }
+        Ok(records)
+    }
+
+    /// Reads all whole records and changes nothing.
+    pub(super) fn look(file: F, head: &[u8]) -> Result<Self, Unusable> {
+        Ok(Self::find(file, head)?.0)
+    }
+
+    /// Finds all whole records, and whether an incomplete one follows them.
+    fn find(file: F, head: &[u8]) -> Result<(Self, bool), Unusable> {
         let mut records = Self { file, places: Vec::new(), whole: 0, broken: false };
         let length = records.file.length()?;
         loop {
             match records.next(length)? {
-                Next::End => break,
+                Next::End => return Ok((records, false)),
                 Next::Whole(size) => records.add(size),
                 Next::Torn if records.places.is_empty() && !records.is_begun(length, head)? => {
                     return Err(Unusable::NoJournal);
                 }
-                Next::Torn => {
-                    records.file.cut(records.whole)?;
-                    records.file.sync()?;
-                    break;
-                }
+                Next::Torn => return Ok((records, true)),
                 Next::Damaged if records.places.is_empty() => return Err(Unusable::NoJournal),
                 Next::Damaged => return Err(Unusable::Damaged { record: records.places.len() + 1 }),
             }
@@ -132,10 +146,6 @@ impl<F: Storage> Records<F> {
                 return Err(Unusable::Other);
             }
         }
-        if records.places.is_empty() {
-            records.append(&[head])?;
-        }
-        Ok(records)
     }
 
     /// Returns true if the file contains the beginning of a journal with this head, or zeros after a loss of power.
@@ -363,6 +373,19 @@ mod tests {
             }
             assert!(left >= 12, "hardly anything was interrupted: {left}");
         }
+    }
+
+    #[test]
+    fn a_look_finds_the_whole_records_and_changes_nothing() {
+        let torn = [journal(&[1, 2]), framed(&record(3))[..LINE + 5].to_vec()].concat();
+        for (content, count) in [(journal(&[1, 2]), 2), (torn, 2), (journal(&[])[..30].to_vec(), 0), (Vec::new(), 0)] {
+            let file = Mortal::on(&content, 0);
+            let disk = Rc::clone(&file.disk);
+            let mut records = Records::look(file, HEAD).unwrap();
+            assert_eq!(contents(&mut records), [1, 2].map(record)[..count]);
+            assert_eq!(disk.borrow().seen, content);
+        }
+        assert!(matches!(Records::look(Mortal::on(&journal(&[1]), 0), b"other"), Err(Unusable::Other)));
     }
 
     #[test]

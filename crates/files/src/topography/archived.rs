@@ -9,8 +9,8 @@
 
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
-use super::hdf5::Hdf5;
 use super::{shaped, two_dimensional};
+use crate::stored::Hdf5;
 
 pub(super) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open, first_line: FirstLine::Bottom };
 

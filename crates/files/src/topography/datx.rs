@@ -6,8 +6,9 @@
 
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
-use super::hdf5::{Field, Hdf5};
+use super::records::{Field, records};
 use super::shaped;
+use crate::stored::Hdf5;
 
 pub(super) const FORMAT: Format = Format { name: "Zygo Mx", sniff, open, first_line: FirstLine::Top };
 
@@ -20,7 +21,7 @@ fn sniff(file: &File) -> bool {
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let reader = file.hdf5()?;
-    let links = reader.records("/MetaData", None)?;
+    let links = records(&reader, "/MetaData", None)?;
     let mut path = "Root".to_owned();
     for link in ["Measurement", "Surface", "Path"] {
         path = follow(&links, &path, link)?;
@@ -78,7 +79,7 @@ fn read(reader: &Hdf5, path: &str, points: [usize; 2], unit: String) -> Result<M
 
 /// The category, the unit and the parameters of a converter.
 fn converter(reader: &Hdf5, path: &str, name: &str) -> Result<(String, String, Vec<f64>), String> {
-    let records = reader.records(path, Some(name))?;
+    let records = records(reader, path, Some(name))?;
     match records.into_iter().next().as_deref() {
         Some([Field::Text(category), Field::Text(unit), .., Field::Numbers(parameters)]) => {
             Ok((category.clone(), unit.clone(), parameters.clone()))

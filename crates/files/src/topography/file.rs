@@ -5,9 +5,7 @@ use std::io::Read;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use hdf5_reader::Hdf5File;
-
-use super::hdf5::Hdf5;
+use crate::stored::Hdf5;
 
 /// The number of bytes that tell the format.
 const HEAD: u64 = 1 << 16;
@@ -72,14 +70,8 @@ impl File {
     /// Opens the file as HDF5.
     pub(super) fn hdf5(&self) -> Result<Hdf5, String> {
         match &self.path {
-            Some(path) => {
-                let length = fs::metadata(path).map_err(|error| error.to_string())?.len();
-                Hdf5::open(length as usize, |options| Hdf5File::open_with_options(path, options))
-            }
-            None => {
-                let bytes = self.bytes()?;
-                Hdf5::open(bytes.len(), |options| Hdf5File::from_bytes_with_options(bytes, options))
-            }
+            Some(path) => Hdf5::open(path),
+            None => Hdf5::from_bytes(self.bytes()?),
         }
     }
 
