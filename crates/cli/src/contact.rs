@@ -528,7 +528,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
             if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
                 let field = |values| ArrayView2::from_shape(shape, values);
-                let unusable = |error: ndarray::ShapeError| kept.unusable(index, &error.to_string());
+                let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
                 let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);
                 self.gather(index, &pressure, &gap, &mut record, gathered, false)?;
             }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gfmd_field::Grid;
 use gfmd_measure::theory::persson_pressure;
 use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Series};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use super::statistics::patches;
 use super::{Gathered, Report};
@@ -49,6 +49,39 @@ const MOST_LOADS: usize = 4;
 /// The decades of a logarithmic map below its largest value.
 const DECADES: f64 = 8.0;
 
+/// The map of a flux on a logarithmic scale.
+fn flux(surface: &Surface, flux: ArrayView2<f64>, axis: &str) -> LogMap {
+    let highest = flux.iter().copied().fold(0.0, f64::max).log10();
+    let least = highest - DECADES;
+    LogMap {
+        values: flux.iter().map(|flux| flux.log10().max(least)).collect(),
+        range: [least, highest],
+        label: format!("log_{{10}} of the flux along *{axis}*"),
+        grid: surface.grid,
+        unit: surface.unit().into(),
+    }
+}
+
+/// A map of logarithms.
+struct LogMap {
+    values: Vec<f64>,
+    range: [f64; 2],
+    label: String,
+    grid: Grid,
+    unit: String,
+}
+
+impl LogMap {
+    fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let mut drawn = field(&self.grid, &self.values, &self.label, &self.unit);
+        if let Drawn::Map(map) = &mut drawn {
+            map.below = Some(Below { threshold: self.range[0], label: "none".into() });
+            map.range = Some(self.range);
+        }
+        drawn.save(stem)
+    }
+}
+
 /// Draws what `--statistics` and `--flow` have measured: `PREFIX-patches` and `PREFIX-flow` of the last load,
 /// `PREFIX-pressures`, `PREFIX-gaps` and `PREFIX-spectrum` of up to four loads. `variance` is that of the pressure in full contact.
 pub(super) fn measured(
@@ -61,20 +94,11 @@ pub(super) fn measured(
 ) -> Result<Vec<PathBuf>, Failure> {
     let (grid, unit) = (&surface.grid, surface.unit());
     let mut files = Vec::new();
-    if let (Some(flow), false) = (&gathered.flow, grid.is_line()) {
-        if let Some(path) = flow.paths.iter().flatten().next() {
-            let highest = path.flux.iter().copied().fold(0.0, f64::max).log10();
-            let least = highest - DECADES;
-            let values: Vec<f64> = path.flux.iter().map(|flux| flux.log10().max(least)).collect();
-            let axis = if flow.paths[0].is_some() { "x" } else { "y" };
-            let label = format!("log_10 flux along *{axis}*, uniform mean gap = 0");
-            let mut drawn = field(grid, &values, &label, unit);
-            if let Drawn::Map(map) = &mut drawn {
-                map.below = Some(Below { threshold: least, label: "none".into() });
-                map.range = Some([least, highest]);
-            }
-            files.extend(drawn.save(&named(prefix, "flow"))?);
-        }
+    if let Some(flow) = &gathered.flow
+        && let Some(path) = flow.paths.iter().flatten().next()
+    {
+        let axis = if flow.paths[0].is_some() { "x" } else { "y" };
+        files.extend(flux(surface, path.flux.view(), axis).save(&named(prefix, "flow"))?);
     }
     if gathered.loads.is_empty() {
         return Ok(files);

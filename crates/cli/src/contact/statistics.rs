@@ -21,8 +21,16 @@ pub(super) struct Measured {
     patches: Vec<[f64; 5]>,
     pub(super) pressure: Distribution,
     pub(super) gap: Distribution,
-    /// Wavenumber and power spectral density, and the autocorrelation along x and y; of periodic fields only.
-    spectra: Option<(Vec<[f64; 2]>, [Vec<f64>; 2])>,
+    /// Of periodic fields only.
+    spectra: Option<Spectra>,
+}
+
+/// The spectrum of a pressure.
+struct Spectra {
+    /// Wavenumbers and power spectral densities.
+    radial: Vec<[f64; 2]>,
+    /// Autocorrelation along x and along y.
+    correlation: [Vec<f64>; 2],
 }
 
 /// What lies beyond the edges of a field with a boundary.
@@ -76,13 +84,13 @@ impl Measured {
 
     /// The wavenumbers and densities of the spectrum of the pressure.
     pub(super) fn spectrum(&self) -> Option<&[[f64; 2]]> {
-        self.spectra.as_ref().map(|spectra| &spectra.0[..])
+        self.spectra.as_ref().map(|spectra| &spectra.radial[..])
     }
 }
 
 /// The radially averaged spectrum of the pressure, and its autocorrelation along x and y over the variance, up to half of the
 /// cell.
-fn spectra(grid: &Grid, pressure: ArrayView2<f64>) -> Result<(Vec<[f64; 2]>, [Vec<f64>; 2]), Failure> {
+fn spectra(grid: &Grid, pressure: ArrayView2<f64>) -> Result<Spectra, Failure> {
     let unusable =
         |error: &dyn std::fmt::Display| Failure::Computation(format!("the spectrum of the pressure: {error}"));
     let spectrum = PowerSpectrum::of(&pressure.to_owned(), grid).map_err(|error| unusable(&error))?;
@@ -99,7 +107,7 @@ fn spectra(grid: &Grid, pressure: ArrayView2<f64>) -> Result<(Vec<[f64; 2]>, [Ve
     let [nx, ny] = grid.points();
     let relative = |index: usize| if correlation[0] > 0.0 { correlation[index] / correlation[0] } else { f64::NAN };
     let along_x = (0..=nx / 2).map(|i| relative(i % nx * ny)).collect();
-    Ok((radial, [along_x, (0..=ny / 2).map(|j| relative(j % ny)).collect()]))
+    Ok(Spectra { radial, correlation: [along_x, (0..=ny / 2).map(|j| relative(j % ny)).collect()] })
 }
 
 /// The flow through the gap, relative to a uniform gap equal to the mean gap.
@@ -152,13 +160,13 @@ pub(super) fn arrays(loads: &[Measured]) -> Vec<Stored> {
         Stored { path: "/distributions/gap_at", values: joined(&|load| load.gap.middles.clone()) },
     ];
     if loads.iter().all(|load| load.spectra.is_some()) {
-        let part = |of: &dyn Fn(&(Vec<[f64; 2]>, [Vec<f64>; 2])) -> Vec<f64>| {
+        let part = |of: &dyn Fn(&Spectra) -> Vec<f64>| {
             loads.iter().filter_map(|load| load.spectra.as_ref()).flat_map(of).collect::<Vec<f64>>()
         };
         stored.extend([
-            Stored { path: "/spectra/pressure", values: part(&|s| s.0.iter().map(|bin| bin[1]).collect()) },
-            Stored { path: "/spectra/autocorrelation_x", values: part(&|s| s.1[0].clone()) },
-            Stored { path: "/spectra/autocorrelation_y", values: part(&|s| s.1[1].clone()) },
+            Stored { path: "/spectra/pressure", values: part(&|s| s.radial.iter().map(|bin| bin[1]).collect()) },
+            Stored { path: "/spectra/autocorrelation_x", values: part(&|s| s.correlation[0].clone()) },
+            Stored { path: "/spectra/autocorrelation_y", values: part(&|s| s.correlation[1].clone()) },
         ]);
     }
     stored
@@ -178,11 +186,11 @@ pub(super) fn write(archive: &mut Archive, surface: &Surface, loads: &[Measured]
     let bin = Dimension::index("bin", BINS, "bin between zero and the largest value of the load");
     let [dx, dy] = surface.grid.spacing();
     let lag = |name: &str, spacing: f64, along: usize| {
-        let count = loads[0].spectra.as_ref().map_or(0, |spectra| spectra.1[along].len());
+        let count = loads[0].spectra.as_ref().map_or(0, |spectra| spectra.correlation[along].len());
         Dimension::values(name, (0..count).map(|k| k as f64 * spacing).collect(), unit, "distance")
     };
     let (lag_x, lag_y) = (lag("lag_x", dx, 0), lag("lag_y", dy, 1));
-    let wavenumbers = loads[0].spectra.iter().flat_map(|spectra| spectra.0.iter().map(|bin| bin[0])).collect();
+    let wavenumbers = loads[0].spectra.iter().flat_map(|spectra| spectra.radial.iter().map(|bin| bin[0])).collect();
     let wavenumber = Dimension::values("wavenumber", wavenumbers, "rad/length", "mean wavenumber of a ring");
     let (per_patch, per_bin) = ([&patch], [&load, &bin]);
     let (rings, along_x, along_y) = ([&load, &wavenumber], [&load, &lag_x], [&load, &lag_y]);
