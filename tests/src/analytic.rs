@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use gfmd_contact::{Load, Solution, Solver};
 use gfmd_field::Grid;
+use gfmd_green::{Body, Height, Material};
 use gfmd_measure::theory::{
-    Westergaard, hertz_line, hertz_point, johnson_area_at_low_load, johnson_area_near_full_contact,
+    Persson, Westergaard, hertz_line, hertz_point, johnson_area_at_low_load, johnson_area_near_full_contact,
     johnson_full_contact_pressure,
 };
 use gfmd_measure::{contact_area, pressure_statistics};
@@ -25,6 +26,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     checks.extend(hertz()?);
     checks.extend(flat_punch(reference)?);
     checks.extend(johnson(reference)?);
+    checks.extend(persson_slab(reference)?);
     checks.push(full_contact()?);
     Ok(checks)
 }
@@ -166,6 +168,39 @@ fn flat_punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     Ok([
         Check::at_least("flat strip punches: slowest order of the depth", PUNCH, slowest.unwrap_or(f64::NAN), 0.9),
         width.check("flat strip punches: width they act like, in spacings", PUNCH, 0.5),
+    ])
+}
+
+/// The variance of the pressure in full contact of a slab over that of a half-space, for continuous spectra.
+fn persson_slab(reference: &Reference) -> Result<[Check; 2], ValidationError> {
+    const QUADRATURE: &str = "independent quadrature";
+    let file = reference.json("theory_curves.json")?;
+    let (mut variance, mut area) = (Worst::new(), Worst::new());
+    for row in file["persson_slab"].as_array().into_iter().flatten() {
+        let column = |index: usize| row[index].as_f64().unwrap_or(f64::NAN);
+        let [poisson, height, low, high, hurst, gradient] = [0, 1, 2, 3, 4, 5].map(column);
+        let material = Material::from_young(1.0, poisson)?;
+        let body = Body::new(material, Height::Finite(height))?;
+        let modulus = material.contact_modulus();
+        // Self-affine between the wavenumbers low and high, in equal steps of the logarithm.
+        let count = 20_000;
+        let step = (high / low).ln() / f64::from(count);
+        let power = |q: f64| q.powf(-2.0 * hurst);
+        let nodes = (0..count).map(|k| low * (step * (f64::from(k) + 0.5)).exp());
+        let unit: f64 = nodes.clone().map(|q| power(q) * q * q).sum();
+        let waves: Vec<(f64, f64)> = nodes.map(|q| (q, gradient * gradient * power(q) / unit)).collect();
+        let theory = |stiffness: &dyn Fn(f64) -> f64| Persson::new(waves.iter().copied(), stiffness);
+        let theories = (theory(&|q| body.normal_stiffness(q)), theory(&|q| 0.5 * modulus * q));
+        let (Some(slab), Some(half_space)) = theories else {
+            variance.compare(f64::NAN, column(6));
+            continue;
+        };
+        variance.compare(slab.variance(f64::INFINITY) / half_space.variance(f64::INFINITY), column(6));
+        area.compare(slab.area(0.05 * modulus * gradient, f64::INFINITY), column(8));
+    }
+    Ok([
+        variance.check("Persson on slabs: variance of the pressure in full contact", QUADRATURE, 1e-4),
+        area.check("Persson on slabs: contact area", QUADRATURE, 1e-4),
     ])
 }
 

@@ -4,6 +4,7 @@
 
 mod axes;
 mod limits;
+mod loads;
 mod source;
 mod summary;
 
@@ -49,8 +50,11 @@ type Table = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 6] = [
+const TABLES: [Table; 9] = [
     ("table 5.1", limits::table),
+    ("light", loads::light),
+    ("nayak", loads::nayak_table),
+    ("one", loads::one),
     ("table 5.2", source::table),
     ("cells", source::cells),
     ("slabs", axes::slabs),
@@ -58,8 +62,12 @@ const TABLES: [Table; 6] = [
     ("lines", axes::lines),
 ];
 
-const FIGURES: [Figure; 3] =
-    [("results-source", source::figure), ("results-slabs", axes::slab_figure), ("results-lines", axes::line_figure)];
+const FIGURES: [Figure; 4] = [
+    ("results-nayak", loads::nayak_figure),
+    ("results-source", source::figure),
+    ("results-slabs", axes::slab_figure),
+    ("results-lines", axes::line_figure),
+];
 
 /// Runs the command.
 ///

@@ -20,7 +20,7 @@ use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
 use gfmd_files::{Output, target};
-use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Shard, Study, SweepError, run_shard};
+use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, SweepError, run_shard};
 
 pub(crate) use check::check;
 pub(crate) use page::page;
@@ -67,6 +67,10 @@ pub struct Args {
     /// Take the runs from all journals of this sweep beside --out, compute those that are missing, and write the result
     #[arg(long, conflicts_with_all = ["runs_of", "show_config"])]
     pub merge: bool,
+    /// Add surfaces, where they pay most, until the statistical error of kappa_TFC (half of its 95 % interval over its value) is
+    /// at most this: 0.005 for half a percent
+    #[arg(long, value_name = "ERROR", conflicts_with_all = ["runs_of", "shard", "merge"], allow_negative_numbers = true)]
+    pub target: Option<f64>,
     /// Print every point, its memory and the expected time, and compute nothing
     #[arg(long)]
     pub dry_run: bool,
@@ -82,6 +86,9 @@ fn preset() -> impl TypedValueParser<Value = Preset> {
 
 /// The bytes of a finished contact: in the journal, in the result and in the file.
 const CONTACT_BYTES: u64 = 1024;
+
+/// The numbers of the runs of a point in the journal of a sweep with a target, whose points grow.
+const REALISATIONS: usize = 1_000_000;
 
 /// The bytes of the program itself, with its threads and the libraries.
 const PROGRAM_BYTES: u64 = 64 << 20;
@@ -104,19 +111,30 @@ pub enum Outcome {
 /// An unusable configuration; a contact that did not converge; a file that could not be written; an interruption. Finished
 /// runs are kept in the journal beside the output, which the message names.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
-    let config = match &args.config {
+    let mut config = match &args.config {
         Some(path) => config::read(path)?,
         None => args.preset.config(),
     };
+    if let Some(target) = args.target {
+        config.statistics.target = target;
+    }
+    if config.statistics.target != 0.0 && (args.shard.is_some() || args.merge || args.runs_of.is_some()) {
+        let flag = if args.runs_of.is_some() { "--runs-of" } else { "--shard and --merge" };
+        let reason = "a sweep with statistics.target does not know its runs beforehand; statistics.surfaces gives them";
+        return Err(Failure::input(flag, reason));
+    }
     let text = config::text(&config)?;
     let plan = Plan::new(config)?;
-    let (runs, loads) = (plan.runs.len(), plan.config.loads.p_star.len());
+    let (mut runs, loads) = (plan.runs.len(), plan.config.loads.p_star.len());
     memory::check_count(
         "statistics.realisations",
         "contacts",
         (runs as u64).saturating_mul(loads as u64),
         CONTACT_BYTES,
     )?;
+    if plan.config.statistics.target > 0.0 {
+        runs = plan.points.len() * REALISATIONS;
+    }
     let sweep = Sweep { args, session, plan, text, size: Size { runs, loads } };
     match args.shard {
         Some(shard) if args.dry_run => {
@@ -251,7 +269,9 @@ impl Sweep<'_> {
             let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
             fit.warnings.iter().for_each(|warning| session.note(warning.code(), format!("{place}: {warning}")));
         }
-        let path = file::write(output, &study, &session.provenance(self.text.clone()), seconds)
+        // With a target, the configuration of the result has the numbers of surfaces that it came to.
+        let text = config::text(&study.plan.config)?;
+        let path = file::write(output, &study, &session.provenance(text), seconds)
             .map_err(|error| error.with(&format!("; all runs are in {kept}")))?;
         keeper.journal.remove();
         let plots = figures::draw(&args.out, &study)?;
@@ -276,22 +296,39 @@ impl<'a> Keeper<'a> {
         Self { plan, journal, finished: Mutex::new(finished), progress, session }
     }
 
-    fn advance(&self, run: usize) {
-        let point = &self.plan.points[self.plan.runs[run].point];
+    /// The number of a run in the journal.
+    fn number(&self, run: &Run) -> usize {
+        let first = match self.plan.config.statistics.target > 0.0 {
+            true => run.point * REALISATIONS,
+            false => self.plan.runs_of(run.point).start,
+        };
+        first + run.realisation as usize
+    }
+
+    fn advance(&self, run: &Run) {
+        let point = &self.plan.points[run.point];
         self.progress.advance(self.plan.work(point), &format!("H = {}, n = {}", point.hurst, point.n()));
     }
 }
 
 impl Keep for Keeper<'_> {
-    fn recall(&self, run: usize) -> Option<Vec<Pressed>> {
-        let loads = self.finished.lock().unwrap_or_else(PoisonError::into_inner).remove(&run);
+    fn recall(&self, run: &Run) -> Option<Vec<Pressed>> {
+        let number = self.number(run);
+        let loads = self.finished.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
         loads.inspect(|_| self.advance(run))
     }
 
-    fn keep(&self, run: usize, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
-        self.journal.record(run, loads)?;
+    fn keep(&self, run: &Run, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+        self.journal.record(self.number(run), loads)?;
         self.advance(run);
         Ok(())
+    }
+
+    fn more(&self, plan: &Plan, reached: f64) {
+        let target = 100.0 * plan.config.statistics.target;
+        let more = plan.runs.len();
+        tracing::info!("statistical error {:.2} %, target {target:.2} %: up to {more} surfaces", 100.0 * reached);
+        self.progress.extend(plan.runs.iter().map(|run| plan.work(&plan.points[run.point])).sum());
     }
 
     fn is_interrupted(&self) -> bool {

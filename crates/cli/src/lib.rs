@@ -44,4 +44,5 @@ pub mod session;
 pub mod solver;
 pub mod source;
 pub mod surface;
+pub mod theory;
 mod values;

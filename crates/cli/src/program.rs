@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 use crate::session::{Common, Session};
-use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface};
+use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface, theory};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -44,6 +44,8 @@ pub enum Command {
     Path(Box<path::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
+    /// Evaluate theories of rough contact for a surface and a body, without solving a contact
+    Theory(Box<theory::Args>),
     /// Recompute the numbers of a result file from its inputs, and compare
     Check(Box<check::Args>),
     /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
@@ -128,6 +130,7 @@ impl Command {
             Self::Green(args) => print(&green::run(args)?, session),
             Self::Path(args) => conclude(path::run(args, session)?, session),
             Self::Law(args) => print(&law::run(args)?, session),
+            Self::Theory(args) => print(&theory::run(args, session)?, session),
             Self::Check(args) => conclude(check::run(args, session)?, session),
             Self::Report(args) => print(&report::run(args, session)?, session),
         }

@@ -19,7 +19,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 pub struct Progress {
     bar: Option<ProgressBar>,
     plain: Option<Mutex<Plain>>,
-    total: f64,
+    total: Mutex<f64>,
 }
 
 struct Plain {
@@ -45,21 +45,32 @@ impl Progress {
         let now = Instant::now();
         let plain = (!terminal && !common.quiet)
             .then(|| Mutex::new(Plain { what: what.into(), started: now, shown: now + PATIENCE - PAUSE, done: 0.0 }));
-        Self { bar, plain, total }
+        Self { bar, plain, total: Mutex::new(total) }
+    }
+
+    /// Changes the size of the work, to which more has been added.
+    pub fn extend(&self, total: f64) {
+        if let Ok(mut known) = self.total.lock() {
+            if let Some(bar) = &self.bar {
+                bar.set_position((bar.position() as f64 * *known / total) as u64);
+            }
+            *known = total;
+        }
     }
 
     /// Counts a finished piece; `note` describes the state of the work.
     pub fn advance(&self, piece: f64, note: &str) {
+        let total = self.total.lock().map_or(f64::INFINITY, |total| *total);
         if let Some(bar) = &self.bar {
             bar.set_message(note.to_owned());
-            bar.inc((piece / self.total * SCALE as f64).round() as u64);
+            bar.inc((piece / total * SCALE as f64).round() as u64);
         }
         let Some(plain) = &self.plain else { return };
         let Ok(mut plain) = plain.lock() else { return };
         plain.done += piece;
         if plain.shown.elapsed() >= PAUSE {
             plain.shown = Instant::now();
-            let part = (plain.done / self.total).min(1.0);
+            let part = (plain.done / total).min(1.0);
             let elapsed = plain.started.elapsed().as_secs_f64();
             let left = match part {
                 0.0 => String::new(),

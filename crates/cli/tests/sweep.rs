@@ -175,3 +175,48 @@ fn a_dry_run_says_what_every_point_takes() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_sweep_with_a_target_ends_there_resumed_or_not_and_can_be_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    write_config(folder.path());
+    let half_width = |report: &serde_json::Value| {
+        let [low, high] = [0, 1].map(|i| report["fit"]["ci95"][i].as_f64().unwrap());
+        0.5 * (high - low) / report["fit"]["kappa_tfc"].as_f64().unwrap()
+    };
+    let sweep = |more: &str| -> Vec<String> {
+        let flags = format!("kappa-sweep --config sweep.toml --json -q {more}");
+        flags.split_whitespace().map(str::to_owned).collect()
+    };
+    let run = |more: &str| {
+        let flags = sweep(more);
+        json(folder.path(), &flags.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let first = half_width(&run("--out first.h5"));
+    let target = format!("--target {}", 0.7 * first);
+    assert!(half_width(&run(&format!("{target} --out a.h5"))) <= 0.7 * first);
+    // Killed somewhere, and continued.
+    let flags = sweep(&format!("{target} --out b.h5"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
+        .args(&flags)
+        .current_dir(folder.path())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let _ = child.kill();
+    child.wait().unwrap();
+    run(&format!("{target} --out b.h5 --resume"));
+    assert_eq!(numbers(&folder.path().join("a.h5")), numbers(&folder.path().join("b.h5")));
+    let config = Reader::open(folder.path().join("a.h5")).unwrap().text("/", "config").unwrap();
+    assert!(config.contains("surfaces = ["), "{config}");
+    let check = gfmd(folder.path(), &["check", "a.h5", "--rerun", "--sample", "3"]);
+    assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stdout));
+    for (more, part) in [("--shard 0/2", "--shard"), ("--merge", "--merge"), ("--target 3", "statistics.target")] {
+        let more = if part == "statistics.target" { more.to_owned() } else { format!("{target} {more}") };
+        let flags = sweep(&more);
+        let output = gfmd(folder.path(), &flags.iter().map(String::as_str).collect::<Vec<_>>());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(part), "{message}");
+    }
+}

@@ -41,7 +41,7 @@ pub enum FileError {
         /// The innermost message of the library.
         reason: String,
     },
-    /// The HDF5 library could not read a variable or attribute.
+    /// A variable or attribute could not be read.
     #[error("cannot read {variable} from {}: {reason}", path.display())]
     Read {
         /// The file.

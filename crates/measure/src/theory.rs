@@ -1,7 +1,16 @@
 //! Closed forms that contact calculations are compared with (theory.md, section 10). Half-space, no friction, rigid
 //! indenter; `modulus` is the contact modulus E* (stress).
 
+mod asperities;
+mod persson;
+mod quadrature;
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::{PI, SQRT_2};
+
+pub use asperities::{Asperities, AsperityContact, AsperityTheory};
+pub use persson::{ENERGY_FACTOR, Persson};
 
 /// The κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
 pub const PERSSON_KAPPA: f64 = 1.595_769_121_605_731;
@@ -190,99 +199,4 @@ pub fn johnson_area_at_low_load(relative_pressure: f64) -> f64 {
 /// The area fraction of the doubly wavy surface near full contact, 1 − (3/2π)(1 − f).
 pub fn johnson_area_near_full_contact(relative_pressure: f64) -> f64 {
     1.0 - 1.5 / PI * (1.0 - relative_pressure)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_relative_eq;
-
-    #[test]
-    fn the_pressures_of_persson_add_up_to_the_area_and_the_load() {
-        for p_star in [0.01, 0.2, 2.0] {
-            let step = 1e-3;
-            let density = |k: i32| persson_pressure(f64::from(k) * step, p_star, 0.25);
-            let (mut area, mut load) = (0.0, 0.0);
-            for k in 1..10_000 {
-                area += density(k) * step;
-                load += density(k) * step * f64::from(k) * step;
-            }
-            approx::assert_relative_eq!(area, persson_area(p_star), max_relative = 1e-5);
-            approx::assert_relative_eq!(load, p_star, max_relative = 1e-5);
-        }
-    }
-
-    #[test]
-    fn constants_are_the_square_roots_they_claim() {
-        assert_relative_eq!(PERSSON_KAPPA, (8.0 / PI).sqrt(), max_relative = 1e-15);
-        assert_relative_eq!(BUSH_GIBSON_THOMAS_KAPPA, (2.0 * PI).sqrt(), max_relative = 1e-15);
-    }
-
-    #[test]
-    fn westergaard_pressure_carries_the_load_and_ends_at_the_edge() {
-        let wave = Westergaard { modulus: 2.0, amplitude: 0.03, period: 1.5 };
-        for f in [0.05, 0.4, 0.9] {
-            let mean = f * wave.full_contact_pressure();
-            let n = 200_000;
-            let x = |i: usize| (i as f64 + 0.5) / n as f64 * wave.period;
-            let load = (0..n).map(|i| wave.pressure(mean, x(i))).sum::<f64>() / n as f64;
-            assert_relative_eq!(load, mean, max_relative = 1e-6);
-            let touching = (0..n).filter(|i| wave.pressure(mean, x(*i)) > 0.0).count() as f64 / n as f64;
-            assert_relative_eq!(touching, wave.area(mean), epsilon = 2.0 / n as f64);
-        }
-    }
-
-    #[test]
-    fn hertz_contacts_carry_their_load() {
-        // ∫ p₀ √(1 − r²/a²) over the contact.
-        let point = hertz_point(3.0, 2.0, 0.1);
-        assert_relative_eq!(2.0 / 3.0 * PI * point.radius.powi(2) * point.peak_pressure, 0.1, max_relative = 1e-14);
-        let (half_width, peak) = hertz_line(3.0, 2.0, 0.1);
-        assert_relative_eq!(0.5 * PI * half_width * peak, 0.1, max_relative = 1e-14);
-    }
-
-    #[test]
-    fn an_adhesive_sphere_goes_from_jkr_to_dmt_as_its_range_grows() {
-        let sphere = AdhesiveSphere { modulus: 1.3, curvature_radius: 2.5, work: 1e-3 };
-        let reduced = |lambda: f64| sphere.maugis_pull_off(lambda) / sphere.force_unit();
-        assert_relative_eq!(sphere.jkr_pull_off() / sphere.force_unit(), -1.5);
-        assert_relative_eq!(reduced(20.0), -1.5, max_relative = 2e-3);
-        // Derjaguin, Muller and Toporov: −2 π w R.
-        assert_relative_eq!(reduced(1e-3), -2.0, max_relative = 2e-3);
-        let least = (1..4000).map(|i| sphere.maugis(1.0, 1.0 + 1e-3 * f64::from(i)).force).fold(0.0, f64::min);
-        assert_relative_eq!(sphere.maugis_pull_off(1.0), least, max_relative = 1e-6);
-    }
-
-    #[test]
-    fn an_adhesive_sphere_of_jkr_obeys_their_force() {
-        // a³ − √(6 a³) in units of Maugis.
-        let sphere = AdhesiveSphere { modulus: 0.7, curvature_radius: 1.5, work: 2e-3 };
-        let contact = sphere.maugis(200.0, 1.000_02);
-        let a = contact.radius / sphere.radius_unit();
-        assert_relative_eq!(
-            contact.force / sphere.force_unit(),
-            a.powi(3) - (6.0 * a.powi(3)).sqrt(),
-            max_relative = 1e-3
-        );
-    }
-
-    #[test]
-    fn an_adhesive_wave_without_work_is_that_of_westergaard() {
-        let wave = Westergaard { modulus: 2.0, amplitude: 0.03, period: 1.5 };
-        for f in [0.1, 0.5, 0.9] {
-            let mean = f * wave.full_contact_pressure();
-            assert_relative_eq!(wave.adhesive_pressure(0.0, wave.area(mean)), mean, max_relative = 1e-14);
-            assert!(wave.adhesive_pressure(1e-3, wave.area(mean)) < mean);
-        }
-    }
-
-    #[test]
-    fn johnson_low_load_is_two_hertz_contacts_in_the_cell() {
-        let (modulus, amplitude, period, f) = (1.3, 0.02, 0.7, 1e-4);
-        let radius = period * period / (4.0 * PI * PI * amplitude);
-        let force = f * johnson_full_contact_pressure(modulus, amplitude, period) * period * period / 2.0;
-        let contact = hertz_point(modulus, radius, force).radius;
-        let area = 2.0 * PI * contact * contact / (period * period);
-        assert_relative_eq!(johnson_area_at_low_load(f), area, max_relative = 1e-12);
-    }
 }

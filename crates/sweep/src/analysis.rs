@@ -223,7 +223,8 @@ impl Analysis {
     }
 }
 
-fn settings(config: &Config, hurst: f64, area: Area) -> Settings {
+/// The settings of the fit of one family of surfaces.
+pub(crate) fn settings(config: &Config, hurst: f64, area: Area) -> Settings {
     let mut model = config.model(hurst);
     // The part of the perimeter term that the correction leaves is too small to fit its exponent.
     if area == Area::Corrected && (model.edge || matches!(model.c, Some(Exponent::Free { .. }))) {

@@ -169,6 +169,14 @@ pub struct StatisticsConfig {
     /// Without `nested`: if true, points of larger cells get fewer surfaces and points of smaller cells more, so that each
     /// point samples about equal area and has about equal statistical error; between 4 and 4 times `realisations`.
     pub equal_area: bool,
+    /// Statistical error of kappa_TFC at the load of the result (half of the 95 % interval over kappa_TFC, for each Hurst
+    /// exponent) down to which surfaces are added, where they lower it most for their work; 0: none are added.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub target: f64,
+    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their order; empty:
+    /// the numbers follow from the rules above. A result of a sweep with a target has the numbers that it came to.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<u64>,
     /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another eps_t have
     /// independent surfaces.
     pub seed: u64,
@@ -276,8 +284,13 @@ impl Default for LoadsConfig {
 
 impl Default for StatisticsConfig {
     fn default() -> Self {
-        Self { realisations: 8, nested: true, equal_area: true, seed: 1 }
+        Self { realisations: 8, nested: true, equal_area: true, target: 0.0, surfaces: Vec::new(), seed: 1 }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 impl Default for SolverConfig {

@@ -47,6 +47,7 @@ mod protocol;
 mod run;
 mod shard;
 mod study;
+mod target;
 mod words;
 
 pub use analysis::{Alternative, Analysis, Area, Extrapolation, Form, Key};
@@ -62,3 +63,4 @@ pub use protocol::{Arm, Curve, Estimated, Protocol};
 pub use run::{Example, Keep, run, run_one, run_shard};
 pub use shard::{Shard, ShardError};
 pub use study::Study;
+pub use target::Reached;

@@ -79,20 +79,30 @@ impl Plan {
         groups.sort_by(f64::total_cmp);
         groups.dedup();
         let largest = cells.last().map_or(1, |(_, n)| *n);
+        let surfaces = &config.statistics.surfaces;
+        let count = cells.len() * config.surface.hurst.len();
+        if !surfaces.is_empty() && (surfaces.len() != count || surfaces.contains(&0)) {
+            return Err(SweepError::Field {
+                field: "statistics.surfaces",
+                found: format!("{surfaces:?}"),
+                allowed: format!("{count} numbers above 0, one for each point, or empty"),
+            });
+        }
         let (mut points, mut runs) = (Vec::new(), Vec::new());
         for (discretisation, n) in cells {
             let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
             let grid = grid.map_err(SweepError::Grid)?;
             let group = groups.iter().position(|group| *group == discretisation.eps_t_inv).unwrap_or(0);
-            let realisations = config.realisations(&discretisation, n, largest);
-            if realisations > SEEDS_PER_GROUP {
-                let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
-                return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
-            }
+            let by_rule = config.realisations(&discretisation, n, largest);
             for (family, &hurst) in config.surface.hurst.iter().enumerate() {
                 let offset = SEEDS_PER_GROUP * (family * groups.len() + group) as u64;
                 let first_seed = first_seed(config.statistics.seed, offset)?;
                 let point = points.len();
+                let realisations = surfaces.get(point).copied().unwrap_or(by_rule);
+                if realisations > SEEDS_PER_GROUP {
+                    let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
+                    return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
+                }
                 points.push(Point { hurst, discretisation, grid, first_seed });
                 runs.extend((0..realisations).map(|realisation| Run {
                     point,
@@ -102,6 +112,16 @@ impl Plan {
             }
         }
         Ok(Self { config, points, runs })
+    }
+
+    /// The plan with these numbers of surfaces at its points.
+    ///
+    /// # Errors
+    /// More surfaces than a point has seeds.
+    pub fn with_surfaces(&self, surfaces: Vec<u64>) -> Result<Self, SweepError> {
+        let mut config = self.config.clone();
+        config.statistics.surfaces = surfaces;
+        Self::new(config)
     }
 
     /// The indices of the runs of a point.

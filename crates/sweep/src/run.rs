@@ -16,8 +16,9 @@ use crate::{Plan, Point, Pressed, Run, Shard, SweepError};
 /// A store of the finished runs of a sweep, from which the sweep can be continued, and a request to stop. Every method is
 /// called from several threads. `()` keeps nothing and never stops.
 pub trait Keep: Sync {
-    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run.
-    fn recall(&self, _run: usize) -> Option<Vec<Pressed>> {
+    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run. A run is the
+    /// same in every plan if its point and realisation are.
+    fn recall(&self, _run: &Run) -> Option<Vec<Pressed>> {
         None
     }
 
@@ -25,9 +26,14 @@ pub trait Keep: Sync {
     ///
     /// # Errors
     /// A run that cannot be kept; the sweep then ends.
-    fn keep(&self, _run: usize, _loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn keep(&self, _run: &Run, _loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(())
     }
+
+    /// Called before a round of further surfaces, with the plan that contains them and the error so far ([`Reached::relative`]).
+    ///
+    /// [`Reached::relative`]: crate::Reached::relative
+    fn more(&self, _plan: &Plan, _reached: f64) {}
 
     /// Returns true if the sweep must end now.
     fn is_interrupted(&self) -> bool {
@@ -61,13 +67,13 @@ fn run_all(plan: &Plan, runs: &[usize], keep: &dyn Keep) -> Result<Vec<Vec<Press
     for runs in runs.chunk_by(|a, b| plan.runs[*a].point == plan.runs[*b].point) {
         let point = &plan.points[plan.runs[runs[0]].point];
         let (recalled, open): (Vec<_>, Vec<_>) =
-            runs.iter().map(|run| (*run, keep.recall(*run))).partition(|(_, loads)| loads.is_some());
+            runs.iter().map(|run| (*run, keep.recall(&plan.runs[*run]))).partition(|(_, loads)| loads.is_some());
         let mut loads = recalled;
         if !open.is_empty() {
             let bench = Bench::new(plan, point)?;
             let one = |(run, _): (usize, Option<_>)| {
                 let loads = bench.press(&plan.runs[run], keep)?;
-                keep.keep(run, &loads).map_err(SweepError::Keep)?;
+                keep.keep(&plan.runs[run], &loads).map_err(SweepError::Keep)?;
                 Ok((run, Some(loads)))
             };
             let computed: Result<Vec<_>, SweepError> = if point.is_small() {

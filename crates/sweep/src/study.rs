@@ -1,9 +1,13 @@
-use crate::{Analysis, Example, Keep, Plan, Pressed, SweepError, run};
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::sync::{Mutex, PoisonError};
+
+use crate::{Analysis, Example, Keep, Plan, Pressed, Reached, Run, SweepError, run};
 
 /// The results of a sweep.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The plan that was carried out.
+    /// The plan that was carried out; with a target, the one that it came to.
     pub plan: Plan,
     /// The loads of every run, in the order of the plan.
     pub runs: Vec<Vec<Pressed>>,
@@ -14,15 +18,55 @@ pub struct Study {
 }
 
 impl Study {
-    /// Carries out a plan.
+    /// Carries out a plan. If its configuration has a target, surfaces are added in rounds until the target is met, or until no
+    /// number of surfaces meets it.
     ///
     /// # Errors
     /// A contact that did not converge, a run that could not be kept, a model that the points cannot determine, an
     /// interruption.
-    pub fn new(plan: Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
-        let runs = run(&plan, keep)?;
-        let analysis = Analysis::new(&plan, &runs)?;
+    pub fn new(mut plan: Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
+        let mut runs = run(&plan, keep)?;
+        let mut analysis = Analysis::new(&plan, &runs)?;
+        while let Some(next) = next_round(&plan, &analysis, keep)? {
+            let known = plan.runs.iter().map(|run| (run.point, run.realisation)).zip(runs).collect();
+            runs = run(&next, &Later { known: Mutex::new(known), keep })?;
+            plan = next;
+            analysis = Analysis::new(&plan, &runs)?;
+        }
         let example = Example::new(&plan, keep)?;
         Ok(Self { plan, runs, analysis, example })
+    }
+}
+
+/// The plan of the next round, if there must be one.
+fn next_round(plan: &Plan, analysis: &Analysis, keep: &dyn Keep) -> Result<Option<Plan>, SweepError> {
+    let target = plan.config.statistics.target;
+    let Some(reached) = (target > 0.0).then(|| Reached::new(plan, analysis, target)).flatten() else { return Ok(None) };
+    let next = plan.with_surfaces(reached.surfaces)?;
+    if next.runs.len() == plan.runs.len() {
+        return Ok(None);
+    }
+    keep.more(&next, reached.relative);
+    Ok(Some(next))
+}
+
+/// The runs of earlier rounds, then what `keep` has.
+struct Later<'a> {
+    known: Mutex<BTreeMap<(usize, u64), Vec<Pressed>>>,
+    keep: &'a dyn Keep,
+}
+
+impl Keep for Later<'_> {
+    fn recall(&self, run: &Run) -> Option<Vec<Pressed>> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).remove(&(run.point, run.realisation));
+        known.or_else(|| self.keep.recall(run))
+    }
+
+    fn keep(&self, run: &Run, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+        self.keep.keep(run, loads)
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.keep.is_interrupted()
     }
 }

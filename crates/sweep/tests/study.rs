@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gfmd_fit::Warning;
 use gfmd_measure::theory::persson_area;
 use gfmd_sweep::{
-    Alpha, Analysis, Area, Config, Example, FitConfig, Keep, LoadsConfig, Plan, PointsConfig, Pressed,
+    Alpha, Analysis, Area, Config, Example, FitConfig, Keep, LoadsConfig, Plan, PointsConfig, Pressed, Run,
     StatisticsConfig, Study, SweepError, run, run_one,
 };
 
@@ -30,24 +30,24 @@ fn plan() -> Plan {
 /// A store that keeps `room` runs and then fails.
 #[derive(Default)]
 struct Shelf {
-    kept: Mutex<BTreeMap<usize, Vec<Pressed>>>,
+    kept: Mutex<BTreeMap<(usize, u64), Vec<Pressed>>>,
     room: usize,
     recalled: AtomicUsize,
 }
 
 impl Keep for Shelf {
-    fn recall(&self, run: usize) -> Option<Vec<Pressed>> {
-        let loads = self.kept.lock().unwrap().get(&run).cloned();
+    fn recall(&self, run: &Run) -> Option<Vec<Pressed>> {
+        let loads = self.kept.lock().unwrap().get(&(run.point, run.realisation)).cloned();
         self.recalled.fetch_add(usize::from(loads.is_some()), Ordering::Relaxed);
         loads
     }
 
-    fn keep(&self, run: usize, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn keep(&self, run: &Run, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
         let mut kept = self.kept.lock().unwrap();
         if kept.len() >= self.room {
             return Err("the shelf is full".into());
         }
-        assert!(kept.insert(run, loads.to_vec()).is_none(), "run {run} was computed twice");
+        assert!(kept.insert((run.point, run.realisation), loads.to_vec()).is_none(), "{run:?} was computed twice");
         Ok(())
     }
 }
@@ -157,4 +157,51 @@ fn long_waves_are_composed_if_the_loads_allow_it() {
     }
     assert!(power.analysis.composed(0, 0, &power.plan).is_none());
     assert!(without.fit.warnings.contains(&Warning::PowerOfEpsF) && !with.fit.warnings.contains(&Warning::PowerOfEpsF));
+}
+
+#[test]
+fn surfaces_are_added_until_the_target_is_met_and_the_numbers_are_those_of_a_plan_that_has_them() {
+    let config = |target: f64, surfaces: Vec<u64>| {
+        let statistics = StatisticsConfig { realisations: 4, target, surfaces, ..StatisticsConfig::default() };
+        Config { statistics, ..plan().config }
+    };
+    let half_width = |study: &Study| {
+        let limit = &study.analysis.result().fit.kappa_tfc;
+        let [low, high] = limit.ci95.unwrap();
+        0.5 * (high - low) / limit.value
+    };
+    let first = Study::new(Plan::new(config(0.0, Vec::new())).unwrap(), &()).unwrap();
+    let target = 0.6 * half_width(&first);
+    let shelf = Shelf { room: usize::MAX, ..Shelf::default() };
+    let study = Study::new(Plan::new(config(target, Vec::new())).unwrap(), &shelf).unwrap();
+    assert!(half_width(&study) <= target, "{} {target}", half_width(&study));
+    assert!(study.runs.len() > first.runs.len());
+    // Each surface was computed once, and those of the first round are among them.
+    assert_eq!(shelf.kept.lock().unwrap().len(), study.runs.len());
+    for (point, counts) in study.plan.config.statistics.surfaces.iter().enumerate() {
+        assert!(*counts >= first.plan.runs_of(point).len() as u64);
+        assert_eq!(*counts, study.plan.runs_of(point).len() as u64);
+    }
+    // The configuration of the result, and kept runs, lead to the same result.
+    let again = Study::new(Plan::new(study.plan.config.clone()).unwrap(), &()).unwrap();
+    assert_eq!((&again.runs, &again.analysis.result().fit), (&study.runs, &study.analysis.result().fit));
+    let resumed = Study::new(Plan::new(config(target, Vec::new())).unwrap(), &shelf).unwrap();
+    assert_eq!(resumed.runs, study.runs);
+}
+
+#[test]
+fn a_target_or_numbers_of_surfaces_that_cannot_be_are_refused() {
+    let with =
+        |statistics: StatisticsConfig| Plan::new(Config { statistics, ..plan().config }).unwrap_err().to_string();
+    let base = StatisticsConfig::default();
+    for target in [-0.1, 1e-9, 2.0, f64::NAN] {
+        let message = with(StatisticsConfig { target, ..base.clone() });
+        assert!(message.contains("statistics.target"), "{message}");
+    }
+    for surfaces in [vec![4; 3], vec![0; 4]] {
+        let message = with(StatisticsConfig { surfaces, ..base.clone() });
+        assert!(message.contains("statistics.surfaces"), "{message}");
+    }
+    let message = with(StatisticsConfig { realisations: 2, target: 0.01, ..base });
+    assert!(message.contains("statistics.realisations"), "{message}");
 }

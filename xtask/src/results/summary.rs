@@ -22,6 +22,7 @@ pub(super) struct Summary {
 /// kappa of a cell at a load.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct Point {
+    pub(super) hurst: f64,
     pub(super) eps_t_inv: f64,
     pub(super) eps_f_inv: f64,
     pub(super) eps_c_inv: f64,
@@ -30,6 +31,7 @@ pub(super) struct Point {
     pub(super) kappa: f64,
     pub(super) kappa_sem: Option<f64>,
     pub(super) kappa_corrected: Option<f64>,
+    pub(super) kappa_corrected_sem: Option<f64>,
 }
 
 /// A joint fit.
@@ -109,6 +111,17 @@ impl Point {
         match self.kappa_sem {
             Some(error) => format!("{:.3} ± {error:.3}", self.kappa),
             None => format!("{:.3}", self.kappa),
+        }
+    }
+}
+
+impl Point {
+    /// kappa of the perimeter-corrected area ± its standard error.
+    pub(super) fn shown_corrected(&self) -> String {
+        match (self.kappa_corrected, self.kappa_corrected_sem) {
+            (Some(kappa), Some(error)) => format!("{kappa:.3} ± {error:.3}"),
+            (Some(kappa), None) => format!("{kappa:.3}"),
+            (None, _) => "–".into(),
         }
     }
 }

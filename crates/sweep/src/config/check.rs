@@ -45,6 +45,20 @@ impl Config {
         check(good, "loads.p_star", p_star, "an ascending list of positive numbers")?;
         let realisations = statistics.realisations;
         check((1..=1_000_000).contains(&realisations), "statistics.realisations", &realisations, "from 1 to 1000000")?;
+        let target = statistics.target;
+        check(
+            target == 0.0 || (1e-5..=1.0).contains(&target),
+            "statistics.target",
+            &target,
+            "from 1e-5 to 1, or 0 for none",
+        )?;
+        check(target == 0.0 || fit.references.is_empty(), "statistics.target", &target, "0 with fit.references")?;
+        check(
+            target == 0.0 || realisations >= 4,
+            "statistics.realisations",
+            &realisations,
+            "at least 4 with statistics.target",
+        )?;
         let tolerances = Budget::TOLERANCES;
         let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
         check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;

@@ -1,0 +1,273 @@
+//! `theory`: what theories say of a surface on a body, without solving a contact.
+
+mod figures;
+
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_measure::SelfAffineArea;
+use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
+use gfmd_surface::PowerSpectrum;
+use serde::Serialize;
+
+use crate::elastic::BodyArgs;
+use crate::failure::Failure;
+use crate::figures::parse_prefix;
+use crate::generator::Method;
+use crate::session::{Session, list_files};
+use crate::source::SourceArgs;
+
+/// Flags of `theory`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  gfmd theory --n 512 --hurst 0.8 --p-star 0.001,0.01,0.1
+  gfmd theory --n 512 --height 0.05 --poisson 0.49 --p-star 0.02 --plots theory
+  gfmd theory --surface scan.txt --detrend plane --e-star 1e9 --p-star 0.02 --wavelength 1e-4,1e-5,1e-6 --json")]
+pub struct Args {
+    #[command(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    body: BodyArgs,
+    /// Reduced pressures p/(E* g)
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "P1,P2,..",
+        default_value = "0.001,0.01,0.05,0.1,0.3,1",
+        allow_negative_numbers = true
+    )]
+    p_star: Vec<f64>,
+    /// Wavelengths below which the roughness is not seen, for the area at a magnification
+    #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true)]
+    wavelength: Vec<f64>,
+    /// Draw area, mean gap and distribution of pressure: PREFIX-area.svg, PREFIX-gap.svg, PREFIX-pressure.svg, and .png
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    plots: Option<PathBuf>,
+}
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    pub surface: String,
+    pub rms_height: f64,
+    pub rms_gradient: f64,
+    pub nayak: Option<f64>,
+    pub summit_density: Option<f64>,
+    pub e_star: f64,
+    pub full_contact_deviation: f64,
+    pub hurst: Option<f64>,
+    pub loads: Vec<Load>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plots: Vec<PathBuf>,
+}
+
+/// The theories at one load.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Load {
+    pub p_star: f64,
+    pub mean_pressure: f64,
+    pub persson: PerssonRecord,
+    /// `null` for profiles, bodies other than a half-space, and where the theory has no such load.
+    pub bush_gibson_thomas: Option<AsperityRecord>,
+    pub greenwood_williamson: Option<AsperityRecord>,
+    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, profiles, and bodies other than a half-space.
+    pub self_affine: Option<AreaRecord>,
+}
+
+/// Persson's theory at one load.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct PerssonRecord {
+    pub area_fraction: f64,
+    pub mean_gap: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub at_wavelength: Vec<Magnified>,
+}
+
+/// The area that is seen if shorter waves are not.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Magnified {
+    pub wavelength: f64,
+    pub area_fraction: f64,
+}
+
+/// A theory of asperities at one load.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct AsperityRecord {
+    pub area_fraction: f64,
+    pub separation: f64,
+}
+
+/// The fitted area in the limit at one load.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct AreaRecord {
+    pub area_fraction: f64,
+    pub standard_error: f64,
+}
+
+/// The theories of one surface on one body.
+struct Theories {
+    persson: Persson,
+    asperities: Option<Asperities>,
+    self_affine: Option<SelfAffineArea>,
+    e_star: f64,
+    rms_gradient: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A surface or body that cannot be used, a flat surface, a load that is not positive.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let positive = |flag: &str, values: &[f64]| match values.iter().find(|value| !(**value > 0.0 && value.is_finite()))
+    {
+        Some(found) => Err(Failure::value(flag, found, "positive")),
+        None => Ok(()),
+    };
+    positive("--p-star", &args.p_star)?;
+    positive("--wavelength", &args.wavelength)?;
+    let surface = args.source.surface(session)?;
+    let body = args.body.body()?;
+    let grid = surface.grid;
+    let e_star = body.material().contact_modulus();
+    let rms_gradient = surface.rms_gradient();
+    args.body.check_on(&grid, e_star * rms_gradient)?;
+    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::Input(error.to_string()))?;
+    let waves = grid.modes().zip(spectrum.power()).filter(|(mode, _)| !mode.is_uniform());
+    let waves = waves.map(|(mode, power)| (mode.wavenumber(), mode.weight * power));
+    let flat =
+        || Failure::Input(format!("{} is flat; it must be rough for a theory of rough contact", args.source.name()));
+    let persson = Persson::new(waves, |q| body.normal_stiffness(q)).ok_or_else(flat)?;
+    let moments = spectrum.moments();
+    let generator = &args.source.generator;
+    let made = args.source.surface.is_none() && generator.method == Method::Psd && !grid.is_line();
+    let hurst = made.then_some(generator.hurst);
+    // The other theories know half-spaces only.
+    let longest = std::f64::consts::TAU / grid.lengths()[0];
+    let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
+    let theories = Theories {
+        persson,
+        asperities: if grid.is_line() || !is_half_space { None } else { Asperities::new(moments.profile()) },
+        self_affine: hurst.filter(|_| is_half_space).and_then(SelfAffineArea::new),
+        e_star,
+        rms_gradient,
+    };
+    let plots = match &args.plots {
+        Some(prefix) => figures::draw(prefix, &theories, &args.p_star, surface.unit())?,
+        None => Vec::new(),
+    };
+    Ok(Report {
+        n: grid.points(),
+        length: grid.lengths(),
+        unit: surface.unit.clone(),
+        surface: surface.description,
+        rms_height: moments.rms_height(),
+        rms_gradient,
+        nayak: moments.nayak(),
+        summit_density: theories.asperities.as_ref().map(Asperities::density),
+        e_star,
+        full_contact_deviation: theories.persson.variance(f64::INFINITY).sqrt(),
+        hurst,
+        loads: args.p_star.iter().map(|p_star| theories.at(*p_star, &args.wavelength)).collect(),
+        plots,
+    })
+}
+
+impl Theories {
+    fn pressure(&self, p_star: f64) -> f64 {
+        p_star * self.e_star * self.rms_gradient
+    }
+
+    fn area(&self, p_star: f64) -> f64 {
+        self.persson.area(self.pressure(p_star), f64::INFINITY)
+    }
+
+    fn mean_gap(&self, p_star: f64) -> f64 {
+        self.persson.mean_gap(self.pressure(p_star), ENERGY_FACTOR)
+    }
+
+    fn asperity(&self, theory: AsperityTheory, p_star: f64) -> Option<AsperityRecord> {
+        let found = self.asperities.as_ref()?.at_pressure(theory, p_star * self.rms_gradient)?;
+        Some(AsperityRecord { area_fraction: found.area_fraction, separation: found.separation })
+    }
+
+    fn at(&self, p_star: f64, wavelengths: &[f64]) -> Load {
+        let mean_pressure = self.pressure(p_star);
+        let magnified = |wavelength: &f64| Magnified {
+            wavelength: *wavelength,
+            area_fraction: self.persson.area(mean_pressure, std::f64::consts::TAU / wavelength),
+        };
+        let limit = |area: SelfAffineArea| AreaRecord {
+            area_fraction: area.at(p_star),
+            standard_error: area.standard_error(p_star),
+        };
+        Load {
+            p_star,
+            mean_pressure,
+            persson: PerssonRecord {
+                area_fraction: self.area(p_star),
+                mean_gap: self.mean_gap(p_star),
+                at_wavelength: wavelengths.iter().map(magnified).collect(),
+            },
+            bush_gibson_thomas: self.asperity(AsperityTheory::BushGibsonThomas, p_star),
+            greenwood_williamson: self.asperity(AsperityTheory::GreenwoodWilliamson, p_star),
+            self_affine: self.self_affine.map(limit),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = self.unit.as_deref().unwrap_or("length");
+        writeln!(f, "{}", self.surface)?;
+        writeln!(
+            f,
+            "rms height {:.4e} {unit}, rms gradient {:.4e}, E* {:.4e}",
+            self.rms_height, self.rms_gradient, self.e_star
+        )?;
+        if let (Some(nayak), Some(density)) = (self.nayak, self.summit_density) {
+            writeln!(f, "Nayak's parameter {nayak:.4}, {density:.4e} summits for each {unit}^2")?;
+        }
+        writeln!(f, "pressure in full contact: standard deviation {:.4e}", self.full_contact_deviation)?;
+        writeln!(f)?;
+        writeln!(f, "                            contact area fraction of                              mean gap")?;
+        writeln!(f, "      p*        Persson     Bush-Gibson-Thomas  Greenwood-Williamson  formula     Persson")?;
+        let number =
+            |value: Option<f64>| value.map_or_else(|| format!("{:>11}", "-"), |value| format!("{value:>11.4e}"));
+        for load in &self.loads {
+            let areas = [load.bush_gibson_thomas, load.greenwood_williamson]
+                .map(|found| number(found.map(|a| a.area_fraction)));
+            let limit = number(load.self_affine.map(|area| area.area_fraction));
+            let [bush, greenwood] = areas;
+            writeln!(
+                f,
+                "{:>11.4e} {:>11.4e} {bush}         {greenwood}           {limit} {:>11.4e}",
+                load.p_star, load.persson.area_fraction, load.persson.mean_gap
+            )?;
+            for seen in &load.persson.at_wavelength {
+                writeln!(
+                    f,
+                    "            {:>11.4e} seen without waves below {:.4e} {unit}",
+                    seen.area_fraction, seen.wavelength
+                )?;
+            }
+        }
+        if self.loads.iter().any(|load| load.self_affine.is_some()) {
+            writeln!(
+                f,
+                "formula: computed contacts in the limit of endless spectra, docs/results.md; this surface has more"
+            )?;
+        }
+        list_files(f, None, &self.plots)
+    }
+}

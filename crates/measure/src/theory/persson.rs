@@ -1,0 +1,126 @@
+//! Persson's theory for a spectrum and a body (theory.md, section 10).
+
+use std::f64::consts::PI;
+
+use super::quadrature::{scaled, unit_rule};
+
+/// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to short,
+/// and each spreads the distribution of pressure, which vanishes at zero pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Persson {
+    /// Ascending in wavenumber.
+    shells: Vec<Shell>,
+}
+
+/// Waves of about equal wavenumber.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shell {
+    wavenumber: f64,
+    /// Their part of the mean square height, length².
+    mean_square_height: f64,
+    /// The normal stiffness of the body, stress/length.
+    stiffness: f64,
+}
+
+/// Waves whose wavenumbers differ by less than this ratio are taken together.
+const ALIKE: f64 = 1.002;
+
+/// The part of the elastic energy in full contact that a contact of small area has, over its share by area. Almqvist, Campañá,
+/// Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
+pub const ENERGY_FACTOR: f64 = 0.45;
+
+impl Persson {
+    /// From the waves, each its wavenumber (1/length) and its part of the mean square height (length²), in any order, and the
+    /// normal stiffness k(q) of the body (stress/length): E* q/2 for a half-space. Waves without height are left out. `None` if no
+    /// wave is left, or if a value is negative or not finite.
+    pub fn new(waves: impl IntoIterator<Item = (f64, f64)>, stiffness: impl Fn(f64) -> f64) -> Option<Self> {
+        let mut waves: Vec<(f64, f64)> = waves.into_iter().filter(|(_, square)| *square != 0.0).collect();
+        let good = |value: f64| value > 0.0 && value.is_finite();
+        if waves.is_empty() || !waves.iter().all(|(wavenumber, square)| good(*wavenumber) && good(*square)) {
+            return None;
+        }
+        waves.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let alike = |one: &(f64, f64), other: &(f64, f64)| {
+            (one.0.ln() / ALIKE.ln()).floor() == (other.0.ln() / ALIKE.ln()).floor()
+        };
+        let shell = |waves: &[(f64, f64)]| {
+            let mean_square_height: f64 = waves.iter().map(|(_, square)| square).sum();
+            let wavenumber = waves.iter().map(|(wavenumber, square)| wavenumber * square / mean_square_height).sum();
+            Shell { wavenumber, mean_square_height, stiffness: stiffness(wavenumber) }
+        };
+        let shells: Vec<Shell> = waves.chunk_by(alike).map(shell).collect();
+        shells.iter().all(|shell| good(shell.stiffness)).then_some(Self { shells })
+    }
+
+    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`; stress².
+    pub fn variance(&self, largest: f64) -> f64 {
+        self.shells.iter().take_while(|shell| shell.wavenumber <= largest).map(Shell::variance).sum()
+    }
+
+    /// The contact area fraction erf(p̄/√(2V)) that is seen if waves beyond the wavenumber `largest` are not; infinite: all.
+    pub fn area(&self, mean_pressure: f64, largest: f64) -> f64 {
+        match self.variance(largest) {
+            0.0 => f64::from(u8::from(mean_pressure > 0.0)),
+            variance => libm::erf(mean_pressure / (2.0 * variance).sqrt()),
+        }
+    }
+
+    /// The density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄ less its mirror image
+    /// at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
+    pub fn pressure_density(&self, mean_pressure: f64, largest: f64, pressure: f64) -> f64 {
+        let variance = self.variance(largest);
+        if variance == 0.0 || pressure <= 0.0 {
+            return 0.0;
+        }
+        let normal = |x: f64| (-0.5 * x * x / variance).exp() / (2.0 * PI * variance).sqrt();
+        normal(pressure - mean_pressure) - normal(pressure + mean_pressure)
+    }
+
+    /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy for each
+    /// area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011). Length.
+    pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
+        let rule: Vec<(f64, f64)> = unit_rule(12).collect();
+        let mut longer = 0.0;
+        let mut sum = 0.0;
+        for shell in &self.shells {
+            // The waves of the shell itself spread the pressure that each of them meets: half of them, on average.
+            let variance = longer + 0.5 * shell.variance();
+            longer += shell.variance();
+            let separated = separated(mean_pressure, variance, energy_factor, &rule);
+            sum += 0.5 * shell.stiffness * shell.mean_square_height * separated;
+        }
+        sum
+    }
+}
+
+impl Shell {
+    fn variance(&self) -> f64 {
+        self.stiffness.powi(2) * self.mean_square_height
+    }
+}
+
+/// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from `mean_pressure` to infinity, with a = erf(p/√(2V)); 1/stress.
+fn separated(mean_pressure: f64, variance: f64, energy_factor: f64, rule: &[(f64, f64)]) -> f64 {
+    let unit = (2.0 * variance).sqrt();
+    let start = (mean_pressure / unit).ln();
+    // In x = ln(p/√(2V)); beyond p = 6.5 √(2V) the rest is below 1e-18.
+    let end = 6.5_f64.ln();
+    if start >= end {
+        return 0.0;
+    }
+    // The integrand is constant for small p and falls beyond p = √(2V): panels of unit length.
+    let panels = (end - start).ceil().max(1.0);
+    let length = (end - start) / panels;
+    let sum: f64 = (0..panels as usize)
+        .flat_map(|panel| {
+            let low = start + panel as f64 * length;
+            scaled(rule, [low, low + length])
+        })
+        .map(|(x, weight)| {
+            let s = x.exp();
+            let area = libm::erf(s);
+            weight * (-s * s).exp() * (energy_factor + 3.0 * (1.0 - energy_factor) * area * area)
+        })
+        .sum();
+    2.0 / PI.sqrt() / unit * sum
+}
