@@ -7,7 +7,7 @@ use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_cli::session::{Common, Session};
-use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, report, surface};
+use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, report, surface, theory};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -82,6 +82,7 @@ fn report(command: &Command, session: &Session) -> Report {
         Command::Damping(args) => whole(&damping::run(args, session)?, session),
         Command::Green(args) => whole(&green::run(args)?, session),
         Command::Law(args) => whole(&law::run(args)?, session),
+        Command::Theory(args) => whole(&theory::run(args, session)?, session),
         Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
             kappa_sweep::Outcome::Done(report) => whole(&*report, session),
             kappa_sweep::Outcome::Shard(report) => whole(&report, session),
