@@ -29,6 +29,15 @@ pub(crate) struct Balance {
     pub(crate) residual: f64,
 }
 
+impl Balance {
+    /// The balance with what is missing in the cells, of which `slope` is twice the power.
+    pub(crate) fn with(self, slope: f64, area: f64) -> Self {
+        let missing = (slope / (self.power * area)).abs().sqrt();
+        let residual = if missing > self.residual || missing.is_nan() { missing } else { self.residual };
+        Self { residual, ..self }
+    }
+}
+
 /// Cells with conductivities under a unit mean gradient along one axis.
 pub(crate) struct Cells<'a> {
     grid: Grid,
@@ -59,6 +68,10 @@ impl<'a> Cells<'a> {
             }
         }
         Self { grid: *grid, conductivity, surroundings, axis, numbers, open }
+    }
+
+    pub(crate) fn area(&self) -> f64 {
+        self.grid.lengths().iter().product()
     }
 
     pub(crate) fn axis(&self) -> usize {

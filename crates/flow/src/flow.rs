@@ -37,7 +37,8 @@ pub struct Flow {
     /// True along x (y) if something flows.
     pub percolates: [bool; 2],
     /// The largest relative deviation of the flow through a section x = const (of a gradient along y: y = const) from the mean flow,
-    /// and of the dissipated power from the flow, computed from the potential face by face. The conductivity along a gradient is that of the
+    /// of the dissipated power from the flow, and the size of what is missing in the balances of all cells, as the root of the power that it would
+    /// cost over the dissipated power, computed from the potential face by face. The conductivity along a gradient is that of the
     /// power, of which the true potential has the least: this error enters squared.
     pub residual: f64,
     /// The flow along x and along y; none without percolation.
@@ -130,16 +131,18 @@ impl Solved {
     /// Conjugate gradients, flexible since the preconditioner is not linear.
     fn new(cells: &Cells, shape: [usize; 2], unit: f64) -> Self {
         let n = cells.len();
+        let area = cells.area();
         let mut multigrid = Multigrid::new(cells.graph());
-        let mut residual = cells.source();
+        let source = cells.source();
+        let mut residual = source.clone();
         let [mut potential, mut direction, mut image, mut step, mut before] = std::array::from_fn(|_| vec![0.0; n]);
         let (mut last, mut iterations) = (0.0, 0);
         while iterations < ITERATIONS {
-            if iterations % CHECKS == 0 && cells.balance(&potential).residual <= ENOUGH {
-                break;
-            }
             multigrid.precondition(&residual, &mut step);
             let slope = dot(&residual, &step);
+            if iterations % CHECKS == 0 && cells.balance(&potential).with(slope, area).residual <= ENOUGH {
+                break;
+            }
             let beta = if iterations == 0 { 0.0 } else { (slope - dot(&before, &step)) / last };
             last = slope;
             direction.iter_mut().zip(&step).for_each(|(d, z)| *d = z + beta * *d);
@@ -155,7 +158,11 @@ impl Solved {
             }
             iterations += 1;
         }
-        let Balance { mut flux, power, residual } = cells.balance(&potential);
+        multigrid.graph().apply(&potential, &mut image);
+        residual.iter_mut().zip(&source).zip(&image).for_each(|((r, b), image)| *r = b - image);
+        multigrid.precondition(&residual, &mut step);
+        let slope = dot(&residual, &step);
+        let Balance { mut flux, power, residual } = cells.balance(&potential).with(slope, area);
         flux[cells.axis()] = power;
         let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).unwrap_or_default();
         let fluxes = cells.flux(&potential).into_iter().map(|flux| flux * unit).collect();
