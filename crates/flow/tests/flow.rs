@@ -51,7 +51,10 @@ fn a_chequerboard_approaches_the_geometric_mean() {
     let contrast = 9.0_f64;
     let errors = [16, 64, 256].map(|n: usize| {
         let board =
-            Array2::from_shape_fn((n, n), |(i, j)| if (2 * i / n + 2 * j / n) % 2 == 0 { 1.0 } else { contrast });
+            Array2::from_shape_fn(
+                (n, n),
+                |(i, j)| if (2 * i / n + 2 * j / n).is_multiple_of(2) { 1.0 } else { contrast },
+            );
         let found = flow(&square(n), board.view(), Surroundings::Repeats).unwrap();
         found.conductivity[0][0] / contrast.sqrt() - 1.0
     });
