@@ -422,6 +422,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             let stiffness = self.stiffness(index, &state, stopped.is_some());
             let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
+            record.seconds = started.elapsed().as_secs_f64();
             self.gather(index, &state.pressure().view(), &state.gap(), &mut record, &mut gathered, true)?;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             record.check(index)?;
