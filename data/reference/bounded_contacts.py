@@ -157,4 +157,5 @@ def main():
         json.dump({"conventions": conventions, "surfaces": surfaces, "problems": problems}, f)
 
 
-main()
+if __name__ == "__main__":
+    main()

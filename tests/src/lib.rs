@@ -14,6 +14,7 @@ mod exact;
 mod inside;
 mod kernels;
 mod laws;
+mod layered;
 mod limits;
 mod punch;
 mod reference;
@@ -30,7 +31,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 9] = [
+pub const TOPICS: [Topic; 10] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -39,6 +40,7 @@ pub const TOPICS: [Topic; 9] = [
     Topic { name: "analytic", title: "Contacts with a closed form", checks: analytic::checks },
     Topic { name: "exact", title: "Contacts that other programs solved", checks: exact::checks },
     Topic { name: "bounded", title: "Free boundaries and hardness", checks: bounded::checks },
+    Topic { name: "layered", title: "Layers, bases and pairs of bodies", checks: layered::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
 ];
 

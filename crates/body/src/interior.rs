@@ -1,7 +1,7 @@
 use std::fmt;
 
-use gfmd_field::{Grid, ShapeError, Transform};
-use gfmd_green::{Body, Complex64, GreenError};
+use gfmd_field::{Grid, Mode, ShapeError, Transform};
+use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::Components;
 use rayon::prelude::*;
 
@@ -42,8 +42,8 @@ pub enum InteriorError {
         /// Its index, the first one of several.
         index: usize,
     },
-    /// A mean normal displacement of an incompressible slab on a rigid base, which would change its volume.
-    #[error("the mean of u_z is {found}; it must be zero on an incompressible slab with a rigid base")]
+    /// A mean normal displacement of incompressible layers, which would change their volume.
+    #[error("the mean of u_z is {found}; it must be zero on incompressible layers")]
     Volume {
         /// The mean of u_z.
         found: f64,
@@ -52,12 +52,17 @@ pub enum InteriorError {
 
 impl Interior {
     /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on a line.
+    /// Of a [pair](Body::against) of bodies it is the relative displacement, and the interior is that of the first body, which
+    /// takes its share.
     ///
-    /// The mean of u_z must vanish on an incompressible slab with a rigid base. Its mean pressure, which u_z does not
-    /// determine, is then taken as zero (theory.md, section 3).
+    /// The mean displacement is measured against the mean level of what does not hold the body
+    /// ([`Body::level_compliance`]): it strains slabs and layers, a half-space moves with it.
+    ///
+    /// The mean of u_z must vanish if all layers are incompressible. The mean pressure, which u_z does not determine, is then
+    /// taken as zero (theory.md, section 3).
     ///
     /// # Errors
-    /// A displacement of the wrong length or with a value that is not finite; an incompressible slab whose volume would
+    /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
     /// change.
     pub fn new(body: &Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
@@ -67,7 +72,11 @@ impl Interior {
         for (&axis, component) in axes.iter().zip(displacement.chunks_exact(points)) {
             interior.transform.forward(component, &mut interior.surface[axis], &mut ws)?;
         }
-        interior.keep_volume(&displacement[interior.components.normal() * points..])?;
+        interior.keep_volume(body, &displacement[interior.components.normal() * points..])?;
+        if body.second().is_some() {
+            let alone = interior.body.clone();
+            interior.share(body, |mode, u| apply(&alone.compliance_of(mode), apply(&body.stiffness_of(mode), u)));
+        }
         Ok(interior)
     }
 
@@ -79,19 +88,27 @@ impl Interior {
     pub fn frictionless(body: &Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         interior.check(normal, grid.len())?;
-        let Self { transform, surface: [x, y, z], .. } = &mut interior;
-        transform.forward(normal, z, &mut transform.workspace())?;
+        {
+            let Self { transform, surface: [_, _, z], .. } = &mut interior;
+            transform.forward(normal, z, &mut transform.workspace())?;
+        }
+        interior.keep_volume(body, normal)?;
+        if body.second().is_some() {
+            let alone = interior.body.clone();
+            let share = |q: f64| alone.normal_compliance(q) / body.normal_compliance(q);
+            interior.share(body, |mode, [x, y, z]| [x, y, z * share(mode.wavenumber())]);
+        }
+        let Self { body, surface: [x, y, z], .. } = &mut interior;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
             let factors = body.lateral_displacement(&grid.mode_at(index));
             [*x, *y] = factors.map(|factor| factor * *z);
         });
-        interior.keep_volume(normal)?;
         Ok(interior)
     }
 
     fn at_rest(body: &Body, grid: Grid) -> Self {
         let surface = std::array::from_fn(|_| vec![Complex64::ZERO; grid.spectrum_len()]);
-        Self { body: body.clone(), transform: Transform::new(grid), components: Components::of(&grid), surface }
+        Self { body: body.alone(), transform: Transform::new(grid), components: Components::of(&grid), surface }
     }
 
     fn check(&self, displacement: &[f64], expected: usize) -> Result<(), InteriorError> {
@@ -104,9 +121,24 @@ impl Interior {
         }
     }
 
-    /// If the body has no uniform compliance, the mean of u_z must vanish. Its rounding error is removed.
-    fn keep_volume(&mut self, normal: &[f64]) -> Result<(), InteriorError> {
-        if self.body.normal_compliance(0.0) > 0.0 {
+    /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 as `part` says, and for the uniform
+    /// mode in proportion to the compliances.
+    fn share(&mut self, pair: &Body, part: impl Fn(&Mode, [Complex64; 3]) -> [Complex64; 3] + Sync) {
+        let (own, all) = (self.body.level_compliance(), pair.level_compliance());
+        let uniform = [0, 0, 1].map(|axis: usize| if all[axis] > 0.0 { own[axis] / all[axis] } else { 0.0 });
+        let grid = *self.grid();
+        let [x, y, z] = &mut self.surface;
+        (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
+            let (mode, u) = (grid.mode_at(index), [*x, *y, *z]);
+            [*x, *y, *z] =
+                if mode.is_uniform() { [0, 1, 2].map(|axis| u[axis] * uniform[axis]) } else { part(&mode, u) };
+        });
+    }
+
+    /// If all layers of the `body` are incompressible, the mean of u_z must vanish. Its rounding error is removed.
+    fn keep_volume(&mut self, body: &Body, normal: &[f64]) -> Result<(), InteriorError> {
+        let is_slab = |body: &Body| body.height() != Height::Infinite;
+        if body.level_compliance()[1] > 0.0 || !(is_slab(body) || body.second().is_some_and(is_slab)) {
             return Ok(());
         }
         // The uniform mode is the first; it is never recognised by a small wavenumber.
@@ -146,7 +178,7 @@ impl Interior {
     /// A depth outside the body; a workspace of another grid.
     pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
         self.check_workspace(ws)?;
-        let section = self.body.at_depth(depth)?;
+        let section = self.body.at_depth(depth)?.against_level();
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [x, y, z, ..] = &mut ws.spectra;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
@@ -161,8 +193,25 @@ impl Interior {
     /// # Errors
     /// As [`Self::displacement`].
     pub fn deformation<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
+        self.deformation_on(self.body.at_depth(depth)?, ws)
+    }
+
+    /// As [`deformation`](Self::deformation), but between two layers it is that of the lower one: the stresses σ_xx, σ_yy and
+    /// σ_xy and the strains along z jump there.
+    ///
+    /// # Errors
+    /// As [`Self::displacement`].
+    pub fn deformation_below<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
+        self.deformation_on(self.body.at_depth(depth)?.from_below(), ws)
+    }
+
+    fn deformation_on<'w>(
+        &self,
+        section: Section<'_>,
+        ws: &'w mut Workspace,
+    ) -> Result<Deformation<'w>, InteriorError> {
         self.check_workspace(ws)?;
-        let section = self.body.at_depth(depth)?;
+        let section = section.against_level();
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [a, b, c, d, e, f] = &mut ws.spectra;
         (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {

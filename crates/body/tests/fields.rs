@@ -64,7 +64,7 @@ fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![4 => -0.9..0.5, 1 => Just(0.5), 1 => 0.499..0.5]
 }
 
-/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z.
+/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z; on a coating with zero mean.
 fn case() -> impl Strategy<Value = Case> {
     let points = prop_oneof![Just([5, 7]), Just([7, 3]), Just([9, 1])];
     (poisson(), poisson(), 0.3..1.5, 0..5, points, 0..1000usize).prop_map(
@@ -72,6 +72,7 @@ fn case() -> impl Strategy<Value = Case> {
             let upper = slab(upper, height);
             let body = match kind {
                 0 => Body::half_space(*upper.material()),
+                1 if seed % 3 == 0 => upper.on(Base::Free).unwrap(),
                 1 => upper,
                 2 => upper.on(Base::Sliding).unwrap(),
                 3 => upper.bonded_to(slab(lower, 0.4)).unwrap(),
@@ -80,9 +81,12 @@ fn case() -> impl Strategy<Value = Case> {
             let grid = Grid::new(points, [1.0, 1.2]).unwrap();
             let components = if grid.is_line() { 2 } else { 3 };
             let mut surface = noise(components * grid.len(), seed);
-            let normal = &mut surface[(components - 1) * grid.len()..];
-            let mean = normal.iter().sum::<f64>() / grid.len() as f64;
-            normal.iter_mut().for_each(|u| *u -= mean);
+            // The uniform shear of a coating goes on in the half-space, without end and without displacement.
+            let first = if kind == 4 { 0 } else { components - 1 };
+            for component in surface[first * grid.len()..].chunks_exact_mut(grid.len()) {
+                let mean = component.iter().sum::<f64>() / grid.len() as f64;
+                component.iter_mut().for_each(|u| *u -= mean);
+            }
             Case { body, grid, surface }
         },
     )
@@ -328,7 +332,7 @@ fn what_cannot_be_is_refused_in_words() {
     assert_eq!(error(Interior::new(&plain, grid, &surface)), "the displacement is NaN at index 20; it must be finite");
     surface[20] = 0.0;
     surface[32..].fill(-0.25);
-    let volume = "the mean of u_z is -0.25; it must be zero on an incompressible slab with a rigid base";
+    let volume = "the mean of u_z is -0.25; it must be zero on incompressible layers";
     assert_eq!(error(Interior::new(&rubber, grid, &surface)), volume);
     assert_eq!(error(Interior::frictionless(&rubber, grid, &surface[32..])), volume);
     let interior = Interior::new(&plain, grid, &surface).unwrap();
@@ -336,4 +340,61 @@ fn what_cannot_be_is_refused_in_words() {
     assert_eq!(outside, "the depth below the surface is 0.6; it must be between 0 and 0.5");
     let other = Interior::new(&plain, Grid::square(5, 1.0).unwrap(), &[0.0; 75]).unwrap();
     assert!(matches!(interior.deformation(0.1, &mut other.workspace()), Err(InteriorError::Shape(_))));
+}
+
+/// The mean pressure passes through all layers, strains each, and nothing below them moves.
+#[test]
+fn a_mean_pressure_strains_every_layer_on_every_base() {
+    let material = |young, poisson| Material::from_young(young, poisson).unwrap();
+    let grid = Grid::new([4, 6], [1.0, 1.2]).unwrap();
+    let (upper, lower) = (material(2.0, 0.3), material(0.5, 0.4));
+    let layers = [(upper, 0.2), (lower, 0.3)];
+    for base in [Base::Bonded, Base::Sliding, Base::Free, Base::Elastic(Body::half_space(upper).into())] {
+        let body = Body::stack(&layers, base).unwrap();
+        let [_, compliance] = body.level_compliance();
+        let mut surface = vec![0.0; 3 * grid.len()];
+        surface[2 * grid.len()..].fill(-0.1 * compliance);
+        let interior = Interior::new(&body, grid, &surface).unwrap();
+        let mut ws = interior.workspace();
+        for (depth, moved) in [(0.0, 1.0), (0.1, 0.5), (0.2, 0.0)] {
+            let wanted = -0.1 * (moved * 0.2 * upper.p_wave_compliance() + 0.3 * lower.p_wave_compliance());
+            let u = interior.displacement(depth, &mut ws).unwrap()[2 * grid.len()];
+            assert!((u - wanted).abs() < 1e-15, "{depth}: {u} {wanted}");
+        }
+        assert!(interior.displacement(0.5, &mut ws).unwrap()[2 * grid.len()].abs() < 1e-16);
+        for (material, state) in [
+            (upper, interior.deformation(0.2, &mut ws).unwrap().at(3)),
+            (lower, interior.deformation_below(0.2, &mut ws).unwrap().at(3)),
+            (lower, interior.deformation_below(0.3, &mut ws).unwrap().at(3)),
+        ] {
+            let nu = material.poisson();
+            for (found, wanted) in [(state.stress[2], -0.1), (state.stress[0], -0.1 * nu / (1.0 - nu))] {
+                assert!((found - wanted).abs() < 1e-14, "{found} {wanted}");
+            }
+        }
+    }
+}
+
+/// The first of two bodies takes the displacement by its own compliance under the traction that both bear.
+#[test]
+fn the_first_of_two_bodies_takes_its_part() {
+    let material = |young, poisson| Material::from_young(young, poisson).unwrap();
+    let first = slab(0.4, 0.3);
+    let pair = first.clone().against(Body::slab(material(0.3, 0.2), 0.5).unwrap());
+    let grid = Grid::new([6, 5], [1.0, 1.2]).unwrap();
+    let traction = noise(3 * grid.len(), 2);
+    let under = |body: &Body| {
+        let response = FullResponse::new(grid, body);
+        let mut u = vec![0.0; traction.len()];
+        response.compliance().apply(&traction, &mut u, &mut response.workspace()).unwrap();
+        u
+    };
+    let (both, alone) = (under(&pair), under(&first));
+    let interior = Interior::new(&pair, grid, &both).unwrap();
+    let found = interior.displacement(0.0, &mut interior.workspace()).unwrap().to_vec();
+    let largest = both.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
+    for (found, alone) in found.iter().zip(&alone) {
+        assert!((found - alone).abs() < 1e-13 * largest, "{found} {alone}");
+    }
+    assert_eq!(interior.body(), &first);
 }

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_body::Interior;
 use gfmd_files::Output;
-use gfmd_green::{Body, Height};
+use gfmd_green::Body;
 use serde::Serialize;
 
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
@@ -124,12 +124,32 @@ pub struct Report {
 pub struct Level {
     /// Depth below the surface.
     pub depth: f64,
+    /// Between two layers: the layer above, or the layer below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<Side>,
     /// Largest length of a displacement.
     pub max_displacement: f64,
     /// Largest von Mises stress.
     pub max_von_mises: f64,
     /// Mean elastic energy per volume.
     pub mean_energy_density: f64,
+}
+
+/// The sides of a plane between two layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// In the upper layer.
+    Above,
+    /// In the lower layer.
+    Below,
+}
+
+/// A plane below the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plane {
+    depth: f64,
+    side: Option<Side>,
 }
 
 /// Runs the command.
@@ -141,6 +161,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let elastic = args.body.over(&surface.record)?;
     let body = elastic.body()?;
     let depths = depths(args, &body)?;
+    let is_image =
+        args.out.as_ref().and_then(|out| out.extension()).is_some_and(|name| name.eq_ignore_ascii_case("vti"));
+    let planes_below = planes(&depths, &body, args.place.levels.is_some(), is_image);
+    let unique = |planes: &[Plane]| {
+        let mut depths: Vec<f64> = planes.iter().map(|plane| plane.depth).collect();
+        depths.dedup();
+        depths
+    };
     let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
@@ -157,7 +185,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         load: surface.load,
         length: surface.grid.lengths(),
         body: &elastic,
-        depths: &depths,
+        depths: &unique(&planes_below),
         slice: rows.slice.map(|slice| slice.to_string()),
         quantities: &quantities,
     });
@@ -165,9 +193,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let planes = Planes {
         grid: &surface.grid,
         rows: &rows,
-        depths: &depths,
+        below: &planes_below,
         even: args.place.levels.is_some(),
-        height: height(&body),
+        height: Some(body.total_height()).filter(|height| height.is_finite()),
         unit: &surface.unit,
     };
     let origin = origin(&args.surface)?;
@@ -181,20 +209,25 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&quantities, drawn, depths.len()));
 
-    let progress = Progress::new(&session.common, "depths", depths.len() as f64);
+    let progress = Progress::new(&session.common, "depths", planes_below.len() as f64);
     let mut ws = interior.workspace();
     let mut levels = Vec::new();
-    for (number, &depth) in depths.iter().enumerate() {
+    let mut drawn = 0;
+    for (number, &plane) in planes_below.iter().enumerate() {
+        let depth = plane.depth;
+        // Maps have even levels, of which those between two layers show the upper one.
+        let row = (depths.get(drawn) == Some(&depth)).then_some(drawn);
+        drawn += usize::from(row.is_some());
         if session.is_interrupted() {
             return Err(Failure::Interrupted(format!("interrupted at depth {number}, nothing kept")));
         }
-        let mut level = Level::at(depth);
+        let mut level = Level::at(plane);
         for family in [Family::Displacement, Family::Deformation] {
             let wanted = quantities.iter().enumerate().filter(|(_, quantity)| quantity.family() == family);
             if wanted.clone().next().is_none() {
                 continue;
             }
-            let fields = Fields::at(&interior, family, depth, &mut ws);
+            let fields = Fields::at(&interior, family, plane, &mut ws);
             let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
             level.note(&fields);
             level.check(family, &args.surface)?;
@@ -203,8 +236,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
                     volume.write(index, number, &fields)?;
                 }
             }
-            if let Some(pictures) = &mut pictures {
-                pictures.take(family, number, &fields);
+            if let (Some(pictures), Some(row)) = (&mut pictures, row) {
+                pictures.take(family, row, &fields);
             }
         }
         levels.push(level);
@@ -222,14 +255,35 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(Report { n, length, surface: surface.description, slice: rows.slice, levels, out, plots })
 }
 
-fn height(body: &Body) -> Option<f64> {
-    if let Height::Finite(height) = body.height() { Some(height) } else { None }
+/// The planes at `depths`. One between two layers is taken twice, on either side; with even `levels` those that lie between
+/// them are added, unless they are those of an image.
+fn planes(depths: &[f64], body: &Body, levels: bool, is_image: bool) -> Vec<Plane> {
+    let at = |depth: f64| Plane { depth, side: None };
+    if is_image {
+        return depths.iter().copied().map(at).collect();
+    }
+    let interfaces = body.interfaces();
+    let deepest = depths.iter().copied().fold(0.0, f64::max);
+    let mut all = depths.to_vec();
+    if levels {
+        all.extend(interfaces.iter().filter(|depth| **depth < deepest));
+        all.sort_by(f64::total_cmp);
+    }
+    all.dedup_by(|a, b| a == b && interfaces.contains(a));
+    let sides = |depth: f64| match interfaces.contains(&depth) {
+        true => vec![Plane { depth, side: Some(Side::Above) }, Plane { depth, side: Some(Side::Below) }],
+        false => vec![at(depth)],
+    };
+    all.into_iter().flat_map(sides).collect()
 }
 
 /// The depths inside the body; `--levels` gives them from the surface downwards.
 fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
+    let interfaces = body.interfaces();
+    // The digits of a depth that is given, and of a sum of heights, may differ.
+    let snapped = |depth: f64| interfaces.iter().copied().find(|at| (depth - at).abs() <= 1e-12 * at).unwrap_or(depth);
     let inside = |flag: &str, depth: f64| match body.at_depth(depth) {
-        Ok(_) => Ok(depth),
+        Ok(_) => Ok(snapped(depth)),
         Err(error) => Err(Failure::input(flag, error)),
     };
     let Some(levels) = args.place.levels else {
@@ -239,13 +293,13 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
         return Err(Failure::value("--levels", levels, "at least 2"));
     }
     memory::check_count("--levels", "levels", levels as u64, LEVEL_BYTES)?;
-    let deepest = args.deepest.or_else(|| height(body));
+    let deepest = args.deepest.or_else(|| Some(body.total_height()).filter(|height| height.is_finite()));
     let missing = || Failure::Input("--deepest is missing; it is needed because a half-space has no base".into());
     let deepest = deepest.ok_or_else(missing)?;
     if inside("--deepest", deepest)? == 0.0 {
         return Err(Failure::value("--deepest", 0, "above 0"));
     }
-    Ok(evenly_spaced(levels, deepest).collect())
+    Ok(evenly_spaced(levels, deepest).map(snapped).collect())
 }
 
 /// The bytes of a level in the report, and in its text.
@@ -271,8 +325,8 @@ impl Level {
         Err(Failure::input(surface, reason + ", which other units of stress or length make it"))
     }
 
-    fn at(depth: f64) -> Self {
-        Self { depth, max_displacement: f64::NAN, max_von_mises: f64::NAN, mean_energy_density: f64::NAN }
+    fn at(Plane { depth, side }: Plane) -> Self {
+        Self { depth, side, max_displacement: f64::NAN, max_von_mises: f64::NAN, mean_energy_density: f64::NAN }
     }
 
     fn note(&mut self, fields: &Fields) {
@@ -300,10 +354,15 @@ impl fmt::Display for Report {
         }
         writeln!(f, "\n{:>13} {:>13} {:>13} {:>13}", "depth", "max |u|", "max Mises", "mean energy")?;
         for level in &self.levels {
-            let Level { depth, max_displacement, max_von_mises, mean_energy_density } = level;
+            let Level { depth, side, max_displacement, max_von_mises, mean_energy_density } = level;
             write!(f, "{depth:>13.6e}")?;
             for value in [max_displacement, max_von_mises, mean_energy_density] {
                 if value.is_nan() { write!(f, " {:>13}", "-")? } else { write!(f, " {value:>13.6e}")? }
+            }
+            match side {
+                Some(Side::Above) => write!(f, "  in the layer above")?,
+                Some(Side::Below) => write!(f, "  in the layer below")?,
+                None => {}
             }
             writeln!(f)?;
         }

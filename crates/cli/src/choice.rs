@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
+use gfmd_green::BaseKind;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 use serde::Serializer;
 
@@ -37,6 +38,7 @@ macro_rules! choices {
 
 choices! {
     Amplitudes: Self::ALL;
+    BaseKind: &Self::ALL;
     Boundary: &Self::ALL;
     Fill: Self::ALL;
     Periodisation: Self::ALL;

@@ -29,7 +29,7 @@ use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
-use crate::elastic::BodyArgs;
+use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
@@ -153,6 +153,11 @@ pub struct Report {
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
+    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    #[serde(flatten)]
+    pub others: OtherArgs,
+    #[serde(skip)]
+    pub body: Option<String>,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
@@ -231,7 +236,7 @@ impl Prepared {
             _ => Held::LAW,
         };
         fields.check("the grid", surface.grid.points())?;
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
@@ -245,7 +250,7 @@ impl Prepared {
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
     fn pressure_variance(&self) -> f64 {
         let Surface { grid, heights, boundary, .. } = &self.surface;
-        let modulus = self.body.material().contact_modulus();
+        let modulus = self.body.contact_modulus();
         let by_gradient = 0.25 * (modulus * self.surface.rms_gradient()).powi(2);
         let Ok(spectrum) = PowerSpectrum::of(heights, grid) else { return by_gradient };
         if *boundary == Boundary::Free {
@@ -315,7 +320,9 @@ impl Prepared {
             scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
-            e_star: self.body.material().contact_modulus(),
+            e_star: self.body.contact_modulus(),
+            others: args.body.others.clone(),
+            body: args.body.words(),
             boundary: self.surface.boundary.name(),
             hardness: args.hardness,
             loads: Vec::new(),
@@ -491,7 +498,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             // In contact are the points that are repelled.
             let pressure = pressure.mapv(|p| p.max(0.0));
             if args.statistics {
-                let e_star = body.material().contact_modulus();
+                let e_star = body.contact_modulus();
                 gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
             }
             if args.flow && is_new {

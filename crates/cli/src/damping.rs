@@ -10,11 +10,11 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable};
-use gfmd_green::{Body, GreenError, Material};
+use gfmd_green::Height;
 use serde::Serialize;
 
-use crate::elastic::HEIGHTS;
-use crate::failure::{Failure, check_size};
+use crate::elastic::{BodyArgs, OtherArgs};
+use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::memory::{self, Held};
 use crate::progress::Progress;
@@ -38,7 +38,7 @@ pub struct Args {
     /// Points along an edge of the cell, whose length is 1
     #[arg(long, default_value_t = 32, value_name = "N")]
     n: usize,
-    /// Height of the slab, bonded to a rigid base; the cell has the length 1
+    /// Height of the slab, or of the top layer; the cell has the length 1
     #[arg(long, default_value_t = 1.0, value_name = "ZM", allow_negative_numbers = true)]
     height: f64,
     /// Young's modulus, stress
@@ -47,6 +47,9 @@ pub struct Args {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    others: OtherArgs,
     /// Damping over the critical damping of the slowest mode
     #[arg(
         long,
@@ -122,21 +125,10 @@ const HISTORY_BYTES: u64 = 3 * 8 * 3;
 
 /// Prepares the experiment that the flags describe.
 fn experiment(args: &Args) -> Result<Experiment, Failure> {
-    if args.young.is_finite() && args.young > 0.0 {
-        check_size("--young", args.young)?;
-    }
-    if args.height.is_finite() && args.height > 0.0 && !HEIGHTS.contains(&args.height) {
-        return Err(Failure::value("--height", format!("{:e}", args.height), "between 1e-12 and 1e12"));
-    }
-    let material = Material::from_young(args.young, args.poisson);
-    let body = material.and_then(|material| Body::slab(material, args.height)).map_err(|error| {
-        let flag = match &error {
-            GreenError::Young(_) => "--young",
-            GreenError::Poisson(_) => "--poisson",
-            _ => "--height",
-        };
-        Failure::input(flag, error)
-    })?;
+    let Args { young, poisson, others, .. } = args.clone();
+    let height = Height::Finite(args.height);
+    let body = BodyArgs { young, poisson, e_star: None, height, others }.body()?;
+    args.others.check_heights(height, &[1.0])?;
     let points = if args.dim == 2 { [args.n, 1] } else { [args.n; 2] };
     Held::DAMPING.check("--n", points)?;
     if let Some(steps) = args.steps {

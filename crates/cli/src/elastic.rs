@@ -1,12 +1,15 @@
 //! The elastic body, from flags.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 use clap::Args;
 use gfmd_field::Grid;
-use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
 use serde::Serialize;
 
+use crate::check::parsed;
+use crate::choice::{by_name, parse_choice};
 use crate::failure::{Failure, SIZES, check_size};
 
 /// Flags that describe the elastic body.
@@ -22,51 +25,158 @@ pub struct BodyArgs {
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub e_star: Option<f64>,
-    /// Height of the slab, bonded to a rigid base; "inf" for a half-space
+    /// Height of the slab, or of the top layer; "inf" for a half-space
     #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(serialize_with = "serialize_height")]
     pub height: Height,
+    /// What lies below the top layer, and the second body.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub others: OtherArgs,
+}
+
+/// Flags of what lies below the top layer of a body, and of the second body.
+#[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
+pub struct OtherArgs {
+    /// What the lowest layer stands on
+    #[arg(long, value_parser = parse_choice::<BaseKind>(), default_value_t = BaseKind::Bonded)]
+    #[serde(serialize_with = "by_name", skip_serializing_if = "is_bonded")]
+    pub base: BaseKind,
+    /// Young's modulus of the half-space below, with --base half-space
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_young: Option<f64>,
+    /// Poisson's ratio of the half-space below, with --base half-space
+    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_poisson: Option<f64>,
+    /// One more layer below the top one: Young's modulus, Poisson's ratio, height; give the flag once for each layer, from the
+    /// top down
+    #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layer: Vec<Sheet>,
+    /// The rough surface belongs to an elastic body, too: a half-space, or a slab of height H bonded at its back
+    #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_body: Option<Sheet>,
+}
+
+/// Young's modulus, Poisson's ratio, and the height of a layer or slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    young: f64,
+    poisson: f64,
+    height: Height,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_bonded(base: &BaseKind) -> bool {
+    *base == BaseKind::Bonded
+}
+
+fn parse_layer(text: &str) -> Result<Sheet, String> {
+    match numbers(text)[..] {
+        [Some(young), Some(poisson), Some(height)] => Ok(Sheet { young, poisson, height: Height::Finite(height) }),
+        _ => Err("it must be E,NU,H: Young's modulus, Poisson's ratio, height".into()),
+    }
+}
+
+fn parse_second(text: &str) -> Result<Sheet, String> {
+    match numbers(text)[..] {
+        [Some(young), Some(poisson)] => Ok(Sheet { young, poisson, height: Height::Infinite }),
+        [Some(young), Some(poisson), Some(height)] => Ok(Sheet { young, poisson, height: Height::Finite(height) }),
+        _ => Err("it must be E,NU or E,NU,H: Young's modulus, Poisson's ratio, height".into()),
+    }
+}
+
+fn numbers(text: &str) -> Vec<Option<f64>> {
+    text.split(',').map(|number| number.trim().parse().ok()).collect()
+}
+
+impl Serialize for Sheet {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { young, poisson, height } = *self;
+        match height {
+            Height::Finite(height) => [young, poisson, height].serialize(serializer),
+            Height::Infinite => [young, poisson].serialize(serializer),
+        }
+    }
+}
+
+impl fmt::Display for Sheet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { young, poisson, height } = *self;
+        write!(f, "{young},{poisson}")?;
+        if let Height::Finite(height) = height { write!(f, ",{height}") } else { Ok(()) }
+    }
+}
+
+impl Sheet {
+    fn material(&self, flag: &str) -> Result<Material, Failure> {
+        material([flag, flag], self.young, self.poisson)
+    }
+
+    fn body(&self, flag: &str) -> Result<Body, Failure> {
+        Body::new(self.material(flag)?, self.height).map_err(|error| Failure::input(flag, error))
+    }
+
+    /// The material in words.
+    fn words(&self) -> String {
+        format!("E = {}, nu = {}", self.young, self.poisson)
+    }
+}
+
+/// A material, whose modulus and Poisson's ratio have the flags `[young, poisson]`.
+fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
+    if young.is_finite() && young > 0.0 {
+        check_size(young_flag, young)?;
+    }
+    Material::from_young(young, poisson).map_err(|error| {
+        Failure::input(if matches!(error, GreenError::Young(_)) { young_flag } else { poisson_flag }, error)
+    })
 }
 
 impl BodyArgs {
     /// Makes the body.
     ///
     /// # Errors
-    /// A flag out of its range.
+    /// A flag out of its range; flags that do not go together.
     pub fn body(&self) -> Result<Body, Failure> {
         let material = match self.e_star {
-            Some(modulus) => Material::from_contact_modulus(modulus, self.poisson),
-            None => Material::from_young(self.young, self.poisson),
+            Some(modulus) => {
+                if modulus.is_finite() && modulus > 0.0 {
+                    check_size("--e-star", modulus)?;
+                }
+                Material::from_contact_modulus(modulus, self.poisson).map_err(|error| {
+                    let of_modulus = matches!(error, GreenError::ContactModulus(_));
+                    Failure::input(if of_modulus { "--e-star" } else { "--poisson" }, error)
+                })?
+            }
+            None => self::material(["--young", "--poisson"], self.young, self.poisson)?,
         };
-        let (flag, modulus) = self.e_star.map_or(("--young", self.young), |e_star| ("--e-star", e_star));
-        if modulus.is_finite() && modulus > 0.0 {
-            check_size(flag, modulus)?;
-        }
-        material.and_then(|material| Body::new(material, self.height)).map_err(|error| {
-            let flag = match &error {
-                GreenError::Young(_) => "--young",
-                GreenError::ContactModulus(_) => "--e-star",
-                GreenError::Poisson(_) => "--poisson",
-                _ => "--height",
-            };
-            Failure::input(flag, error)
-        })
+        self.others.below(material, self.height)
     }
-}
 
-impl BodyArgs {
-    /// Checks the body against a surface on `grid` that is pressed on it: the height of a slab over the sides of the
+    /// The body in words, unless it is a half-space or a slab on a bonded base, and alone.
+    pub fn words(&self) -> Option<String> {
+        if self.others.are_none() {
+            return None;
+        }
+        let top = match self.height {
+            Height::Finite(height) => format!("slab of height {height}"),
+            Height::Infinite => "half-space".to_owned(),
+        };
+        let modulus = self.e_star.map_or_else(|| format!("E = {}", self.young), |e_star| format!("E* = {e_star}"));
+        Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words()))
+    }
+
+    /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the sides of the
     /// cell, and the `unit` of pressures, E* times the rms gradient.
     ///
     /// # Errors
     /// A slab so thin or so high, or a unit so small or so large, that digits are lost.
     pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Failure> {
-        if let Height::Finite(height) = self.height
-            && let Some(side) = sides(grid).iter().find(|side| !HEIGHTS.contains(&(height / **side)))
-        {
-            let allowed = format!("between 1e-12 and 1e12 times the cell length {side:e}, or inf");
-            return Err(Failure::value("--height", format!("{height:e}"), allowed));
-        }
+        self.others.check_heights(self.height, &sides(grid))?;
         let flag = if self.e_star.is_some() { "--e-star" } else { "--young" };
         // A flat surface is judged by what uses it.
         if SIZES.contains(&unit) || unit == 0.0 {
@@ -74,6 +184,120 @@ impl BodyArgs {
         }
         let reason = format!("E* times the rms gradient is {unit:e}; it must be between 1e-140 and 1e140");
         Err(Failure::input(flag, reason + ", which another unit of stress makes it"))
+    }
+}
+
+/// Makes the body of flags, without a command.
+///
+/// # Errors
+/// Words that are no flags of a body; a flag out of its range; flags that do not go together.
+pub fn body_of(words: &[String]) -> Result<Body, Failure> {
+    parsed::<BodyArgs>(words)?.body()
+}
+
+impl OtherArgs {
+    /// The body whose top layer has this `material` and `height`.
+    ///
+    /// # Errors
+    /// A flag out of its range; flags that do not go together.
+    pub fn below(&self, material: Material, height: Height) -> Result<Body, Failure> {
+        let top = Body::new(material, height).map_err(|error| Failure::input("--height", error))?;
+        let Self { base, base_young, base_poisson, layer, second_body } = self;
+        if *base != BaseKind::HalfSpace {
+            for (flag, value) in [("--base-young", base_young), ("--base-poisson", base_poisson)] {
+                if let Some(value) = value {
+                    return Err(Failure::value(flag, value, "left out without --base half-space"));
+                }
+            }
+        }
+        let body = match height {
+            Height::Infinite => {
+                if let Some(layer) = layer.first() {
+                    return Err(Failure::value("--layer", layer, "left out with --height inf: nothing lies below"));
+                }
+                if *base != BaseKind::Bonded {
+                    return Err(Failure::value("--base", base, "bonded with --height inf: a half-space has no base"));
+                }
+                top
+            }
+            Height::Finite(height) => {
+                let mut layers = vec![(material, height)];
+                for sheet in layer {
+                    sheet.body("--layer")?;
+                    if let Height::Finite(height) = sheet.height {
+                        layers.push((sheet.material("--layer")?, height));
+                    }
+                }
+                let below = match base {
+                    BaseKind::HalfSpace => {
+                        let missing =
+                            |flag| Failure::Input(format!("{flag} is missing; it is needed with --base half-space"));
+                        let young = base_young.ok_or_else(|| missing("--base-young"))?;
+                        let poisson = base_poisson.ok_or_else(|| missing("--base-poisson"))?;
+                        Some(self::material(["--base-young", "--base-poisson"], young, poisson)?)
+                    }
+                    _ => None,
+                };
+                let stack = base.with(below).and_then(|base| Body::stack(&layers, base));
+                stack.map_err(|error| Failure::input("--layer", error))?
+            }
+        };
+        match second_body {
+            Some(second) => Ok(body.against(second.body("--second-body")?)),
+            None => Ok(body),
+        }
+    }
+
+    /// Checks the heights of all slabs and layers, of which the top one has the flag --height, over the `sides` of the cell.
+    ///
+    /// # Errors
+    /// A slab so thin or so high that digits are lost.
+    pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Failure> {
+        let others = self.layer.iter().map(|sheet| ("--layer", sheet.height));
+        let second = self.second_body.iter().map(|sheet| ("--second-body", sheet.height));
+        for (flag, height) in std::iter::once(("--height", height)).chain(others).chain(second) {
+            let Height::Finite(height) = height else { continue };
+            if let Some(side) = sides.iter().find(|side| !HEIGHTS.contains(&(height / **side))) {
+                let or = if flag == "--layer" { "" } else { ", or inf" };
+                let allowed = format!("between 1e-12 and 1e12 times the cell length {side:e}{or}");
+                let name = if flag == "--height" { flag.to_owned() } else { format!("the height of {flag}") };
+                return Err(Failure::value(&name, format!("{height:e}"), allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// True if the body is a half-space, or a slab on a bonded base, and alone.
+    pub fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// What these flags add to the words for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a half-space".
+    pub fn words(&self) -> String {
+        let Self { base, base_young, base_poisson, layer, second_body } = self;
+        let mut parts: Vec<String> = Vec::new();
+        for sheet in layer {
+            let Height::Finite(height) = sheet.height else { continue };
+            parts.push(format!("on a layer of height {height} ({})", sheet.words()));
+        }
+        match base {
+            BaseKind::Bonded if layer.is_empty() => {}
+            BaseKind::Bonded => parts.push("bonded to a rigid base".into()),
+            BaseKind::Sliding => parts.push("on a rigid base without friction".into()),
+            BaseKind::Free => parts.push("free below".into()),
+            BaseKind::HalfSpace => {
+                let [young, poisson] = [base_young, base_poisson].map(|value| value.unwrap_or(f64::NAN));
+                parts.push(format!("on a half-space (E = {young}, nu = {poisson})"));
+            }
+        }
+        if let Some(second) = second_body {
+            let kind = match second.height {
+                Height::Infinite => "half-space".to_owned(),
+                Height::Finite(height) => format!("slab of height {height}"),
+            };
+            parts.push(format!("against a {kind} ({}) above", second.words()));
+        }
+        parts.join(", ")
     }
 }
 
@@ -87,7 +311,7 @@ pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 
 /// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration that
 /// the file records.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct RecordedBodyArgs {
     /// Young's modulus, stress; default, as of the flags below: the value that the input records
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -98,9 +322,24 @@ pub struct RecordedBodyArgs {
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     e_star: Option<f64>,
-    /// Height of the slab, bonded to a rigid base; "inf" for a half-space
+    /// Height of the slab, or of the top layer; "inf" for a half-space
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     height: Option<Height>,
+    /// What the lowest layer stands on
+    #[arg(long, value_parser = parse_choice::<BaseKind>())]
+    base: Option<BaseKind>,
+    /// Young's modulus of the half-space below, with --base half-space
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    base_young: Option<f64>,
+    /// Poisson's ratio of the half-space below, with --base half-space
+    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    base_poisson: Option<f64>,
+    /// One more layer below the top one, repeatable, from the top down
+    #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
+    layer: Vec<Sheet>,
+    /// The body to which the rough surface belongs, which takes a part of the displacement
+    #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
+    second_body: Option<Sheet>,
 }
 
 impl RecordedBodyArgs {
@@ -128,6 +367,49 @@ impl RecordedBodyArgs {
             poisson: self.poisson.or_else(|| recorded("poisson")).ok_or_else(|| needed("--poisson"))?,
             e_star,
             height: self.height.or(height).ok_or_else(|| needed("--height"))?,
+            others: self.others(record)?,
+        })
+    }
+
+    /// What lies below the top layer, and the second body, of the configuration of a run.
+    ///
+    /// # Errors
+    /// A record that no run writes.
+    pub fn recorded(record: &toml::Table) -> Result<OtherArgs, Failure> {
+        Self::default().others(record)
+    }
+
+    fn others(&self, record: &toml::Table) -> Result<OtherArgs, Failure> {
+        let unusable = |what: &dyn fmt::Display| Failure::input("the config that the input records", what);
+        let sheet = |value: &toml::Value, parse: fn(&str) -> Result<Sheet, String>| {
+            let numbers = value.as_array().map_or(&[][..], Vec::as_slice);
+            let text = numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+            parse(&text).map_err(|error| unusable(&error))
+        };
+        let base = match (self.base, record.get("base").and_then(toml::Value::as_str)) {
+            (Some(base), _) => base,
+            (None, Some(name)) => name.parse().map_err(|error| unusable(&error))?,
+            (None, None) => BaseKind::Bonded,
+        };
+        // The half-space of another base is not below this one.
+        let recorded = |key: &str| {
+            let value = record.get(key).and_then(toml::Value::as_float);
+            value.filter(|_| base == BaseKind::HalfSpace)
+        };
+        let layer = match (&self.layer[..], record.get("layer").and_then(toml::Value::as_array)) {
+            ([], Some(sheets)) => sheets.iter().map(|value| sheet(value, parse_layer)).collect::<Result<_, _>>()?,
+            (given, _) => given.to_vec(),
+        };
+        let second_body = match (self.second_body, record.get("second_body")) {
+            (None, Some(value)) => Some(sheet(value, parse_second)?),
+            (given, _) => given,
+        };
+        Ok(OtherArgs {
+            base,
+            base_young: self.base_young.or_else(|| recorded("base_young")),
+            base_poisson: self.base_poisson.or_else(|| recorded("base_poisson")),
+            layer,
+            second_body,
         })
     }
 }

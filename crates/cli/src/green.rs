@@ -2,12 +2,11 @@
 
 use std::fmt::{self, Display};
 
-use clap::ValueEnum;
-use gfmd_green::{Base, Body, Complex64, GreenError, Height, Material, Section};
+use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::unit_of;
 use serde::Serialize;
 
-use crate::elastic::parse_height;
+use crate::elastic::{BodyArgs, OtherArgs, parse_height};
 use crate::failure::Failure;
 
 /// Flags of `green`.
@@ -15,7 +14,8 @@ use crate::failure::Failure;
 #[command(after_help = "Examples:
   gfmd green --qx 3 --qy 4 --height 0.3 --young 1 --poisson 0.33
   gfmd green --dim 2 --qx 2 --height inf --poisson 0.5 --depth 0.1 --json
-  gfmd green --qx 1 --height 0.5 --base half-space --base-young 10 --base-poisson 0.2 --z 0.25")]
+  gfmd green --qx 1 --height 0.5 --base half-space --base-young 10 --base-poisson 0.2 --z 0.25
+  gfmd green --qx 5 --height 0.05 --layer 3,0.3,0.1 --base free --depth 0.12")]
 pub struct Args {
     /// 3: components x, y, z; 2: plane strain, components x, z
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
@@ -35,35 +35,14 @@ pub struct Args {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
-    /// Base of the slab
-    #[arg(long, value_enum, default_value_t = BaseName::Bonded)]
-    base: BaseName,
-    /// Young's modulus of the half-space below, with --base half-space
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
-    base_young: Option<f64>,
-    /// Poisson's ratio of the half-space below, with --base half-space
-    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
-    base_poisson: Option<f64>,
+    #[command(flatten)]
+    others: OtherArgs,
     /// Compute displacement and stress, too, at this height above the base of the slab
     #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
     z: Option<f64>,
     /// Compute displacement and stress, too, at this depth below the surface
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     depth: Option<f64>,
-}
-
-/// Names of the bases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum BaseName {
-    /// Bonded to a rigid base
-    Bonded,
-    /// On a rigid base without friction
-    Sliding,
-    /// No base: a plate
-    Free,
-    /// Bonded to an elastic half-space: a coating
-    HalfSpace,
 }
 
 /// A matrix in JSON: rows of pairs [re, im].
@@ -180,43 +159,8 @@ impl Report {
 }
 
 fn body(args: &Args) -> Result<Body, Failure> {
-    let material = material(["--young", "--poisson"], args.young, args.poisson)?;
-    let body = match (args.height, Body::new(material, args.height)) {
-        (_, Ok(body)) => body,
-        (Height::Finite(height), Err(_)) => {
-            return Err(Failure::value("--height", height, "a positive length, or inf"));
-        }
-        (Height::Infinite, Err(error)) => return Err(Failure::Input(error.to_string())),
-    };
-    if args.base != BaseName::HalfSpace {
-        for (flag, value) in [("--base-young", args.base_young), ("--base-poisson", args.base_poisson)] {
-            if let Some(value) = value {
-                return Err(Failure::value(flag, value, "left out without --base half-space"));
-            }
-        }
-    }
-    let base = match args.base {
-        BaseName::Bonded => return Ok(body),
-        BaseName::Sliding => Base::Sliding,
-        BaseName::Free => Base::Free,
-        BaseName::HalfSpace => {
-            let missing = |flag| Failure::Input(format!("{flag} is missing; it is needed with --base half-space"));
-            let young = args.base_young.ok_or_else(|| missing("--base-young"))?;
-            let poisson = args.base_poisson.ok_or_else(|| missing("--base-poisson"))?;
-            let material = self::material(["--base-young", "--base-poisson"], young, poisson)?;
-            Base::Elastic(Box::new(Body::half_space(material)))
-        }
-    };
-    let name = args.base.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-    body.on(base).map_err(|_| Failure::value("--base", name, "bonded with --height inf: a half-space has no base"))
-}
-
-fn material(flags: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
-    Material::from_young(young, poisson).map_err(|error| match error {
-        GreenError::Young(found) => Failure::value(flags[0], found, "positive and finite"),
-        GreenError::Poisson(found) => Failure::value(flags[1], found, "above -1 and at most 0.5"),
-        other => Failure::Input(other.to_string()),
-    })
+    let Args { young, poisson, height, others, .. } = args;
+    BodyArgs { young: *young, poisson: *poisson, e_star: None, height: *height, others: others.clone() }.body()
 }
 
 fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {
@@ -350,9 +294,18 @@ mod tests {
         for (flags, message) in [
             ("--qx nan", "--qx is NaN; it must be finite"),
             ("--dim 2 --qx 1 --qy 2", "--qy is 2; it must be 0 with --dim 2"),
-            ("--qx 1 --young 0", "--young is 0; it must be positive and finite"),
-            ("--qx 1 --poisson 0.6", "--poisson is 0.6; it must be above -1 and at most 0.5"),
-            ("--qx 1 --height -1", "--height is -1; it must be a positive length, or inf"),
+            ("--qx 1 --young 0", "--young: Young's modulus is 0; it must be positive and finite"),
+            ("--qx 1 --poisson 0.6", "--poisson: Poisson's ratio is 0.6; it must be above -1 and at most 0.5"),
+            ("--qx 1 --height -1", "--height: the height of the slab is -1; it must be positive and finite"),
+            (
+                "--qx 1 --height 1 --layer 1,0.7,1",
+                "--layer: Poisson's ratio is 0.7; it must be above -1 and at most 0.5",
+            ),
+            ("--qx 1 --layer 1,0.3,1", "--layer is 1,0.3,1; it must be left out with --height inf: nothing lies below"),
+            (
+                "--qx 1 --second-body 1,0.3,0",
+                "--second-body: the height of the slab is 0; it must be positive and finite",
+            ),
             ("--qx 1 --base free", "--base is free; it must be bonded with --height inf: a half-space has no base"),
             ("--qx 1 --height 1 --base half-space", "--base-young is missing; it is needed with --base half-space"),
             ("--qx 1 --base-young 2", "--base-young is 2; it must be left out without --base half-space"),
@@ -362,7 +315,15 @@ mod tests {
         ] {
             assert_eq!(evaluate(flags).unwrap_err().to_string(), message);
         }
-        for flags in ["", "--qx one", "--qx 1 --dim 4", "--qx 1 --height tall", "--qx 1 --base loose"] {
+        for flags in [
+            "",
+            "--qx 1 --height 1 --layer 1,2",
+            "--qx 1 --second-body 1",
+            "--qx one",
+            "--qx 1 --dim 4",
+            "--qx 1 --height tall",
+            "--qx 1 --base loose",
+        ] {
             assert!(evaluate(flags).is_err(), "{flags}");
         }
     }

@@ -154,7 +154,7 @@ impl Prepared {
         let fields = if all { Held::ALL_COMPONENTS } else { Held::PATH };
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
-        let unit_pressure = body.material().contact_modulus() * surface.rms_gradient();
+        let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
@@ -317,7 +317,9 @@ impl Prepared {
             scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
-            e_star: self.body.material().contact_modulus(),
+            e_star: self.body.contact_modulus(),
+            others: args.body.others.clone(),
+            body: args.body.words(),
             law: match &self.action {
                 Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
                 Action::Friction(Limit::Tresca(_)) => "tresca".into(),
@@ -349,7 +351,7 @@ impl<'a> Log<'a> {
             file: prepared.output.as_ref().map(create).transpose()?,
             widest: None,
             points: prepared.surface.grid.points(),
-            unit_pressure: prepared.body.material().contact_modulus() * prepared.surface.rms_gradient(),
+            unit_pressure: prepared.body.contact_modulus() * prepared.surface.rms_gradient(),
             tolerance: args.tol,
         })
     }

@@ -15,7 +15,7 @@ use ndarray::{Array2, Array3};
 use serde::Serialize;
 
 use crate::convergence::{History, NotConverged};
-use crate::elastic::{BodyArgs, HEIGHTS, parse_height, serialize_height};
+use crate::elastic::{BodyArgs, OtherArgs, parse_height, serialize_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
 use crate::memory::{Held, peak_bytes};
@@ -54,7 +54,7 @@ pub struct Args {
     /// Side of the square cell, length
     #[arg(long, default_value_t = 1.27, value_name = "L", allow_negative_numbers = true)]
     length: f64,
-    /// Height of the slab, bonded to a rigid base; "inf" for a half-space; default: the length of the cell
+    /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(serialize_with = "serialize_resolved")]
     height: Option<Height>,
@@ -64,6 +64,9 @@ pub struct Args {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    others: OtherArgs,
     /// 3: a square punch; 2: a strip, in plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
     dim: u8,
@@ -201,13 +204,6 @@ impl Prepared {
                 check_size(flag, size)?;
             }
         }
-        if let Some(Height::Finite(height)) = args.height
-            && height > 0.0
-            && !HEIGHTS.contains(&(height / args.length))
-        {
-            let allowed = format!("between 1e-12 and 1e12 times the cell length {:e}, or inf", args.length);
-            return Err(Failure::value("--height", format!("{height:e}"), allowed));
-        }
         let finest = args.n.saturating_mul(1 << (args.refine - 1));
         for (flag, n) in [("--n", args.n), ("--refine", finest)] {
             Held::PUNCH.check(flag, [n, if args.dim == 2 { 1 } else { n }])?;
@@ -216,7 +212,9 @@ impl Prepared {
             .map(|level| grid(args, args.n.saturating_mul(1 << level)))
             .collect::<Result<Vec<_>, _>>()?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
-        let body = BodyArgs { young: args.young, poisson: args.poisson, e_star: None, height }.body()?;
+        let Args { young, poisson, others, .. } = args.clone();
+        let body = BodyArgs { young, poisson, e_star: None, height, others }.body()?;
+        args.others.check_heights(height, &[args.length])?;
         let edge = match args.nodes {
             Nodes::Strict => Edge::Strict,
             Nodes::Inclusive => Edge::Inclusive,
@@ -358,6 +356,7 @@ impl Prepared {
             height: self.height,
             young: args.young,
             poisson: args.poisson,
+            others: args.others.clone(),
             contact: args.contact,
             nodes: args.nodes,
             punch_width: args.punch_fraction * args.length,

@@ -139,7 +139,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let surface = args.source.surface(session)?;
     let body = args.body.body()?;
     let grid = surface.grid;
-    let e_star = body.material().contact_modulus();
+    let e_star = body.contact_modulus();
     let rms_gradient = surface.rms_gradient();
     args.body.check_on(&grid, e_star * rms_gradient)?;
     let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::Input(error.to_string()))?;

@@ -39,7 +39,7 @@ impl Contact {
         let units = Units::of(body, &surface)?;
         let response = NormalResponse::new(units.grid(grid), &units.body(body)).into();
         let scaled = units.surface(&surface);
-        let contact_modulus = body.material().contact_modulus();
+        let contact_modulus = body.contact_modulus();
         Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units })
     }
 

@@ -36,7 +36,7 @@ impl Units {
     /// # Errors
     /// A unit of stress, E* h_rms over the cell length, that is no normal number.
     pub fn of(body: &Body, surface: &RigidSurface) -> Result<Self, Refusal> {
-        let modulus = body.material().contact_modulus();
+        let modulus = body.contact_modulus();
         let units = Self { modulus: unit_of(modulus), ..Self::of_surface(surface) };
         let stress = modulus * (surface.rms_height() / longest(surface.grid()));
         if units != Self::ONE && stress != 0.0 && !(LEAST..=1.0 / LEAST).contains(&stress) {

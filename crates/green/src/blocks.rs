@@ -49,6 +49,15 @@ impl Blocks {
         }
     }
 
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            longitudinal: self.longitudinal + other.longitudinal,
+            normal: self.normal + other.normal,
+            transverse: self.transverse + other.transverse,
+            coupling: [0, 1].map(|i| self.coupling[i] + other.coupling[i]),
+        }
+    }
+
     /// The matrix seen from below: z mirrored.
     pub(crate) fn mirrored(self) -> Self {
         Self { coupling: self.coupling.map(|c| -c), ..self }

@@ -32,7 +32,8 @@ pub enum Base {
     Elastic(Box<Body>),
 }
 
-/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`].
+/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`]; or two such bodies with their
+/// surfaces on each other, see [`against`](Self::against).
 ///
 /// All stiffnesses K and compliances G are those of one wave vector q (rad/length) of fields ~ e^(+i q·r): t = K u and
 /// u = G t, with t the traction on the body's surface, positive along +z, and u its displacement (theory.md, section 0).
@@ -42,12 +43,13 @@ pub struct Body {
     material: Material,
     height: Height,
     base: Base,
+    second: Option<Box<Body>>,
 }
 
 impl Body {
     /// A half-space.
     pub fn half_space(material: Material) -> Self {
-        Self { material, height: Height::Infinite, base: Base::Bonded }
+        Self { material, height: Height::Infinite, base: Base::Bonded, second: None }
     }
 
     /// A slab of `height` (length) bonded to a rigid base.
@@ -65,15 +67,20 @@ impl Body {
     pub fn new(material: Material, height: Height) -> Result<Self, GreenError> {
         match height {
             Height::Finite(height) if !(height.is_finite() && height > 0.0) => Err(GreenError::Height(height)),
-            _ => Ok(Self { material, height, base: Base::Bonded }),
+            _ => Ok(Self { material, height, base: Base::Bonded, second: None }),
         }
     }
 
     /// Returns this slab on another base.
     ///
     /// # Errors
-    /// A half-space has no base.
+    /// A half-space has no base. A pair of bodies is no base.
     pub fn on(self, base: Base) -> Result<Self, GreenError> {
+        if let Base::Elastic(below) = &base
+            && below.second.is_some()
+        {
+            return Err(GreenError::PairBelow);
+        }
         match self.height {
             Height::Finite(_) => Ok(Self { base, ..self }),
             Height::Infinite => Err(GreenError::HalfSpaceBase),
@@ -83,9 +90,28 @@ impl Body {
     /// Returns this slab bonded to another body: a coating, or the next layer of a stack.
     ///
     /// # Errors
-    /// A half-space has no base.
+    /// A half-space has no base. A pair of bodies is no base.
     pub fn bonded_to(self, substrate: Body) -> Result<Self, GreenError> {
         self.on(Base::Elastic(Box::new(substrate)))
+    }
+
+    /// Returns this body with `second` above it, upside down, whose surface meets its own. Stiffness and compliance are then
+    /// those of the relative displacement u₁ − u₂ of the two surfaces, and t is the traction on the first: G = G₁ + J G₂ J
+    /// with J = diag(1, 1, −1) (theory.md, section 4.1). Places inside are those of the first body.
+    #[must_use]
+    pub fn against(self, second: Body) -> Self {
+        Self { second: Some(Box::new(second.alone())), ..self }
+    }
+
+    /// The second body of a pair.
+    pub fn second(&self) -> Option<&Body> {
+        self.second.as_deref()
+    }
+
+    /// The first body of a pair; a body that is alone.
+    #[must_use]
+    pub fn alone(&self) -> Self {
+        Self { second: None, ..self.clone() }
     }
 
     /// The body in other units of stress and length, given in the present ones. Powers of two keep every digit.
@@ -99,12 +125,28 @@ impl Body {
             Base::Elastic(below) => Base::Elastic(below.in_units(stress, length).into()),
             base => base.clone(),
         };
-        Self { material: self.material.in_units(stress), height, base }
+        let second = self.second.as_ref().map(|second| second.in_units(stress, length).into());
+        Self { material: self.material.in_units(stress), height, base, second }
     }
 
     /// The material of the body, or of its top layer.
     pub fn material(&self) -> &Material {
         &self.material
+    }
+
+    /// The contact modulus E* = E/(1 − ν²) of the material of the body, or of its top layer, in stress. For a pair
+    /// 1/E* = 1/E₁* + 1/E₂*.
+    pub fn contact_modulus(&self) -> f64 {
+        let first = self.material.contact_modulus();
+        match &self.second {
+            None => first,
+            Some(second) => {
+                let second = second.contact_modulus();
+                // The smaller over a sum of order one: no product that overflows.
+                let [small, large] = if first < second { [first, second] } else { [second, first] };
+                small / (1.0 + small / large)
+            }
+        }
     }
 
     /// The thickness of the body, or of its top layer.
@@ -126,6 +168,9 @@ impl Body {
         if q == 0.0 {
             return self.uniform_compliance().inverse_diagonal();
         }
+        if self.second.is_some() {
+            return self.compliance_blocks(q).inverse_hermitian();
+        }
         let Height::Finite(height) = self.height else { return half_space::stiffness(&self.material, q) };
         LayerMode::new(&self.material, height, q).stiffness_on(&self.base)
     }
@@ -137,8 +182,11 @@ impl Body {
         if q == 0.0 {
             return self.uniform_compliance();
         }
-        let Height::Finite(height) = self.height else { return half_space::compliance(&self.material, q) };
-        LayerMode::new(&self.material, height, q).compliance_on(&self.base)
+        let first = match self.height {
+            Height::Finite(height) => LayerMode::new(&self.material, height, q).compliance_on(&self.base),
+            Height::Infinite => half_space::compliance(&self.material, q),
+        };
+        self.second.as_ref().map_or(first, |second| first.plus(&second.compliance_blocks(q).mirrored()))
     }
 
     /// The basis of all states of the surface at q > 0.
@@ -150,10 +198,34 @@ impl Body {
     }
 
     fn uniform_compliance(&self) -> Blocks {
+        let first = self.first_uniform_compliance();
+        self.second.as_ref().map_or(first, |second| first.plus(&second.uniform_compliance()))
+    }
+
+    /// The compliance at q = 0 of the first body of a pair.
+    pub(crate) fn first_uniform_compliance(&self) -> Blocks {
         match self.height {
             Height::Finite(height) => uniform_compliance(&self.material, height, &self.base),
             Height::Infinite => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
         }
+    }
+
+    /// The compliance of the uniform mode against the mean level of what does not hold the body, in length/stress: lateral and
+    /// normal (theory.md, section 4.1).
+    ///
+    /// It is that of all slabs and layers in series, Σ h/C44 and Σ h/C11. A half-space at the bottom adds nothing: its mean
+    /// level is the reference. A base that does not hold the body bears the opposite of the mean traction, uniformly. On a
+    /// bonded base it is the compliance at q = 0.
+    pub fn level_compliance(&self) -> [f64; 2] {
+        let first = self.first_level_compliance();
+        self.second.as_ref().map_or(first, |second| plus(first, second.level_compliance()))
+    }
+
+    /// The [`level_compliance`](Self::level_compliance) of the first body of a pair.
+    pub(crate) fn first_level_compliance(&self) -> [f64; 2] {
+        let Height::Finite(height) = self.height else { return [0.0; 2] };
+        let layer = [height / self.material.shear_modulus(), height * self.material.p_wave_compliance()];
+        if let Base::Elastic(below) = &self.base { plus(layer, below.level_compliance()) } else { layer }
     }
 
     /// The stiffness K of the wave vector `q` (rad/length), in stress/length; q = 0 as in [`Self::stiffness_blocks`].
@@ -201,13 +273,21 @@ impl Body {
         if q == 0.0 {
             return self.uniform_compliance().normal;
         }
-        let Height::Finite(height) = self.height else { return half_space::normal_compliance(&self.material, q) };
-        let layer = LayerMode::new(&self.material, height, q);
-        match &self.base {
-            Base::Bonded => layer.bonded_normal_compliance(),
-            Base::Sliding => layer.sliding_normal_compliance(),
-            Base::Free => layer.free_normal_compliance(),
-            Base::Elastic(_) => self.compliance_blocks(q).normal,
+        let first = match self.height {
+            Height::Infinite => half_space::normal_compliance(&self.material, q),
+            Height::Finite(height) => {
+                let layer = LayerMode::new(&self.material, height, q);
+                match &self.base {
+                    Base::Bonded => layer.bonded_normal_compliance(),
+                    Base::Sliding => layer.sliding_normal_compliance(),
+                    Base::Free => layer.free_normal_compliance(),
+                    Base::Elastic(_) => layer.compliance_on(&self.base).normal,
+                }
+            }
+        };
+        match &self.second {
+            None => first,
+            Some(second) => first + second.normal_compliance(q),
         }
     }
 
@@ -245,6 +325,10 @@ impl Body {
             Complex64::new(0.0, factor)
         })
     }
+}
+
+pub(crate) fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
 }
 
 /// The compliance of the uniform mode: layers in series (theory.md, section 3).

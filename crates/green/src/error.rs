@@ -1,3 +1,5 @@
+use crate::BaseKind;
+
 /// Reasons to refuse a material, a body, or a place in it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -17,6 +19,15 @@ pub enum GreenError {
     /// A base was given to a half-space, which has none.
     #[error("the body is a half-space; a base needs a slab of finite height")]
     HalfSpaceBase,
+    /// A stack without layers.
+    #[error("the stack has no layers; it must have at least one")]
+    NoLayer,
+    /// A half-space below without its material, or a material for another base.
+    #[error("the base is {0}; a material of the base must be given for half-space, and for no other base")]
+    BaseMaterial(BaseKind),
+    /// Two bodies with their surfaces on each other, below a slab.
+    #[error("the body below a slab is a pair of bodies; it must be one body")]
+    PairBelow,
     /// A patch of surface with free boundaries on a body of finite height.
     #[error("the height is {0}; with free boundaries it must be inf, a half-space")]
     FreeBoundary(f64),

@@ -8,8 +8,9 @@
 //! | slab, sliding base       | (E* q/2)(sinh h cosh h + h)/sinh² h                 | theory.md, section 4   |
 //! | plate, free base         | (E* q/2)(sinh² h − h²)/(sinh h cosh h + h)          | theory.md, section 4   |
 //! | coating, stack of layers | layer by layer from below                           | theory.md, section 4   |
+//! | two bodies               | 1/(G_zz of one + G_zz of the other)                 | theory.md, section 4.1 |
 //!
-//! Start at [`Body`]: make a [`Material`], then a half-space or a slab on a [`Base`]. It gives the stiffness of a wave
+//! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives the stiffness of a wave
 //! vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and stresses inside, [`Layer`] to
 //! a layer whose two faces both move. Displacement u and traction t are those of the body's surface, +z out of the body;
 //! fields go like e^(+i q·r). The mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact,
@@ -53,6 +54,7 @@ mod sagittal;
 mod section;
 mod slab;
 mod stack;
+mod stacking;
 mod tables;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
@@ -63,6 +65,7 @@ pub use material::Material;
 pub use num_complex::Complex64;
 pub use patch::patch_compliance;
 pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
+pub use stacking::{BaseKind, UnknownBase};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,
 };

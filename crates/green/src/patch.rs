@@ -14,12 +14,14 @@ use crate::{Body, GreenError, Height};
 /// the patch from the centre of a strip that is far shorter.
 ///
 /// # Errors
-/// A body other than a half-space.
+/// A body other than a half-space, or two of them.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
-    if let Height::Finite(height) = body.height() {
+    if let Some(Height::Finite(height)) =
+        [Some(body), body.second()].into_iter().flatten().map(Body::height).find(|height| *height != Height::Infinite)
+    {
         return Err(GreenError::FreeBoundary(height));
     }
-    let modulus = body.material().contact_modulus();
+    let modulus = body.contact_modulus();
     let (sides, length, is_line) = (grid.spacing(), grid.lengths()[0], grid.is_line());
     Ok(move |[i, j]: [usize; 2]| {
         let at = [i as f64 * sides[0], j as f64 * sides[1]];

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use crate::{
     Base, Blocks, Body, GreenError, Height, Material, Matrix2, Matrix3,
     blocks::{VECTOR_ROWS, average_aliases},
-    body::{on_axes, uniform_compliance, wavevector},
+    body::{on_axes, plus, uniform_compliance, wavevector},
     half_space,
     hyperbolic::{FARTHEST, cosh_minus, sinh_minus},
     sagittal::product,
@@ -42,6 +42,8 @@ pub struct Section<'a> {
     depth: f64,
     /// The height above the base of `local`; infinite in a half-space.
     height: f64,
+    /// True if the mean level of what does not hold the body is the reference of the uniform mode.
+    level: bool,
 }
 
 /// A layer that stands on another body.
@@ -62,7 +64,7 @@ impl Body {
         if !(0.0..=largest).contains(&height) {
             return Err(GreenError::Outside { what: "height above the base", found: height, largest });
         }
-        Ok(Section { surface: self, above: Vec::new(), local: self, depth: largest - height, height })
+        Ok(Section { surface: self, above: Vec::new(), local: self, depth: largest - height, height, level: false })
     }
 
     /// The plane at `depth` (length) below the surface. In a stack it may lie in any layer.
@@ -77,11 +79,13 @@ impl Body {
         }
         loop {
             let Height::Finite(thickness) = local.height() else {
-                return Ok(Section { surface: self, above, local, depth: depth - top, height: f64::INFINITY });
+                let (depth, height) = (depth - top, f64::INFINITY);
+                return Ok(Section { surface: self, above, local, depth, height, level: false });
             };
             let bottom = top + thickness;
             if depth <= bottom {
-                return Ok(Section { surface: self, above, local, depth: depth - top, height: bottom - depth });
+                let (depth, height) = (depth - top, bottom - depth);
+                return Ok(Section { surface: self, above, local, depth, height, level: false });
             }
             let Base::Elastic(below) = local.base() else { return Err(outside(bottom)) };
             above.push(Above { material: local.material(), thickness, base: local.base() });
@@ -89,18 +93,61 @@ impl Body {
         }
     }
 
-    fn total_height(&self) -> f64 {
-        let Height::Finite(thickness) = self.height() else { return f64::INFINITY };
-        match self.base() {
-            Base::Elastic(below) => thickness + below.total_height(),
-            _ => thickness,
+    /// The planes between the layers of a stack, and that between the lowest one and a half-space: their depths, from the top.
+    pub fn interfaces(&self) -> Vec<f64> {
+        let (mut depths, mut local, mut top) = (Vec::new(), self, 0.0);
+        while let (Height::Finite(thickness), Base::Elastic(below)) = (local.height(), local.base()) {
+            top += thickness;
+            depths.push(top);
+            local = below;
+        }
+        depths
+    }
+
+    /// The height of all layers together, without a half-space.
+    fn layers(&self) -> f64 {
+        match (self.height(), self.base()) {
+            (Height::Infinite, _) => 0.0,
+            (Height::Finite(thickness), Base::Elastic(below)) => thickness + below.layers(),
+            (Height::Finite(thickness), _) => thickness,
+        }
+    }
+
+    /// The height of all layers together: the depth of the base. Infinite with a half-space.
+    pub fn total_height(&self) -> f64 {
+        let (mut local, mut depth) = (self, 0.0);
+        loop {
+            let Height::Finite(thickness) = local.height() else { return f64::INFINITY };
+            depth += thickness;
+            let Base::Elastic(below) = local.base() else { return depth };
+            local = below;
         }
     }
 }
 
-impl Section<'_> {
+impl<'a> Section<'a> {
+    /// The same plane seen from below: between two layers its material is that of the lower one, elsewhere nothing changes.
+    #[must_use]
+    pub fn from_below(mut self) -> Self {
+        if let (true, Base::Elastic(below)) = (self.height == 0.0, self.local.base())
+            && let Height::Finite(thickness) = self.local.height()
+        {
+            self.above.push(Above { material: self.local.material(), thickness, base: self.local.base() });
+            (self.local, self.depth) = (below, 0.0);
+            self.height = if let Height::Finite(height) = below.height() { height } else { f64::INFINITY };
+        }
+        self
+    }
+
+    /// The same plane, with the uniform mode measured against the mean level of what does not hold the body, as in
+    /// [`Body::level_compliance`].
+    #[must_use]
+    pub fn against_level(self) -> Self {
+        Self { level: true, ..self }
+    }
+
     /// The material at this plane. Between two layers it is that of the upper one.
-    pub fn material(&self) -> &Material {
+    pub fn material(&self) -> &'a Material {
         self.local.material()
     }
 
@@ -232,11 +279,14 @@ impl Section<'_> {
 
     /// The state at q = 0: each layer is strained uniformly, and all bear one stress.
     fn uniform_state(&self) -> State {
+        if self.level {
+            return self.level_state();
+        }
         let below = match self.local.height() {
             Height::Finite(_) => uniform_compliance(self.local.material(), self.height, self.local.base()),
             Height::Infinite => self.local.compliance_blocks(0.0),
         };
-        let total = self.surface.compliance_blocks(0.0);
+        let total = self.surface.first_uniform_compliance();
         let share = |below: f64, total: f64| match total {
             f64::INFINITY => 1.0,
             // Incompressible layers do not move along z. Take the limit ν → 1/2.
@@ -247,6 +297,46 @@ impl Section<'_> {
         State {
             displacement: Blocks::diagonal(lateral, share(below.normal, total.normal)),
             traction: total.inverse_diagonal(),
+        }
+    }
+
+    /// As [`uniform_state`](Self::uniform_state), against the mean level of what does not hold the body. A half-space moves
+    /// with its surface, and bears no stress from a displacement.
+    fn level_state(&self) -> State {
+        let below = match self.local.height() {
+            Height::Finite(_) => {
+                let material = self.material();
+                let rest = [self.height / material.shear_modulus(), self.height * material.p_wave_compliance()];
+                if let Base::Elastic(below) = self.local.base() { plus(rest, below.level_compliance()) } else { rest }
+            }
+            Height::Infinite => [0.0; 2],
+        };
+        let total = self.surface.first_level_compliance();
+        let layered = !self.above.is_empty() || self.local.height() != Height::Infinite;
+        let share = |axis: usize| match (total[axis] > 0.0, layered) {
+            (true, _) => below[axis] / total[axis],
+            // Incompressible layers do not move along z. Take the limit ν → 1/2.
+            (false, true) => (self.layers_below() / self.surface.layers()).max(0.0),
+            (false, false) => 1.0,
+        };
+        let [lateral, normal] = total.map(|total| {
+            if total > 0.0 {
+                1.0 / total
+            } else if layered {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        });
+        State { displacement: Blocks::diagonal(share(0), share(1)), traction: Blocks::diagonal(lateral, normal) }
+    }
+
+    /// The height of the layers below the plane, without a half-space.
+    fn layers_below(&self) -> f64 {
+        match (self.local.height(), self.local.base()) {
+            (Height::Infinite, _) => 0.0,
+            (_, Base::Elastic(below)) => self.height + below.layers(),
+            _ => self.height,
         }
     }
 

@@ -62,23 +62,28 @@ pub struct StiffnessRange {
 
 /// The range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
 ///
-/// A uniform mode without stiffness (half-space, free base) or without compliance (incompressible) is left out, since no
-/// solver moves it by its stiffness. `None` if no mode is left.
+/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. It is left out without compliance
+/// (half-space, incompressible slab), since no solver moves it by its stiffness. `None` if no mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
+    let [_, uniform] = body.level_compliance();
     range(grid, |mode| {
-        let q = if mode.is_uniform() { 0.0 } else { mode.wavenumber() };
-        [body.normal_stiffness(q); 3]
+        let stiffness = if mode.is_uniform() { 1.0 / uniform } else { body.normal_stiffness(mode.wavenumber()) };
+        [stiffness; 3]
     })
 }
 
 /// The range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components of
 /// the surface move: x, y, z, or x, z on a line.
 ///
-/// Zero and infinite eigenvalues of the uniform mode are left out, as in [`normal_stiffness_range`].
+/// The eigenvalues of the uniform mode are as in [`normal_stiffness_range`].
 pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let line = grid.is_line();
+    let [lateral, normal] = body.level_compliance().map(f64::recip);
     range(grid, |mode| {
-        if mode.is_uniform() || mode.nyquist != [false, false] {
+        if mode.is_uniform() {
+            return [lateral, lateral, normal];
+        }
+        if mode.nyquist != [false, false] {
             return special_eigenvalues(&body.stiffness_of(mode), mode.nyquist, line);
         }
         let blocks = body.stiffness_blocks(mode.wavenumber());
@@ -93,7 +98,7 @@ fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
     [a * (b / high) - c * (c / high), high]
 }
 
-/// The eigenvalues of a uniform or Nyquist mode, whose matrix couples at most one lateral axis with z.
+/// The eigenvalues of a Nyquist mode, whose matrix couples at most one lateral axis with z.
 fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let coupling = matrix[other][2].im;

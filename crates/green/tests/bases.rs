@@ -2,7 +2,7 @@
 
 mod support;
 
-use gfmd_green::{Base, Body, Layer, Material};
+use gfmd_green::{Base, BaseKind, Body, Layer, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 use support::*;
@@ -110,6 +110,63 @@ proptest! {
             }
         }
     }
+}
+
+proptest! {
+    /// Two equal bodies face to face are twice as soft under pressure, and uncoupled; the order does not matter but for the coupling.
+    #[test]
+    fn a_pair_is_the_sum_of_both(first in body(), second in body(), q in decades(1e-3, 1e3)) {
+        let pair = first.clone().against(second.clone());
+        let (a, b, g) = (first.compliance_blocks(q), second.compliance_blocks(q), pair.compliance_blocks(q));
+        prop_assert_eq!(g.normal, a.normal + b.normal);
+        prop_assert_eq!(g.coupling[0], a.coupling[0] - b.coupling[0]);
+        prop_assert!(apart(pair.normal_compliance(q), g.normal, g.normal) < 1e-11);
+        let (k, compliance) = (pair.stiffness([0.6 * q, 0.8 * q]), pair.compliance([0.6 * q, 0.8 * q]));
+        for (i, row) in k.iter().enumerate() {
+            for j in 0..3 {
+                let terms = || row.iter().zip(&compliance).map(|(k, g)| k * g[j]);
+                let (entry, size) = (terms().sum::<Complex64>(), terms().map(|term| term.norm()).sum::<f64>());
+                let wanted = f64::from(u8::from(i == j));
+                prop_assert!((entry - wanted).norm() < 1e-10 * size.max(1.0), "{entry}");
+            }
+        }
+        let twin = first.clone().against(first.clone());
+        prop_assert_eq!(twin.compliance_blocks(q).coupling[0], 0.0);
+        prop_assert!(apart(twin.contact_modulus(), 0.5 * first.contact_modulus(), 1.0) < 1e-15 * first.contact_modulus());
+        prop_assert_eq!(pair.alone(), first);
+        prop_assert_eq!(pair.second(), Some(&second));
+    }
+}
+
+#[test]
+fn layers_between_planes_add_up() {
+    let material = |poisson| Material::from_young(1.0, poisson).unwrap();
+    let layers = [(material(0.3), 0.2), (material(0.5), 0.1), (material(0.1), 0.4)];
+    let stack = Body::stack(&layers, Base::Free).unwrap();
+    assert_eq!(stack.interfaces(), [0.2, 0.2 + 0.1]);
+    assert_eq!(stack.total_height(), 0.2 + 0.1 + 0.4);
+    assert!(stack.at_depth(stack.total_height()).is_ok());
+    let [lateral, normal] = stack.level_compliance();
+    let sum = |of: fn(&Material) -> f64| layers.iter().map(|(m, h)| h * of(m)).sum::<f64>();
+    assert!(apart(lateral, sum(|m| 1.0 / m.shear_modulus()), lateral) < 1e-15);
+    assert!(apart(normal, sum(Material::p_wave_compliance), normal) < 1e-15);
+    let section = stack.at_depth(0.2).unwrap();
+    assert_eq!((section.material(), section.clone().from_below().material()), (&layers[0].0, &layers[1].0));
+    let inside = stack.at_depth(0.25).unwrap();
+    assert_eq!((inside.material(), inside.clone().from_below().material()), (&layers[1].0, &layers[1].0));
+    assert_eq!(Body::half_space(material(0.3)).level_compliance(), [0.0; 2]);
+    for kind in BaseKind::ALL {
+        assert_eq!(kind.name().parse(), Ok(kind));
+        assert_eq!(kind.with(None).is_ok(), kind != BaseKind::HalfSpace);
+        assert_eq!(kind.with(Some(material(0.3))).is_ok(), kind == BaseKind::HalfSpace);
+    }
+    assert_eq!(
+        "loose".parse::<BaseKind>().unwrap_err().to_string(),
+        "the base is loose; it must be bonded, sliding, free or half-space"
+    );
+    assert!(Body::stack(&[], Base::Free).is_err());
+    let pair = stack.clone().against(stack.clone());
+    assert!(Body::slab(material(0.3), 1.0).unwrap().bonded_to(pair).is_err());
 }
 
 #[test]

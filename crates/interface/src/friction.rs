@@ -77,7 +77,7 @@ impl FrictionalContact {
             surface: units.surface(&given),
             limit,
             given,
-            contact_modulus: body.material().contact_modulus(),
+            contact_modulus: body.contact_modulus(),
             units,
         })
     }

@@ -86,7 +86,7 @@ impl Interface {
             law,
             surface: units.surface(&given),
             given,
-            contact_modulus: body.material().contact_modulus(),
+            contact_modulus: body.contact_modulus(),
             units,
         })
     }

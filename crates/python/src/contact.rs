@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::memory::Held;
 use gfmd_contact::{Boundary, Budget, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
-use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_green::Body;
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
@@ -62,21 +63,21 @@ type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>)
 
 #[pymethods]
 impl Problem {
-    /// `body` is Young's modulus, Poisson's ratio, E* (in place of Young's modulus) and height (None: half-space).
+    /// `body` has the flags of the body.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         py: Python<'_>,
         heights: PyReadonlyArray2<'_, f64>,
         lengths: [f64; 2],
-        body: (f64, f64, Option<f64>, Option<f64>),
+        body: Vec<String>,
         law: (String, Vec<(String, f64)>),
         boundary: &str,
         solver: &str,
         threads: usize,
     ) -> PyResult<Self> {
         let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
-        let body = elastic(body).map_err(|(name, error)| refused(py, &format!("{name}: {error}")))?;
+        let body = body_of(&body).map_err(|failure| refused(py, &failure))?;
         let (kind, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();
@@ -187,26 +188,7 @@ impl Problem {
             _ => Failure::input("surface", error),
         };
         let loads = Loads::new((grid, body, boundary), heights, (kind, law), solver).map_err(refuse)?;
-        let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient };
-        Ok(Self { loads, grid, scales, unit_pressure: body.material().contact_modulus() * rms_gradient })
+        let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
+        Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient })
     }
-}
-
-fn elastic(
-    (young, poisson, e_star, height): (f64, f64, Option<f64>, Option<f64>),
-) -> Result<Body, (&'static str, GreenError)> {
-    let material = match e_star {
-        Some(modulus) => Material::from_contact_modulus(modulus, poisson),
-        None => Material::from_young(young, poisson),
-    };
-    let body = material.and_then(|material| Body::new(material, height.map_or(Height::Infinite, Height::Finite)));
-    body.map_err(|error| {
-        let name = match &error {
-            GreenError::Young(_) => "young",
-            GreenError::ContactModulus(_) => "e_star",
-            GreenError::Poisson(_) => "poisson",
-            _ => "height",
-        };
-        (name, error)
-    })
 }

@@ -1,4 +1,4 @@
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Mode};
 use gfmd_green::{Body, Matrix3, stiffness_range};
 
 use crate::units::Scaled;
@@ -7,9 +7,9 @@ use crate::{Components, Hermitian, Operator, Workspace};
 /// The response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
 /// compliance matrix of every mode. It is built once and shared between problems and threads.
 ///
-/// For a component of the uniform mode q = 0 without stiffness (half-space, free base) or without compliance (u_z of a
-/// bonded incompressible slab), both are set to zero: its mean displacement does not depend on the mean traction, and
-/// [`uniform_compliance`](Self::uniform_compliance) is zero.
+/// The uniform mode q = 0 is measured against the mean level of what does not hold the body ([`Body::level_compliance`]). For
+/// a component without compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero, too: its mean
+/// displacement does not depend on the mean traction.
 #[derive(Debug)]
 pub struct FullResponse {
     stiffness: Operator,
@@ -24,10 +24,14 @@ impl FullResponse {
     pub fn new(grid: Grid, body: &Body) -> Self {
         let scaled = Scaled::new(body, &grid);
         let unit = scaled.stiffness;
-        let compliance =
-            Operator::new(grid, |mode| finite(&scaled.body.compliance_of(&scaled.mode(mode))).map(|g| g / unit));
-        let stiffness =
-            compliance.beside(|mode| finite(&scaled.body.stiffness_of(&scaled.mode(mode))).map(|k| k * unit));
+        let [lateral, normal] = scaled.body.level_compliance();
+        let uniform = Hermitian { xx: lateral, yy: lateral, zz: normal, xy: 0.0, xz: 0.0, yz: 0.0 };
+        let of_mode = |mode: &Mode, uniform: Hermitian, matrix: fn(&Body, &Mode) -> Matrix3| {
+            if mode.is_uniform() { uniform } else { Hermitian::of(&matrix(&scaled.body, &scaled.mode(mode))) }
+        };
+        let compliance = Operator::new(grid, |mode| of_mode(mode, uniform, Body::compliance_of).map(|g| g / unit));
+        let resistance = uniform.map(|g| if g > 0.0 { 1.0 / g } else { 0.0 });
+        let stiffness = compliance.beside(|mode| of_mode(mode, resistance, Body::stiffness_of).map(|k| k * unit));
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
         let range = stiffness_range(&scaled.body, &scaled.grid(&grid));
@@ -36,7 +40,7 @@ impl FullResponse {
             compliance,
             uniform_compliance: [xx, yy, zz],
             stiffness_range: range.map_or([0.0; 2], |range| [range.softest * unit, range.stiffest * unit]),
-            contact_modulus: body.material().contact_modulus(),
+            contact_modulus: body.contact_modulus(),
         }
     }
 
@@ -70,7 +74,7 @@ impl FullResponse {
         self.uniform_compliance
     }
 
-    /// E* of the body, in stress.
+    /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
@@ -80,10 +84,4 @@ impl FullResponse {
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
-}
-
-/// The matrix with infinite entries replaced by zero. The uniform mode has such entries if it is not held, or cannot
-/// move.
-fn finite(matrix: &Matrix3) -> Hermitian {
-    Hermitian::of(matrix).map(|entry| if entry.is_finite() { entry } else { 0.0 })
 }

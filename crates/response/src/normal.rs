@@ -29,16 +29,16 @@ impl NormalResponse {
         let mut compliance: Vec<f64> = stiffness.iter().map(|k| 1.0 / k).collect();
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         (compliance[0], stiffness[0]) = (0.0, 0.0);
-        let uniform = body.normal_compliance(0.0);
+        let [_, uniform] = body.level_compliance();
         let (softest, stiffest) =
             stiffness[1..].iter().fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
         Self {
             transform: Transform::new(grid),
             compliance,
             stiffness,
-            uniform_compliance: if uniform.is_finite() { uniform } else { 0.0 },
+            uniform_compliance: uniform,
             stiffness_range: [softest, stiffest],
-            contact_modulus: body.material().contact_modulus(),
+            contact_modulus: body.contact_modulus(),
         }
     }
 
@@ -63,13 +63,14 @@ impl NormalResponse {
         &self.stiffness
     }
 
-    /// E* of the body, in stress.
+    /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 
-    /// G_zz(0) in length/stress: the height over the P-wave modulus for a slab; 0 for a half-space (whose surface has a
-    /// fixed mean level, theory.md, section 7) and for an incompressible slab.
+    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]): height
+    /// over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level,
+    /// theory.md, section 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }

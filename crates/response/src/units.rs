@@ -26,7 +26,7 @@ impl Scaled {
     pub(crate) fn new(body: &Body, grid: &Grid) -> Self {
         let sides = if grid.is_line() { 1 } else { 2 };
         let length = unit_of(grid.lengths()[..sides].iter().copied().fold(0.0, f64::max));
-        let stress = unit_of(body.material().contact_modulus());
+        let stress = unit_of(body.contact_modulus());
         Self { body: body.in_units(stress, length), length, stiffness: stress / length }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
-use gfmd_green::{Body, Material};
+use gfmd_green::{Base, Body, Material};
 use gfmd_response::{Components, FullResponse, Hermitian, NormalResponse, NormalTransforms};
 use proptest::prelude::*;
 
@@ -12,13 +12,17 @@ fn noise(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|i| ((i as f64 + 1.0) * (0.618_033 + 1e-3 * seed as f64)).fract() - 0.5).collect()
 }
 
-fn bodies() -> [Body; 4] {
+fn bodies() -> [Body; 8] {
     let material = |poisson| Material::from_young(3.0, poisson).unwrap();
     [
         Body::half_space(material(0.3)),
         Body::slab(material(0.45), 0.3).unwrap(),
         Body::slab(material(0.5), 0.05).unwrap(),
         Body::slab(material(-0.4), 2.0).unwrap(),
+        Body::slab(material(0.3), 0.2).unwrap().on(Base::Sliding).unwrap(),
+        Body::slab(material(0.3), 0.4).unwrap().on(Base::Free).unwrap(),
+        Body::slab(material(0.5), 0.1).unwrap().bonded_to(Body::half_space(material(0.2))).unwrap(),
+        Body::slab(material(0.1), 0.1).unwrap().against(Body::slab(material(0.4), 0.3).unwrap()),
     ]
 }
 
@@ -127,11 +131,20 @@ fn same_bits_for_any_thread_count() {
 
 #[test]
 fn means_that_do_not_answer_are_told() {
-    let [half_space, slab, rubber, _] = bodies();
+    let [half_space, slab, rubber, _, sliding, plate, coated, _] = bodies();
     let grid = Grid::square(4, 1.0).unwrap();
     assert_eq!(FullResponse::new(grid, &half_space).uniform_compliance(), [0.0; 3]);
     assert!(FullResponse::new(grid, &slab).uniform_compliance().iter().all(|g| *g > 0.0));
     let [x, _, z] = FullResponse::new(grid, &rubber).uniform_compliance();
+    assert!(x > 0.0 && z == 0.0);
+    // What does not hold a body is the reference of its layers.
+    for body in [sliding, plate] {
+        let bonded = Body::new(*body.material(), body.height()).unwrap();
+        let [found, wanted] = [&body, &bonded].map(|body| FullResponse::new(grid, body).uniform_compliance());
+        assert_eq!(found, wanted);
+        assert_eq!(NormalResponse::new(grid, &body).uniform_compliance(), wanted[2]);
+    }
+    let [x, _, z] = FullResponse::new(grid, &coated).uniform_compliance();
     assert!(x > 0.0 && z == 0.0);
 }
 

@@ -1,16 +1,17 @@
 //! The configuration of a sweep.
 
+mod body;
 mod check;
 
 use gfmd_contact::{Budget, Solver};
 use gfmd_fit::{Exponent, Model};
-use gfmd_green::{Body, GreenError, Height, Material};
+use gfmd_green::{BaseKind, Body, Height};
 use gfmd_measure::LongWaves;
 use gfmd_surface::Discretisation;
 use serde::{Deserialize, Serialize};
 
 use crate::SweepError;
-use crate::words::{height, solver};
+use crate::words::{base, height, solver};
 
 pub(crate) use check::refusal;
 
@@ -89,9 +90,30 @@ pub struct BodyConfig {
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Height of the slab over the cell length, or `"inf"`.
+    /// Height of the slab, or of the top layer, over the cell length, or `"inf"`.
     #[serde(with = "height")]
     pub height: Height,
+    /// What the lowest layer stands on: `"bonded"`, `"sliding"`, `"free"` or `"half-space"`.
+    #[serde(with = "base", skip_serializing_if = "is_bonded")]
+    pub base: BaseKind,
+    /// Young's modulus of the half-space below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_young: Option<f64>,
+    /// Poisson's ratio of the half-space below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_poisson: Option<f64>,
+    /// Layers below the top one, from the top down: Young's modulus, Poisson's ratio, height over the cell length.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<[f64; 3]>,
+    /// The body to which the rough surface belongs: Young's modulus, Poisson's ratio, and the height over the cell length of a
+    /// slab. Empty if it is rigid.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub second_body: Vec<f64>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_bonded(base: &BaseKind) -> bool {
+    *base == BaseKind::Bonded
 }
 
 /// The discretisations: inverses of eps_t, eps_f, eps_c.
@@ -259,7 +281,16 @@ impl Default for SurfaceConfig {
 
 impl Default for BodyConfig {
     fn default() -> Self {
-        Self { young: 1.0, poisson: 0.0, height: Height::Infinite }
+        Self {
+            young: 1.0,
+            poisson: 0.0,
+            height: Height::Infinite,
+            base: BaseKind::Bonded,
+            base_young: None,
+            base_poisson: None,
+            layers: Vec::new(),
+            second_body: Vec::new(),
+        }
     }
 }
 
@@ -337,26 +368,14 @@ impl Config {
     /// The elastic body.
     ///
     /// # Errors
-    /// A modulus, Poisson's ratio or height out of its range.
+    /// A modulus, Poisson's ratio or height out of its range; properties that do not go together.
     pub fn body(&self) -> Result<Body, SweepError> {
-        let BodyConfig { young, poisson, height } = self.body;
-        let body = Material::from_young(young, poisson).and_then(|material| Body::new(material, height));
-        body.map_err(|source| {
-            let field = match source {
-                GreenError::Young(_) => "body.young",
-                GreenError::Poisson(_) => "body.poisson",
-                _ => "body.height",
-            };
-            SweepError::Body { field, source }
-        })
+        self.body.build()
     }
 
     /// True if the long waves that surfaces of a Hurst exponent lack are composed.
     pub fn composes(&self, hurst: f64) -> bool {
-        let high = match self.body.height {
-            Height::Finite(height) => height >= 1.0,
-            Height::Infinite => true,
-        };
+        let high = self.body.is_high();
         let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
         let SurfaceConfig { dim, method, roll_off, .. } = self.surface;
         let endless = dim == 3 && method == Method::Psd && roll_off == 1.0;

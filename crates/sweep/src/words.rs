@@ -3,7 +3,7 @@
 use std::fmt;
 
 use gfmd_contact::Solver;
-use gfmd_green::Height;
+use gfmd_green::{BaseKind, Height};
 use serde::de::{Deserializer, Error, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -67,6 +67,20 @@ pub(crate) mod height {
             Height::Finite(height) => serializer.serialize_f64(*height),
             Height::Infinite => serializer.serialize_str("inf"),
         }
+    }
+}
+
+/// The format of a base: its name.
+pub(crate) mod base {
+    use super::*;
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BaseKind, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+    pub(crate) fn serialize<S: Serializer>(base: &BaseKind, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(base.name())
     }
 }
 

@@ -6,9 +6,9 @@ use gfmd_body::Interior;
 use gfmd_field::Grid;
 use gfmd_plot::Map;
 
-use super::evenly_spaced;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
+use super::{Plane, evenly_spaced};
 use crate::failure::Failure;
 use crate::figures::named;
 
@@ -99,7 +99,7 @@ pub fn draw_middle(
     let mut ws = interior.workspace();
     for (number, depth) in evenly_spaced(levels, deepest).enumerate() {
         for family in [Family::Displacement, Family::Deformation] {
-            let fields = Fields::at(interior, family, depth, &mut ws);
+            let fields = Fields::at(interior, family, Plane { depth, side: None }, &mut ws);
             pictures.take(family, number, &fields.map_err(|error| Failure::Computation(error.to_string()))?);
         }
     }

@@ -4,6 +4,8 @@ use clap::ValueEnum;
 use gfmd_body::{Deformation, Interior, InteriorError, State, Workspace};
 use serde::Serialize;
 
+use super::{Plane, Side};
+
 /// A quantity at every point of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -96,13 +98,16 @@ impl<'w> Fields<'w> {
     pub(super) fn at(
         interior: &Interior,
         family: Family,
-        depth: f64,
+        Plane { depth, side }: Plane,
         ws: &'w mut Workspace,
     ) -> Result<Self, InteriorError> {
         Ok(match family {
             Family::Displacement => {
                 let axes = interior.components().axes();
                 Self::Displacement(Displacement { axes, values: interior.displacement(depth, ws)? })
+            }
+            Family::Deformation if side == Some(Side::Below) => {
+                Self::Deformation(interior.deformation_below(depth, ws)?)
             }
             Family::Deformation => Self::Deformation(interior.deformation(depth, ws)?),
         })

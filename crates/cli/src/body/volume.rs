@@ -8,13 +8,14 @@ use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
+use super::{Plane, Side};
 use crate::failure::Failure;
 
 /// The positions of the values.
 pub(super) struct Planes<'a> {
     pub(super) grid: &'a Grid,
     pub(super) rows: &'a Rows,
-    pub(super) depths: &'a [f64],
+    pub(super) below: &'a [Plane],
     /// True if the depths are evenly spaced, from the surface downwards.
     pub(super) even: bool,
     /// The height of a slab.
@@ -102,9 +103,16 @@ fn archive<'a>(
     let mut archive = Archive::create(output, provenance)?;
     archive.attribute("/input", "file", input.as_str())?;
     archive.attribute("/input", "file_sha256", checksum.as_str())?;
-    let depth = Dimension::values("depth", planes.depths.to_vec(), unit, "depth below the surface");
+    let depths: Vec<f64> = planes.below.iter().map(|plane| plane.depth).collect();
+    let depth = Dimension::values("depth", depths.clone(), unit, "depth below the surface");
+    if planes.below.iter().any(|plane| plane.side.is_some()) {
+        let side = |plane: &Plane| plane.side.map_or(0.0, |side| if side == Side::Above { 1.0 } else { -1.0 });
+        let long_name = "side of a plane between two layers: 1 in the upper, -1 in the lower one, else 0";
+        let variable = Variable { dimensions: &[&depth], units: "1", long_name };
+        archive.write("/fields/side", &variable, &planes.below.iter().map(side).collect::<Vec<f64>>())?;
+    }
     if let Some(height) = planes.height {
-        let z: Vec<f64> = planes.depths.iter().map(|depth| height - depth).collect();
+        let z: Vec<f64> = depths.iter().map(|depth| height - depth).collect();
         let variable = Variable { dimensions: &[&depth], units: unit, long_name: "height above the base" };
         archive.write("/fields/z", &variable, &z)?;
     }
@@ -144,17 +152,17 @@ fn image_components(quantity: Quantity) -> &'static [usize] {
 
 /// Creates image data. z is the height above the base of a slab, or above the surface of a half-space.
 fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Result<Sink<'a>, Failure> {
-    let &[first, second, ..] = planes.depths else {
+    let [Plane { depth: first, .. }, Plane { depth: second, .. }, ..] = planes.below else {
         return Err(Failure::input("--out", "image data needs at least two depths"));
     };
     if !planes.even {
         return Err(Failure::input("--out", "image data needs evenly spaced depths: --levels instead of --depths"));
     }
     let ([nx, ny], [x, y], [dx, dy]) = (planes.rows.shape(planes.grid), planes.rows.origin(), planes.grid.spacing());
-    let top = planes.depths.len() - 1;
+    let top = planes.below.len() - 1;
     let lattice = Lattice {
         points: [nx, ny, top + 1],
-        origin: [x, y, planes.height.unwrap_or(0.0) - planes.depths[top]],
+        origin: [x, y, planes.height.unwrap_or(0.0) - planes.below[top].depth],
         spacing: [dx, dy, second - first],
     };
     let arrays: Vec<PointArray> = quantities

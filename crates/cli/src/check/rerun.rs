@@ -24,10 +24,11 @@ pub(crate) fn words(config: &str, except: &[&str]) -> Result<Vec<String>, Failur
         match value {
             toml::Value::Boolean(true) => words.push(flag),
             toml::Value::Boolean(false) => {}
-            // NAME=VALUE pairs.
-            toml::Value::Array(pairs) if pairs.first().is_some_and(toml::Value::is_array) => {
-                for pair in pairs.iter().filter_map(toml::Value::as_array) {
-                    words.push(format!("{flag}={}", pair.iter().map(text).collect::<Vec<_>>().join("=")));
+            // The values of a repeated flag: NAME=VALUE pairs, or lists of numbers.
+            toml::Value::Array(lists) if lists.first().is_some_and(toml::Value::is_array) => {
+                for list in lists.iter().filter_map(toml::Value::as_array) {
+                    let between = if list.first().is_some_and(toml::Value::is_str) { "=" } else { "," };
+                    words.push(format!("{flag}={}", list.iter().map(text).collect::<Vec<_>>().join(between)));
                 }
             }
             toml::Value::Array(values) => {

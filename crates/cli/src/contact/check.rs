@@ -34,7 +34,7 @@ pub(crate) fn check(
     let prepared = Prepared::new(&args, session)?;
     let Prepared { surface, body, law, controls, .. } = &prepared;
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
-    let scales = Scales { contact_modulus: body.material().contact_modulus(), rms_gradient: surface.rms_gradient() };
+    let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
     let solved = |field: &Array2<f64>| field.iter().all(|value| value.is_finite());
     let count = reader.shape("/loads/mean_pressure")?.first().copied().unwrap_or(0);
     if count != controls.len() {

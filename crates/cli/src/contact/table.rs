@@ -26,6 +26,9 @@ impl fmt::Display for Report {
             "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
             self.rms_gradient, self.rms_height, self.e_star
         )?;
+        if let Some(body) = &self.body {
+            writeln!(f, "elastic body: {body}\n")?;
+        }
         if let Some(hardness) = self.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
             writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;

@@ -254,7 +254,12 @@ impl Experiment {
 /// The real field of the softest eigenvector of `mode`, and the component in which it is largest.
 fn pattern(body: &Body, grid: &Grid, mode: &Mode) -> (Vec<f64>, usize) {
     let components = Components::of(grid);
-    let matrix = Hermitian::of(&body.stiffness_of(mode));
+    let matrix = if mode.is_uniform() {
+        let [lateral, normal] = body.level_compliance().map(f64::recip);
+        Hermitian { xx: lateral, yy: lateral, zz: normal, xy: 0.0, xz: 0.0, yz: 0.0 }
+    } else {
+        Hermitian::of(&body.stiffness_of(mode))
+    };
     let moves = |vector: &[f64; 3]| components == Components::Space || vector[1].abs() < 0.5;
     let modes = matrix.modes();
     let softest = modes.iter().map(|(_, vector)| vector).find(|vector| moves(vector)).unwrap_or(&modes[0].1);

@@ -159,7 +159,7 @@ pub(super) fn example(
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/example/height", error);
     let body = plan.config.body()?;
     let contact = Contact::new(&body, &point.grid, &heights).map_err(refuse)?;
-    let asked = plan.config.fit.p_star * body.material().contact_modulus() * plan.config.surface.rms_gradient;
+    let asked = plan.config.fit.p_star * body.contact_modulus() * plan.config.surface.rms_gradient;
     let state = contact.certify(&pressure, Load::MeanPressure(asked)).map_err(refuse)?;
     comparison.at_most("/example/pressure", state.residual.worst(), plan.config.solver.budget().tolerance);
     Ok(Example { point, seed, pressure, heights })

@@ -30,7 +30,7 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     if let Some(chart) = area(plan, analysis) {
         files.extend(chart.save(&named(&stem, "area"))?);
     }
-    let modulus = plan.config.body()?.material().contact_modulus();
+    let modulus = plan.config.body()?.contact_modulus();
     let map = named(&stem, "map");
     files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);
     Ok(files)

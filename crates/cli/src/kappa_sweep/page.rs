@@ -1,7 +1,8 @@
 //! The page about a sweep. The numbers are those of the file; the figures are drawn from its runs.
 
 use gfmd_files::Reader;
-use gfmd_sweep::{Alpha, Analysis, Config, Method, Plan, Study};
+use gfmd_green::BaseKind;
+use gfmd_sweep::{Alpha, Analysis, BodyConfig, Config, Method, Plan, Study};
 use maud::{Markup, html};
 
 use super::check::runs;
@@ -223,7 +224,7 @@ fn asked(page: &mut Page, config: &Config) {
         ),
         Fact::new(
             "elastic body",
-            &format!("{height}, Young’s modulus {}, Poisson’s ratio {}", body.young, body.poisson),
+            &format!("{height}, Young’s modulus {}, Poisson’s ratio {}{}", body.young, body.poisson, others(body)),
         ),
         Fact::new("1/ε of the cell (t)", &list(&points.eps_t_inv)),
         Fact::new("1/ε of the roughness (f)", &list(&points.eps_f_inv)),
@@ -233,6 +234,29 @@ fn asked(page: &mut Page, config: &Config) {
         Fact::new("exponents α (t, f, c)", &[fit.alpha_t, fit.alpha_f, fit.alpha_c].map(word).join(", ")),
         Fact::new("solver", &format!("{}, tolerance {:e}", solver.method.name(), solver.tol)),
     ]);
+}
+
+/// What the body has besides its top layer.
+fn others(body: &BodyConfig) -> String {
+    let mut parts = String::new();
+    for [young, poisson, height] in &body.layers {
+        parts += &format!("; a layer of {height} cell lengths, E = {young}, ν = {poisson}");
+    }
+    match (body.base, body.base_young, body.base_poisson) {
+        (BaseKind::HalfSpace, Some(young), Some(poisson)) => {
+            parts += &format!("; on a half-space, E = {young}, ν = {poisson}");
+        }
+        (BaseKind::Bonded, ..) => {}
+        (base, ..) => parts += &format!("; {}", base.meaning()),
+    }
+    match body.second_body[..] {
+        [young, poisson] => parts += &format!("; second body: half-space, E = {young}, ν = {poisson}"),
+        [young, poisson, height] => {
+            parts += &format!("; second body: slab of {height} cell lengths, E = {young}, ν = {poisson}");
+        }
+        _ => {}
+    }
+    parts
 }
 
 /// Draws the figures from the runs of the file. `stored` is the result that the file has.
@@ -277,7 +301,7 @@ fn drawn(
     if let Some(chart) = figures::area(plan, analysis) {
         page.chart(&chart, "contact area against pressure", &caption);
     }
-    let modulus = plan.config.body()?.material().contact_modulus();
+    let modulus = plan.config.body()?.contact_modulus();
     let values: Vec<f64> = example.pressure.iter().map(|p| p / modulus).collect();
     let grid = &example.point.grid;
     let caption = html! { "An example: contact pressure over " i { "E" } "*, seed " (example.seed) ", H = " (example.point.hurst) "." };

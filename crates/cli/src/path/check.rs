@@ -83,7 +83,7 @@ struct StateCheck<'a> {
 impl StateCheck<'_> {
     /// The unit of stress, E* times the rms gradient.
     fn stress(&self) -> f64 {
-        self.prepared.body.material().contact_modulus() * self.prepared.surface.rms_gradient()
+        self.prepared.body.contact_modulus() * self.prepared.surface.rms_gradient()
     }
 
     fn field(&self, name: &str, waypoint: usize) -> Result<Array2<f64>, Failure> {

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::StepRecord;
 use crate::convergence::NotConverged;
+use crate::elastic::OtherArgs;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
@@ -25,6 +26,11 @@ pub struct Head {
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
+    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    #[serde(flatten)]
+    pub others: OtherArgs,
+    #[serde(skip)]
+    pub body: Option<String>,
     pub law: String,
     /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
     pub direction: [f64; 2],
@@ -158,6 +164,9 @@ impl fmt::Display for Report {
             f,
             "rms gradient {rms_gradient:.6} (spectral), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}, law {law}\n"
         )?;
+        if let Some(body) = &self.head.body {
+            writeln!(f, "elastic body: {body}\n")?;
+        }
         let columns = self.columns();
         let heads: String = columns.iter().map(|(head, _)| format!("{head:>12}")).collect();
         writeln!(f, "{:>5}{heads}", "")?;

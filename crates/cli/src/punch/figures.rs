@@ -22,7 +22,7 @@ pub(super) fn draw(
     solution: &MixedSolution,
     reference: Option<&Array3<f64>>,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let modulus = body.material().contact_modulus();
+    let modulus = body.contact_modulus();
     let normal = report.components.len() - 1;
     let mut files = Vec::new();
     if !grid.is_line() {

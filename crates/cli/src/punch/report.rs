@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::convergence::NotConverged;
-use crate::elastic::serialize_height;
+use crate::elastic::{OtherArgs, serialize_height};
 use crate::session::list_files;
 
 /// The result, as printed.
@@ -22,6 +22,8 @@ pub struct Report {
     pub height: Height,
     pub young: f64,
     pub poisson: f64,
+    #[serde(flatten)]
+    pub others: OtherArgs,
     pub contact: ContactName,
     pub nodes: Nodes,
     pub punch_width: f64,
@@ -65,7 +67,9 @@ impl fmt::Display for Report {
             Height::Finite(height) => format!("a slab of height {height}"),
             Height::Infinite => "a half-space".into(),
         };
-        writeln!(f, "flat {kind} punch on {body}, E = {}, nu = {}", self.young, self.poisson)?;
+        let others = self.others.words();
+        let others = if others.is_empty() { others } else { format!("; {others}") };
+        writeln!(f, "flat {kind} punch on {body}, E = {}, nu = {}{others}", self.young, self.poisson)?;
         writeln!(
             f,
             "{nx} x {ny} points, cell {} x {}, {} points under the punch ({nodes})",

@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use super::page::{Common, Fact, Page, render};
 use super::write::{given, of, quoted, text};
 use crate::check::{Kind, words};
+use crate::elastic::RecordedBodyArgs;
 
 /// The warnings of the run, a line each.
 pub(super) fn warnings(reader: &Reader) -> Vec<String> {
@@ -100,7 +101,8 @@ pub(crate) fn body(table: &toml::Table) -> Fact {
         Some(height) => html! { "slab of height " (given(height)) },
         None => html! { "half-space" },
     };
-    Fact(html! { "elastic body" }, html! { (height) ", " (material) })
+    let others = RecordedBodyArgs::recorded(table).map(|others| others.words()).unwrap_or_default();
+    Fact(html! { "elastic body" }, html! { (height) ", " (material) @if !others.is_empty() { "; " (others) } })
 }
 
 #[cfg(test)]
@@ -112,5 +114,8 @@ mod tests {
         let said = |config: &str| body(&config.parse().unwrap()).1.into_string();
         assert_eq!(said("young = 1.0\npoisson = 0.25\nheight = \"inf\""), "half-space, <i>E</i> = 1, ν = 0.25");
         assert_eq!(said("e_star = 2\nheight = 0.5"), "slab of height 0.5, <i>E</i>* = 2");
+        let coated = said("e_star = 2\nheight = 0.5\nbase = \"sliding\"\nlayer = [[3.0, 0.25, 0.1]]");
+        let wanted = "slab of height 0.5, <i>E</i>* = 2; on a layer of height 0.1 (E = 3, nu = 0.25), on a rigid base without friction";
+        assert_eq!(coated, wanted);
     }
 }

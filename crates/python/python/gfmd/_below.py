@@ -11,7 +11,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _command
-from ._body import Body, as_any_body, as_body
+from ._body import Body, as_body
 from ._check import Array, integer, number, numbers, texts, word
 from ._command import flags
 from ._contact import Contact
@@ -195,6 +195,7 @@ def punch(
     if body is not None:
         given = as_body(body)
         words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height))
+        words += _command.other_flags(given, given.layers)
     words += flags(
         length=number("length", length),
         n=integer("n", n),
@@ -276,6 +277,7 @@ def _source(source: Union[Contact, Punch], folder: str) -> list[str]:
         shown = source.displacement
         np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
         elastic = flags(young=source.young, poisson=source.poisson, height=_command.height_flag(source.height))
+        elastic += _command.other_flags(source, source.get("layer", ()))
         return [f"--surface={given}", *flags(length=source.length[0]), *elastic]
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
@@ -300,11 +302,11 @@ def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[f
         >>> round(gfmd.green(coating, qx=3.0, depth=0.1).normal_compliance, 4)
         0.1627
     """
-    given = as_any_body(body)
+    given = as_body(body)
     if z is not None and depth is not None:
         raise InputError("z and depth are both given; give one of the two")
-    words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height), base=given.base)
-    words += flags(base_young=given.get("base_young"), base_poisson=given.get("base_poisson"))
+    words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height))
+    words += _command.other_flags(given, given.layers)
     words += flags(qx=number("qx", qx), qy=number("qy", qy), dim=integer("dim", dim, 2, 3))
     words += flags(z=None if z is None else number("z", z), depth=None if depth is None else number("depth", depth))
     values, _ = _command.run("green", words)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Optional
 
 from . import _gfmd
@@ -14,17 +15,23 @@ _BASES = ("bonded", "sliding", "free", "half-space")
 
 
 class Body(Record):
-    """An elastic body: a half-space, or a slab on a base.
+    """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
 
     Args:
         young: Young's modulus E, stress; 1 by default.
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
-        height: height of the slab, length; None or infinity for a half-space.
-        base: what a slab stands on: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free" (a
-            plate), or "half-space" (a coating on an elastic half-space). Contacts know "bonded" only; `gfmd.green` all.
+        height: height of the slab, or of the top layer, length; None or infinity for a half-space.
+        base: what the lowest layer stands on: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free"
+            (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an elastic one).
         base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
         base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.
+        layers: layers below the top one, from the top down: (Young's modulus, Poisson's ratio, height) of each.
+        second_body: (Young's modulus, Poisson's ratio) of a half-space, or with a height of a slab bonded at its back, to which
+            the rough surface belongs. Displacements are then relative: those of both bodies together.
+
+    `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
+    1/(1/E1* + 1/E2*). `young`, `poisson` are those of the top layer.
 
     Raises:
         InputError: a value out of its range.
@@ -32,6 +39,8 @@ class Body(Record):
     Example:
         >>> gfmd.Body(young=70e9, poisson=0.33).e_star
         78554595443.83347
+        >>> gfmd.Body(height=0.1, layers=[(3.0, 0.3, 0.2)], base="sliding").layers
+        ((3.0, 0.3, 0.2),)
     """
 
     young: float
@@ -39,6 +48,8 @@ class Body(Record):
     e_star: float
     height: Optional[float]
     base: str
+    layers: tuple[tuple[float, float, float], ...]
+    second_body: Optional[tuple[float, ...]]
     _given: tuple[float, float, Optional[float], Optional[float]]
 
     def __init__(
@@ -51,6 +62,8 @@ class Body(Record):
         base: str = "bonded",
         base_young: Optional[float] = None,
         base_poisson: Optional[float] = None,
+        layers: Sequence[Sequence[float]] = (),
+        second_body: Optional[Sequence[float]] = None,
     ) -> None:
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
@@ -65,12 +78,15 @@ class Body(Record):
             contact_modulus = modulus / ((1.0 - nu) * (1.0 + nu))
         else:
             contact_modulus = contact
+        second = None if second_body is None else _sheet("second_body", second_body, "(young, poisson) or (young, poisson, height)", (2, 3))
         values = {
             "young": contact_modulus * (1.0 - nu * nu) if modulus is None else modulus,
             "poisson": nu,
-            "e_star": contact_modulus,
+            "e_star": contact_modulus if second is None else _composite(contact_modulus, second),
             "height": thickness,
             "base": word("base", base),
+            "layers": _layers(layers, thickness),
+            "second_body": second,
         }
         super().__init__({**values, **_below(base, thickness, base_young, base_poisson)})
         object.__setattr__(self, "_given", (modulus or 1.0, nu, contact, thickness))
@@ -78,7 +94,8 @@ class Body(Record):
     def __reduce__(self) -> tuple[Any, ...]:
         modulus, nu, contact, thickness = self._given
         below = self._values.get("base_young"), self._values.get("base_poisson")
-        return _body, (None if contact is not None else modulus, nu, contact, thickness, self.base, *below)
+        top = (None if contact is not None else modulus, nu, contact, thickness)
+        return _body, (*top, self.base, *below, self.layers, self.second_body)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other.__reduce__()[1] == self.__reduce__()[1]
@@ -99,6 +116,33 @@ def _ratio(name: str, value: object) -> float:
     if not -1.0 < found <= 0.5:
         raise InputError(f"{name} is {found}; it must be above -1 and at most 0.5")
     return found
+
+
+def _sheet(name: str, value: object, form: str, lengths: tuple[int, ...]) -> tuple[float, ...]:
+    """Young's modulus, Poisson's ratio, and perhaps the height of a layer or a slab."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or len(value) not in lengths:
+        raise InputError(f"{name} is {shown(value)}; it must be {form}")
+    found = [number(name, entry) for entry in value]
+    _modulus(f"young of {name}", found[0])
+    _ratio(f"poisson of {name}", found[1])
+    if len(found) == 3 and not 0.0 < found[2] < math.inf:
+        raise InputError(f"height of {name} is {found[2]}; it must be positive and finite")
+    return tuple(found)
+
+
+def _layers(value: object, height: Optional[float]) -> tuple[tuple[float, ...], ...]:
+    form = "a list of (young, poisson, height)"
+    if isinstance(value, (str, bytes)) or not isinstance(value, Sequence):
+        raise InputError(f"layers is {shown(value)}; it must be {form}")
+    if value and height is None:
+        raise InputError(f"layers is {shown(value)}; it must be left out for a half-space, below which nothing lies")
+    return tuple(_sheet("layers", layer, form, (3,)) for layer in value)
+
+
+def _composite(first: float, second: tuple[float, ...]) -> float:
+    """The contact modulus of two bodies, as the program forms it."""
+    small, large = sorted((first, second[0] / ((1.0 - second[1]) * (1.0 + second[1]))))
+    return small / (1.0 + small / large)
 
 
 def _below(base: str, height: Optional[float], young: object, poisson: object) -> dict[str, float]:
@@ -126,8 +170,11 @@ def _body(
     base: str = "bonded",
     base_young: Optional[float] = None,
     base_poisson: Optional[float] = None,
+    layers: Sequence[Sequence[float]] = (),
+    second_body: Optional[Sequence[float]] = None,
 ) -> Body:
-    return Body(young, poisson, e_star=e_star, height=height, base=base, base_young=base_young, base_poisson=base_poisson)
+    below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
+    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below)  # type: ignore[arg-type]
 
 
 class Law(Record):
@@ -194,15 +241,7 @@ def as_law(value: object) -> Law:
     raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
 
 
-def as_any_body(value: object) -> Body:
+def as_body(value: object) -> Body:
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
     return value
-
-
-def as_body(value: object) -> Body:
-    """A body that a contact can have."""
-    given = as_any_body(value)
-    if given.base != "bonded":
-        raise InputError(f"the base of the body is {given.base!r}; it must be 'bonded' here")
-    return given

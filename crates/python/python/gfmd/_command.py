@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Optional, TypeVar
 
 import numpy as np
@@ -37,7 +37,16 @@ def body_flags(body: Body) -> list[str]:
     """The flags of a body, as it was given."""
     young, poisson, e_star, height = body._given
     elastic = flags(young=young) if e_star is None else flags(e_star=e_star)
-    return [*elastic, *flags(poisson=poisson, height=height_flag(height))]
+    return [*elastic, *flags(poisson=poisson, height=height_flag(height)), *other_flags(body, body.layers)]
+
+
+def other_flags(values: Mapping[str, Any], layers: Sequence[Sequence[float]]) -> list[str]:
+    """The flags of what lies below the top layer of a body, and of a second body."""
+    words = flags(**{name: values.get(name) for name in ("base", "base_young", "base_poisson")})
+    for layer in layers:
+        words += flags(layer=list(layer))
+    second = values.get("second_body")
+    return words if second is None else [*words, *flags(second_body=list(second))]
 
 
 def height_flag(height: Optional[float]) -> Any:

@@ -33,6 +33,13 @@ def _toml(values: dict[str, Any]) -> str:
     return "\n".join(rows)
 
 
+def _others(body: Body) -> dict[str, Any]:
+    """What the configuration says of the base, further layers and a second body."""
+    names = ("base", "base_young", "base_poisson", "second_body")
+    found = {name: body[name] for name in names if body.get(name) not in (None, "bonded")}
+    return {**found, **({"layer": body.layers} if body.layers else {})}
+
+
 def save(name: Any, contacts: Sequence[Contact]) -> None:
     if not contacts:
         raise InputError("there are no contacts to write")
@@ -41,8 +48,9 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
     config: dict[str, Any] = {
         "length": list(surface.size),
         "poisson": body.poisson,
-        ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body.e_star,
+        ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body._given[2],
         "height": "inf" if body.height is None else body.height,
+        **_others(body),
         "pressure": [contact["mean_pressure"] for contact in contacts],
         "boundary": first.boundary,
         "solver": first._settings[0],
@@ -82,7 +90,9 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     surface = _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, "/surface", "description"))
     height = config.get("height", "inf")
     e_star = config.get("e_star")
-    body = Body(None if e_star is not None else config.get("young"), config.get("poisson", 0.0), e_star=e_star, height=None if height == "inf" else height)
+    below = {name: config[name] for name in ("base", "base_young", "base_poisson", "second_body") if name in config}
+    young, height = None if e_star is not None else config.get("young"), None if height == "inf" else height
+    body = Body(young, config.get("poisson", 0.0), e_star=e_star, height=height, layers=config.get("layer", ()), **below)
     law = Law(config.get("law", "hard-wall"), {name: float(value) for name, value in config.get("param", [])})
     names = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "kappa", "kappa_corrected"]
     names += ["contact_nodes", "boundary_links", "mean_gap", "max_pressure", "mean_pressure_in_contact", "pressure_deviation_in_contact"]

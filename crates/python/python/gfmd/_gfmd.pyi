@@ -41,7 +41,7 @@ class Problem:
         cls,
         heights: _Array,
         lengths: tuple[float, float],
-        body: tuple[float, float, Optional[float], Optional[float]],
+        body: list[str],
         law: tuple[str, list[tuple[str, float]]],
         boundary: str,
         solver: str,

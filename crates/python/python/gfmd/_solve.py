@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _gfmd
 from ._body import Body, Law, as_body, as_law
 from ._check import integer, number, numbers, word
+from ._command import body_flags
 from ._contact import Contact, Contacts
 from ._errors import InputError, Interrupted, NotConverged
 from ._progress import Progress
@@ -50,7 +51,7 @@ class _Setup:
         asked = (self.body, self.law, self.boundary, self.solver)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
-            heights, size, given = self.surface.heights, self.surface.size, self.body._given
+            heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
             last = asked, _gfmd.Problem(heights, size, given, self.law._native, self.boundary, self.solver, self.threads)
             _LAST[self.surface] = last
         return last[1]

@@ -4,7 +4,6 @@ use std::fmt::Debug;
 use std::ops::RangeInclusive;
 
 use gfmd_contact::{Budget, Contact, Solver};
-use gfmd_green::Height;
 
 use super::{Alpha, Config, Control, Estimator, Method, SurfaceConfig};
 use crate::SweepError;
@@ -90,14 +89,14 @@ impl Config {
         self.check_method()?;
         self.check_protocol()?;
         check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
-        let height = match self.body.height {
-            Height::Finite(height) => height,
-            Height::Infinite => 1.0,
-        };
         self.body()?;
-        let (size, sizes) = (SIZES.contains(&self.body.young), "from 1e-140 to 1e140");
-        check(size, "body.young", &self.body.young, sizes)?;
-        check(HEIGHTS.contains(&height), "body.height", &height, "from 1e-12 to 1e12, or \"inf\"")?;
+        for (field, modulus) in self.body.moduli() {
+            check(SIZES.contains(&modulus), field, &modulus, "from 1e-140 to 1e140")?;
+        }
+        let second = self.body.second_body.get(2).map(|height| ("body.second_body", *height));
+        for (field, height) in self.body.heights().chain(second) {
+            check(HEIGHTS.contains(&height), field, &height, "from 1e-12 to 1e12, or \"inf\"")?;
+        }
         check(
             GRADIENTS.contains(&surface.rms_gradient),
             "surface.rms_gradient",
