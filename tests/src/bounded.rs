@@ -39,8 +39,8 @@ fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
         if let Some(hardness) = hardness {
             contact = contact.with_hardness(hardness)?;
         }
-        let [mean, approach, nodes, volume, full] =
-            ["mean_pressure", "approach", "contact_nodes", "plastic_volume", "plastic_nodes"]
+        let [mean, approach, nodes, volume, full, stiffness] =
+            ["mean_pressure", "approach", "contact_nodes", "plastic_volume", "plastic_nodes", "stiffness"]
                 .map(|key| problem[key].as_f64().unwrap_or(f64::NAN));
         let control = text("control");
         let load = if control == "approach" { Load::Approach(approach) } else { Load::MeanPressure(mean) };
@@ -53,6 +53,7 @@ fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
             solution.pressure.iter().zip(&pressure).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
             worst.compare(solution.approach, approach);
             worst.compare(solution.mean_pressure, mean);
+            worst.compare(contact.stiffness(&solution).map_or(f64::NAN, |found| found.value), stiffness);
             worst.compare(solution.pressure.iter().filter(|p| **p > 0.0).count() as f64, nodes);
             if let Some(plastic) = &solution.plastic {
                 worst.compare(plastic.volume, volume);

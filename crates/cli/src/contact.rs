@@ -4,20 +4,27 @@ mod check;
 mod figures;
 mod file;
 mod page;
+mod statistics;
+mod table;
 
-use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Visit, Watch};
+use gfmd_contact::{
+    Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness, Visit, Watch,
+};
 use gfmd_files::{Output, contiguous};
+use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
+use gfmd_response::NormalResponse;
+use gfmd_surface::PowerSpectrum;
+use ndarray::ArrayView2;
 use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
@@ -26,18 +33,20 @@ use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
-use crate::load::{LoadRecord, Recorded};
+use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
 use crate::scan::Scan;
-use crate::session::{Session, list_files};
+use crate::session::Session;
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
+use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
+use statistics::{Measured, through};
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -46,6 +55,7 @@ pub(crate) use page::page;
   gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
+  gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -65,6 +75,14 @@ pub struct Args {
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<f64>,
+    /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    statistics: bool,
+    /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    flow: bool,
     #[command(flatten)]
     #[serde(flatten)]
     solver: SolverArgs,
@@ -85,7 +103,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png
+    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with the statistics also
+    /// patches, distributions and spectrum, with the flow its flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -95,18 +114,18 @@ pub struct Args {
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[group(required = true, multiple = false)]
 struct ControlArgs {
-    /// Mean pressures, stress
-    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pressure: Vec<f64>,
+    /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g)
-    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    p_star: Vec<f64>,
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    p_star: Vec<Entry>,
     /// Rigid approaches beyond first touch, length
-    #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    displacement: Vec<f64>,
+    #[arg(long, value_delimiter = ',', value_name = "D1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    displacement: Vec<Entry>,
 }
 
 impl ControlArgs {
@@ -183,7 +202,7 @@ impl Prepared {
         let pulls = args.law.law != Kind::HardWall;
         let allowed = if pulls { "finite" } else { "positive and finite" };
         for (flag, values) in flags {
-            if let Some(bad) = values.iter().find(|v| !(v.is_finite() && (pulls || **v > 0.0))) {
+            if let Some(bad) = numbers(values).find(|v| !(v.is_finite() && (pulls || *v > 0.0))) {
                 return Err(Failure::value(flag, bad, allowed));
             }
         }
@@ -201,7 +220,16 @@ impl Prepared {
         {
             return Err(Failure::value("--fields", fields, "without plastic_depth, or with --hardness"));
         }
+        // The statistics of loads that are kept are measured again.
+        if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
+            && fields.pressure_and_gap().is_none()
+        {
+            return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
+        }
         let surface = args.source.bounded(args.boundary, session)?;
+        if args.flow && surface.grid.is_line() {
+            return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
+        }
         let fields = match (args.law.law, args.boundary) {
             (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => Held::HARD_WALL,
             (Kind::HardWall, _) => Held::FREE,
@@ -210,13 +238,38 @@ impl Prepared {
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
-        let controls = (args.control.pressure.iter().map(|p| Load::MeanPressure(*p)))
-            .chain(args.control.p_star.iter().map(|p| Load::MeanPressure(p * unit_pressure)))
-            .chain(args.control.displacement.iter().map(|d| Load::Approach(*d)))
+        let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
+            .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
+            .chain(numbers(&args.control.displacement).map(Load::Approach))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
         Ok(Self { surface, body, law, controls, output })
+    }
+
+    /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
+    fn pressure_variance(&self) -> f64 {
+        let Surface { grid, heights, boundary, .. } = &self.surface;
+        let modulus = self.body.contact_modulus();
+        let by_gradient = 0.25 * (modulus * self.surface.rms_gradient()).powi(2);
+        let Ok(spectrum) = PowerSpectrum::of(heights, grid) else { return by_gradient };
+        if *boundary == Boundary::Free {
+            return by_gradient;
+        }
+        let response = NormalResponse::new(*grid, &self.body);
+        let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
+        modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
+    }
+
+    /// What each load has in a file.
+    fn recording(&self, args: &Args) -> Recording {
+        Recording {
+            with_law: args.law.law != Kind::HardWall,
+            boundary: self.surface.boundary,
+            is_plastic: args.hardness.is_some(),
+            statistics: args.statistics,
+            flow: args.flow,
+        }
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
@@ -243,7 +296,7 @@ impl Prepared {
     }
 
     /// Solves the loads in turn, each from the state of the load before, until one fails.
-    fn press<E: Resumable<State: Recorded>>(
+    fn press<E: Resumable<State: Recorded> + Stiff>(
         &self,
         contact: &E,
         rigid: &RigidSurface,
@@ -308,6 +361,14 @@ impl Prepared {
     }
 }
 
+/// What the loads of one contact have beside their scalars.
+#[derive(Default)]
+struct Gathered {
+    loads: Vec<Measured>,
+    /// Of the last load.
+    flow: Option<Flow>,
+}
+
 /// The loads of one contact.
 struct Series<'a, E: Resumable> {
     prepared: &'a Prepared,
@@ -316,7 +377,7 @@ struct Series<'a, E: Resumable> {
     session: &'a Session,
 }
 
-impl<E: Resumable<State: Recorded>> Series<'_, E> {
+impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
     /// whose state is kept has no file.
     fn solve(
@@ -327,18 +388,17 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
     ) -> Result<Option<Failure>, Failure> {
         let Self { prepared: Prepared { surface, controls, output, .. }, contact, args, session } = *self;
         let budget = args.solver.budget();
-        let with_law = args.law.law != Kind::HardWall;
         let provenance = session.provenance(config);
+        let recording = self.prepared.recording(args);
         let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
-        let create = |output| {
-            let is_plastic = args.hardness.is_some();
-            ContactFile::create(output, &provenance, surface, controls.len(), with_law, is_plastic, chosen.clone())
-        };
+        let create =
+            |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
         let mut file = output.as_ref().map(create).transpose()?;
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let mut gathered = Gathered::default();
         let mut last = match (&mut kept, &mut file) {
-            (Some(kept), Some(file)) => self.recall(report, kept, file, &progress)?,
+            (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
             _ => None,
         };
         let mut failure = None;
@@ -367,7 +427,10 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
                 other => other?,
             };
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
-            let record = record.bounded(surface.boundary, &surface.grid);
+            let stiffness = self.stiffness(index, &state, stopped.is_some());
+            let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
+            record.seconds = started.elapsed().as_secs_f64();
+            self.gather(index, &state.pressure().view(), &state.gap(), &mut record, &mut gathered, true)?;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             record.check(index)?;
             report.loads.push(record);
@@ -396,14 +459,64 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
         if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
             return Ok(failure);
         }
-        if let Some(file) = file {
+        if let Some(mut file) = file {
+            file.write_statistics(surface, &gathered.loads)?;
             report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
         }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
             report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
+            let variance = self.prepared.pressure_variance();
+            report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }
         Ok(failure)
+    }
+
+    /// The stiffness of a load that converged.
+    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Option<Stiffness> {
+        if stopped {
+            return None;
+        }
+        self.contact.stiffness_of(state).unwrap_or_else(|(reached, why)| {
+            self.session.warn("stiffness", format!("load {index}: {why}"));
+            Some(reached)
+        })
+    }
+
+    /// Measures what `--statistics` asks for and, of a load that is not kept, computes the flow.
+    fn gather(
+        &self,
+        index: usize,
+        pressure: &ArrayView2<f64>,
+        gap: &ArrayView2<f64>,
+        record: &mut LoadRecord,
+        gathered: &mut Gathered,
+        is_new: bool,
+    ) -> Result<(), Failure> {
+        let Self { prepared: Prepared { surface, body, .. }, args, session, .. } = *self;
+        if args.statistics || (args.flow && is_new) {
+            // In contact are the points that are repelled.
+            let pressure = pressure.mapv(|p| p.max(0.0));
+            if args.statistics {
+                let e_star = body.contact_modulus();
+                gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
+            }
+            if args.flow && is_new {
+                let found = match through(surface, pressure.view(), *gap, record.mean_gap) {
+                    Err(FlowError::NotConverged { state, .. }) => {
+                        session
+                            .warn("flow", format!("load {index}: the residual of the flow is {:.1e}", state.residual));
+                        *state
+                    }
+                    found => {
+                        found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
+                    }
+                };
+                record.flow = Some(FlowRecord::from(&found));
+                gathered.flow = Some(found);
+            }
+        }
+        Ok(())
     }
 
     /// Takes over the loads that are kept; returns the state of the last one.
@@ -412,11 +525,22 @@ impl<E: Resumable<State: Recorded>> Series<'_, E> {
         report: &mut Report,
         kept: &mut Kept,
         file: &mut ContactFile,
+        gathered: &mut Gathered,
         progress: &Progress,
     ) -> Result<Option<E::State>, Failure> {
+        let shape = self.prepared.surface.grid.points();
+        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).pressure_and_gap();
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
-            report.loads.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?);
+            let mut record: LoadRecord =
+                toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
+            if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
+                let field = |values| ArrayView2::from_shape(shape, values);
+                let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
+                let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);
+                self.gather(index, &pressure, &gap, &mut record, gathered, false)?;
+            }
+            report.loads.push(record);
             file.write_values(index, &fields)?;
             progress.advance(1.0, "kept");
         }
@@ -459,70 +583,5 @@ impl Watch for Watching<'_, '_> {
     fn recall(&mut self) -> Option<&mut dyn Visit> {
         let running = self.kept.as_deref_mut()?.running()?;
         Some(running)
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [nx, ny] = self.n;
-        let unit = self.unit.as_deref().unwrap_or("length units");
-        writeln!(f, "{}", self.surface)?;
-        if let Some(scan) = &self.scan {
-            write!(f, "{scan}")?;
-        }
-        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
-        let (kind, free) = if self.boundary == Boundary::Free.name() {
-            ("differences", "; free boundaries: a patch on an unbounded half-space")
-        } else {
-            ("spectral", "")
-        };
-        writeln!(
-            f,
-            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
-            self.rms_gradient, self.rms_height, self.e_star
-        )?;
-        if let Some(body) = &self.body {
-            writeln!(f, "elastic body: {body}\n")?;
-        }
-        if let Some(hardness) = self.hardness {
-            let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
-            writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
-        }
-        writeln!(
-            f,
-            "{:>11} {:>11} {:>11} {:>9} {:>9} {:>7} {:>11} {:>11} {:>7} {:>8} {:>9}",
-            "pressure",
-            "p*",
-            "approach",
-            "area",
-            "corrected",
-            "kappa",
-            "mean gap",
-            "peak p",
-            "steps",
-            "pairs",
-            "residual"
-        )?;
-        for load in &self.loads {
-            let equilibrium = load.law.map_or(0.0, |law| law.residual_equilibrium);
-            let worst = gfmd_relax::worst([load.residual.worst(), equilibrium]);
-            writeln!(
-                f,
-                "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",
-                load.mean_pressure,
-                load.p_star,
-                load.displacement,
-                load.area_fraction,
-                load.area_fraction_corrected,
-                load.kappa,
-                load.mean_gap,
-                load.max_pressure,
-                load.iterations,
-                load.transform_pairs,
-                worst,
-                if load.converged { "" } else { "  NOT CONVERGED" }
-            )?;
-        }
-        list_files(f, self.out.as_deref(), &self.plots)
     }
 }

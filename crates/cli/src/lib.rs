@@ -45,3 +45,4 @@ pub mod solver;
 pub mod source;
 pub mod surface;
 pub mod theory;
+mod values;

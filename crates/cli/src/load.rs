@@ -1,8 +1,8 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Boundary, Effort, Fields, Plastic, Residual, Solution};
+use gfmd_contact::{Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, Stiffness};
 use gfmd_field::Grid;
-use gfmd_interface::State;
+use gfmd_interface::{Interface, State};
 use gfmd_measure::{Column, Scales, Summary};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,11 @@ pub struct LoadRecord {
     pub pressure_deviation_in_contact: f64,
     pub pressure_moment_2: f64,
     pub elastic_energy: f64,
+    /// NaN where it is not known, infinite in full contact with a fixed mean level.
+    #[serde(default = "unknown")]
+    pub stiffness: f64,
+    #[serde(default = "unknown")]
+    pub stiffness_error: f64,
     pub iterations: u64,
     pub transform_pairs: f64,
     pub converged: bool,
@@ -40,8 +45,34 @@ pub struct LoadRecord {
     pub plastic_fraction: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plastic_volume: Option<f64>,
+    /// With statistics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patches: Option<PatchRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conductance: Option<f64>,
+    /// With the flow through the gap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow: Option<FlowRecord>,
     #[serde(flatten)]
     pub law: Option<LawRecord>,
+}
+
+/// The patches of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`STATISTICS` has the meanings, once for code and files")]
+pub struct PatchRecord {
+    pub count: u64,
+    pub largest_fraction: f64,
+    pub percolates: [bool; 2],
+}
+
+/// The flow through the gap.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`FLOW` has the meanings, once for code and files")]
+pub struct FlowRecord {
+    pub conductivity: [[f64; 2]; 2],
+    pub percolates: [bool; 2],
+    pub residual: f64,
 }
 
 /// The further scalars of a contact with a law that acts across the gap.
@@ -79,6 +110,34 @@ impl From<Residual> for ResidualRecord {
     fn from(residual: Residual) -> Self {
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
         Self { complementarity, penetration, negative_pressure, load, saturation: None }
+    }
+}
+
+fn unknown() -> f64 {
+    f64::NAN
+}
+
+/// A contact whose states are recorded with their stiffness.
+pub trait Stiff: Equilibrium {
+    /// The stiffness of a state at rest, if it is known, or as far as its solve came.
+    ///
+    /// # Errors
+    /// The reason why the stiffness is less exact than it should be, beside it.
+    fn stiffness_of(&self, state: &Self::State) -> Result<Option<Stiffness>, (Stiffness, String)>;
+}
+
+impl Stiff for Contact {
+    fn stiffness_of(&self, state: &Solution) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        self.stiffness(state).map(Some).map_err(|(reached, why)| {
+            let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
+            (reached, text)
+        })
+    }
+}
+
+impl Stiff for Interface {
+    fn stiffness_of(&self, _: &State) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        Ok(None)
     }
 }
 
@@ -155,6 +214,12 @@ impl LoadRecord {
         Self { force, ..self }
     }
 
+    /// The record with the stiffness of a contact, if it is known.
+    pub fn stiff(self, stiffness: Option<Stiffness>) -> Self {
+        let (stiffness, stiffness_error) = stiffness.map_or((f64::NAN, f64::NAN), |found| (found.value, found.error));
+        Self { stiffness, stiffness_error, ..self }
+    }
+
     /// Refuses units in which a number of load `index` is not finite. With a law κ may be undefined.
     ///
     /// # Errors
@@ -196,6 +261,8 @@ impl LoadRecord {
             pressure_deviation_in_contact: summary.pressure_deviation_in_contact,
             pressure_moment_2: summary.pressure_moment_2,
             elastic_energy: summary.elastic_energy,
+            stiffness: f64::NAN,
+            stiffness_error: f64::NAN,
             iterations: effort.iterations,
             transform_pairs: effort.transform_pairs,
             converged,
@@ -204,6 +271,9 @@ impl LoadRecord {
             force: None,
             plastic_fraction: None,
             plastic_volume: None,
+            patches: None,
+            conductance: None,
+            flow: None,
             law: None,
         }
     }
@@ -268,11 +338,84 @@ pub const SCALARS: &[Column<LoadRecord>] = &[
     Column::new("residual_load", "1", "|mean p - asked| / asked, from the final fields", |r| r.residual.load),
 ];
 
+/// The stiffness of a contact.
+pub const STIFFNESS: &[Column<LoadRecord>] = &[
+    Column::new(
+        "stiffness",
+        "stress/length",
+        "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; infinite \
+         in full contact if the mean level is fixed, NaN with a law and for a profile with free boundaries",
+        |r| r.stiffness,
+    ),
+    Column::new(
+        "stiffness_error",
+        "1",
+        "relative error of the stiffness, from the residual of its linear problem",
+        |r| r.stiffness_error,
+    ),
+];
+
 /// The force of a contact with free boundaries.
 pub const FORCE: Column<LoadRecord> =
     Column::new("force", "stress*length^2", "force, of a line per length across it (stress*length)", |r| {
         r.force.unwrap_or(f64::NAN)
     });
+
+fn flag(of: Option<[bool; 2]>, axis: usize) -> f64 {
+    of.map_or(f64::NAN, |flags| f64::from(u8::from(flags[axis])))
+}
+
+/// The scalars of the statistics of a contact.
+pub const STATISTICS: &[Column<LoadRecord>] = &[
+    Column::new("patches", "1", "number of connected patches of points in contact", |r| {
+        r.patches.map_or(f64::NAN, |patches| patches.count as f64)
+    }),
+    Column::new("largest_patch_fraction", "1", "points of the largest patch over all points", |r| {
+        r.patches.map_or(f64::NAN, |patches| patches.largest_fraction)
+    }),
+    Column::new(
+        "percolates_x",
+        "1",
+        "1 if a patch winds around the cell along x, with free boundaries if it spans the surface",
+        |r| flag(r.patches.map(|patches| patches.percolates), 0),
+    ),
+    Column::new("percolates_y", "1", "the same along y", |r| flag(r.patches.map(|patches| patches.percolates), 1)),
+    Column::new(
+        "conductance",
+        "1/length",
+        "2 stiffness/E*: over the sum of the resistivities of both bodies the contact conductance per area (Barber 2003)",
+        |r| r.conductance.unwrap_or(f64::NAN),
+    ),
+];
+
+/// The scalars of the flow through the gap.
+pub const FLOW: &[Column<LoadRecord>] = &[
+    Column::new(
+        "flow_xx",
+        "1",
+        "mean flux along x by a mean pressure gradient along x, over that of a uniform gap equal to the mean gap",
+        |r| r.flow.map_or(f64::NAN, |flow| flow.conductivity[0][0]),
+    ),
+    Column::new("flow_xy", "1", "the same along x by a gradient along y", |r| {
+        r.flow.map_or(f64::NAN, |flow| flow.conductivity[0][1])
+    }),
+    Column::new("flow_yx", "1", "the same along y by a gradient along x", |r| {
+        r.flow.map_or(f64::NAN, |flow| flow.conductivity[1][0])
+    }),
+    Column::new("flow_yy", "1", "the same along y by a gradient along y", |r| {
+        r.flow.map_or(f64::NAN, |flow| flow.conductivity[1][1])
+    }),
+    Column::new("flow_percolates_x", "1", "1 if the gap lets a fluid through along x", |r| {
+        flag(r.flow.map(|flow| flow.percolates), 0)
+    }),
+    Column::new("flow_percolates_y", "1", "the same along y", |r| flag(r.flow.map(|flow| flow.percolates), 1)),
+    Column::new(
+        "flow_residual",
+        "1",
+        "largest deviation of the flow through a section from the mean flow, and of the power from the flow, relative",
+        |r| r.flow.map_or(f64::NAN, |flow| flow.residual),
+    ),
+];
 
 /// The scalars of a contact with a hardness.
 pub const PLASTIC_SCALARS: &[Column<LoadRecord>] = &[
@@ -336,15 +479,44 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
     ("residual_load", per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
 ];
 
+/// What decides which scalars and fields a load has.
+#[derive(Clone, Copy, Debug)]
+pub struct Recording {
+    /// True if a law acts across the gap.
+    pub with_law: bool,
+    /// The surroundings of the surface.
+    pub boundary: Boundary,
+    /// True with a hardness.
+    pub is_plastic: bool,
+    /// True with patches and conductance.
+    pub statistics: bool,
+    /// True with the flow through the gap.
+    pub flow: bool,
+}
+
+impl Recording {
+    /// The loads of a contact without plastic depth, statistics and flow.
+    pub fn plain(with_law: bool, boundary: Boundary) -> Self {
+        Self { with_law, boundary, is_plastic: false, statistics: false, flow: false }
+    }
+}
+
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
-pub fn columns(with_law: bool, boundary: Boundary, is_plastic: bool) -> Vec<Column<LoadRecord>> {
-    let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain([&SECONDS]).copied().collect();
+pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
+    let Recording { with_law, boundary, is_plastic, statistics, flow } = kind;
+    let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);
     }
     if is_plastic {
         columns.extend_from_slice(PLASTIC_SCALARS);
+    }
+    if statistics {
+        columns.extend_from_slice(STATISTICS);
+    }
+    if flow {
+        columns.extend_from_slice(FLOW);
     }
     if with_law {
         for column in &mut columns {
@@ -363,7 +535,7 @@ mod tests {
 
     #[test]
     fn a_law_has_the_same_names_with_meanings_of_its_own() {
-        let (wall, law) = (columns(false, Boundary::Periodic, false), columns(true, Boundary::Periodic, false));
+        let [wall, law] = [false, true].map(|law| columns(Recording::plain(law, Boundary::Periodic)));
         let meaning = |columns: &[Column<LoadRecord>], name: &str| {
             columns.iter().find(|column| column.name == name).map(|column| column.long_name)
         };

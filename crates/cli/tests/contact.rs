@@ -73,6 +73,109 @@ fn a_surface_from_a_file_gives_the_published_numbers_in_json_and_in_the_file() {
 }
 
 #[test]
+fn a_list_of_loads_in_steps_and_the_stiffness_of_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "contact --n 32 --hurst 0.8 --p-star 0.01:0.16:5,3 --json --out c.h5";
+    let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let loads = report["loads"].as_array().unwrap();
+    let numbers = |key: &str| loads.iter().map(|load| load[key].as_f64()).collect::<Vec<_>>();
+    for (found, asked) in numbers("p_star").into_iter().zip([0.01, 0.02, 0.04, 0.08, 0.16, 3.0]) {
+        assert_relative_eq!(found.unwrap(), asked, max_relative = 1e-12);
+    }
+    let stiffness = numbers("stiffness");
+    // Full contact of a half-space has none.
+    assert!(stiffness[..5].windows(2).all(|pair| pair[0] < pair[1]) && stiffness[5].is_none(), "{stiffness:?}");
+    assert!(numbers("stiffness_error")[..5].iter().all(|error| error.is_some_and(|error| error <= 1e-9)));
+    let file = Reader::open(folder.path().join("c.h5")).unwrap();
+    let stored: Vec<f64> = file.values("/loads/stiffness").unwrap();
+    assert_eq!(stored[..5].iter().copied().map(Some).collect::<Vec<_>>(), stiffness[..5]);
+    assert_eq!(stored[5], f64::INFINITY);
+    assert!(file.text("/", "config").unwrap().contains("p_star = [0.01, 0.02"));
+    drop(file);
+    for words in [&["check", "c.h5"][..], &["check", "c.h5", "--rerun"]] {
+        let output = gfmd(folder.path(), words);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
+
+    // A difference quotient along the curve, and none with a law.
+    let flags = "contact --n 32 --hurst 0.8 --displacement 0.006,0.006003 --json";
+    let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let [low, high] =
+        [0, 1].map(|i| ["mean_pressure", "displacement", "stiffness"].map(|key| number(&report["loads"][i], key)));
+    assert_relative_eq!((high[0] - low[0]) / (high[1] - low[1]), 0.5 * (low[2] + high[2]), max_relative = 1e-3);
+    let flags = "contact --n 32 --law exponential --param gamma=1e-5,range=1e-3 --p-star 0.05 --json";
+    let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    assert!(report["loads"][0]["stiffness"].is_null());
+}
+
+#[test]
+fn statistics_and_flow_agree_with_the_fields_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = "contact --n 64 --eps-f-inv 16 --hurst 0.8 --seed 4 --p-star 0.05:1.2:4 --statistics --flow --json";
+    let mut words: Vec<&str> = words.split_whitespace().collect();
+    words.extend(["--out", "c.h5", "--plots", "c"]);
+    let report = json(folder.path(), &words);
+    let file = Reader::open(folder.path().join("c.h5")).unwrap();
+    let column = |path: &str| file.values::<f64>(path).unwrap();
+    let of_patch = column("/patches/load");
+    for (load, record) in report["loads"].as_array().unwrap().iter().enumerate() {
+        let pressure: Vec<f64> = file.slab("/fields/pressure", load).unwrap();
+        let gap: Vec<f64> = file.slab("/fields/gap", load).unwrap();
+        let sum = |path: &str| -> f64 {
+            column(path).iter().zip(&of_patch).filter(|(_, of)| **of == load as f64).map(|(value, _)| value).sum()
+        };
+        assert_eq!(
+            of_patch.iter().filter(|of| **of == load as f64).count() as u64,
+            record["patches"]["count"].as_u64().unwrap()
+        );
+        assert_relative_eq!(sum("/patches/area"), number(record, "area_fraction"), max_relative = 1e-12);
+        assert_relative_eq!(sum("/patches/force"), number(record, "mean_pressure"), max_relative = 1e-12);
+        assert_relative_eq!(sum("/patches/perimeter") * 64.0, number(record, "boundary_links"), max_relative = 1e-12);
+        assert_relative_eq!(number(record, "conductance"), 2.0 * number(record, "stiffness"), max_relative = 1e-15);
+        // Densities times the width of a bin are shares of the points.
+        let share = |name: &str| -> f64 {
+            let densities: Vec<f64> = file.slab(&format!("/distributions/{name}"), load).unwrap();
+            let middles: Vec<f64> = file.slab(&format!("/distributions/{name}_at"), load).unwrap();
+            densities.iter().sum::<f64>() * 2.0 * middles[0]
+        };
+        assert_relative_eq!(share("pressure"), number(record, "area_fraction"), max_relative = 1e-12);
+        let open = pressure.iter().zip(&gap).filter(|(p, g)| **p == 0.0 && **g > 0.0).count() as f64 / 4096.0;
+        assert_relative_eq!(share("gap"), open, max_relative = 1e-12);
+        // The neighbour's autocorrelation, summed by hand.
+        let mean = pressure.iter().sum::<f64>() / 4096.0;
+        let product = |step: usize| -> f64 {
+            (0..4096).map(|i| (pressure[i] - mean) * (pressure[i / 64 * 64 + (i + step) % 64] - mean)).sum()
+        };
+        let found: Vec<f64> = file.slab("/spectra/autocorrelation_y", load).unwrap();
+        assert_eq!((found.len(), found[0]), (33, 1.0));
+        assert_relative_eq!(found[3], product(3) / product(0), max_relative = 1e-9);
+        let flow = &record["flow"];
+        let through = flow["percolates"][0].as_bool().unwrap();
+        let along = flow["conductivity"][0][0].as_f64().unwrap();
+        assert_eq!(through, along > 0.0);
+        assert!(along < 1.0 && number(flow, "residual") <= 1e-4);
+        assert_eq!(column("/loads/flow_xx")[load].to_bits(), along.to_bits());
+    }
+    let last = &report["loads"][3];
+    // Three quarters in contact: the contact percolates, the gap does not.
+    assert_eq!(
+        (&last["patches"]["percolates"], &last["flow"]["percolates"]),
+        (&serde_json::json!([true, true]), &serde_json::json!([false, false]))
+    );
+    let plots: Vec<&str> = report["plots"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    for name in ["c-patches.svg", "c-pressures.svg", "c-gaps.svg", "c-spectrum.svg"] {
+        assert!(plots.contains(&name) && folder.path().join(name).is_file(), "{plots:?}");
+    }
+    drop(file);
+    for words in [&["check", "c.h5"][..], &["check", "c.h5", "--rerun"]] {
+        let output = gfmd(folder.path(), words);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
+    let refused = gfmd(folder.path(), &["contact", "--dim", "2", "--n", "64", "--p-star", "0.1", "--flow"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
 fn solvers_agree_and_threads_do_not_matter() {
     let folder = tempfile::tempdir().unwrap();
     let run = |rest: &str| {

@@ -25,7 +25,8 @@ pub(crate) enum Gradients {
 /// longer than wide the method without it may not converge at all.
 const LONGER_PATIENCE: u64 = 5000;
 
-struct Dual<'a> {
+/// The quadratic function whose minimum is the pressure.
+pub(crate) struct Dual<'a> {
     /// Of the periodic modes, as the stiffness; both have no use with free boundaries.
     compliance: Cow<'a, [f64]>,
     /// Inverse of `compliance`, but finite at q = 0.
@@ -50,7 +51,7 @@ const LEVEL: f64 = 4.0;
 const PATIENCE: u64 = 100;
 
 impl<'a> Dual<'a> {
-    fn new(contact: &'a Contact, load: Load) -> Self {
+    pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, .. } = contact;
         let (mut compliance, mut stiffness) = (Cow::from(response.compliance()), Cow::from(response.stiffness()));
         let linear = match load {
@@ -71,6 +72,34 @@ impl<'a> Dual<'a> {
         let upper = contact.hardness.unwrap_or(f64::INFINITY);
         Self { compliance, stiffness, linear, floating, upper, transforms: Compliance::of(contact), extension }
     }
+
+    /// `out` ← G `pressure`.
+    pub(crate) fn displace(&mut self, pressure: &[f64], out: &mut [f64]) {
+        self.transforms.apply(&self.compliance, pressure, out);
+    }
+
+    /// `out` ← about G⁻¹ (`displacement` − `level`) on the points where `touching` is positive, zero elsewhere.
+    pub(crate) fn press(&mut self, touching: &[f64], displacement: &[f64], level: f64, out: &mut [f64]) {
+        self.extend(Known { x: touching, gradient: displacement, level, upper: f64::INFINITY }, out);
+    }
+
+    /// `out` ← Eᵀ K E with E the extension of the known values.
+    fn extend(&mut self, known: Known, out: &mut [f64]) {
+        let Self { stiffness, floating, transforms, extension, .. } = self;
+        extension.prepare(known);
+        transforms.stiffness(stiffness, *floating, |i, row| extension.row(known, i, row), out);
+        extension.transpose(known, out);
+    }
+
+    /// True if [`press`](Self::press) does not see constants, and its pressures have no sum.
+    pub(crate) fn keeps_constants(&self) -> bool {
+        self.extension.keeps_constants()
+    }
+
+    /// Transforms so far, in pairs.
+    pub(crate) fn pairs(&self) -> f64 {
+        self.transforms.pairs()
+    }
 }
 
 impl Quadratic for Dual<'_> {
@@ -83,7 +112,7 @@ impl Quadratic for Dual<'_> {
     }
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.transforms.apply(&self.compliance, x, out);
+        self.displace(x, out);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
@@ -94,11 +123,7 @@ impl Quadratic for Dual<'_> {
     /// contact)⁻¹ is the minimum of ⟨u, K u⟩ over all displacements u with given values on the contact, and E
     /// approximates the u of this minimum.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
-        let known = Known { x, gradient, level: multiplier, upper: self.upper };
-        let Self { stiffness, floating, transforms, extension, .. } = self;
-        extension.prepare(known);
-        transforms.stiffness(stiffness, *floating, |i, row| extension.row(known, i, row), out);
-        extension.transpose(known, out);
+        self.extend(Known { x, gradient, level: multiplier, upper: self.upper }, out);
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {

@@ -59,6 +59,7 @@ mod load_search;
 mod pull_push;
 mod resumable;
 mod solve;
+mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
 pub use contact::Contact;
@@ -74,4 +75,5 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use stiffness::Stiffness;
 pub use units::Units;

@@ -128,6 +128,11 @@ impl PullPush {
         Self { points, edges, levels, kept }
     }
 
+    /// True if constants are extended as constants.
+    pub(crate) fn keeps_constants(&self) -> bool {
+        self.levels.iter().all(|level| level.trust == 1.0) && self.levels.last().is_none_or(|top| top.full == 0.0)
+    }
+
     /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
         let edges = self.edges;

@@ -21,7 +21,9 @@
 //! Not here: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
 
 mod area;
+mod distribution;
 mod long_waves;
+mod patches;
 mod pressure;
 mod quantile;
 mod self_affine;
@@ -29,7 +31,9 @@ mod summary;
 pub mod theory;
 
 pub use area::{ContactArea, contact_area};
+pub use distribution::Distribution;
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
+pub use patches::{Patch, Patches, Surroundings};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
 pub use self_affine::SelfAffineArea;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gfmd_cli::contact::{Chosen, ContactFile};
 use gfmd_cli::failure::Failure;
-use gfmd_cli::load::LoadRecord;
+use gfmd_cli::load::{LoadRecord, Recording};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
 use gfmd_contact::Boundary;
@@ -48,15 +48,9 @@ pub(crate) fn save(
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
-        let mut file = ContactFile::create(
-            &output,
-            &session.provenance(config),
-            &surface,
-            records.len(),
-            with_law,
-            false,
-            Chosen::ALL,
-        )?;
+        let recording = Recording::plain(with_law, boundary);
+        let provenance = session.provenance(config);
+        let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
             file.write_fields(index, [pressure, displacement, gap].map(|field| field.view().into()))?;
         }

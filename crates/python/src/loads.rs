@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
-use gfmd_cli::load::{LoadRecord, Recorded};
+use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
 use gfmd_contact::{
     Boundary, Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch,
 };
@@ -112,8 +112,14 @@ impl Loads {
             Kindred::Wall(contact) => {
                 let start = if let Some(Reached::Wall(start)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(contact, load, budget, start, watch)?;
+                let stiffness = failure.is_none().then(|| contact.stiffness_of(&state)).transpose();
+                let stiffness = stiffness.map(Option::flatten).unwrap_or_else(|(reached, why)| {
+                    tracing::warn!("{why}");
+                    Some(reached)
+                });
                 let seconds = started.elapsed().as_secs_f64();
                 let mut rest = Rest::of(state, wall, scales, budget.tolerance, seconds);
+                rest.record = rest.record.stiff(stiffness);
                 rest.record = rest.record.bounded(contact.boundary(), contact.surface().grid());
                 Ok((rest, failure))
             }

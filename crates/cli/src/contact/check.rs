@@ -2,18 +2,19 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, Load};
+use gfmd_contact::{Boundary, Contact, Load, Stiffness};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
 use gfmd_response::NormalResponse;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
+use super::statistics::{Measured, Stored, arrays, through};
 use super::{Args, Prepared};
 use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
-use crate::load::{LoadRecord, Recorded, columns};
+use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
@@ -34,11 +35,6 @@ pub(crate) fn check(
     let Prepared { surface, body, law, controls, .. } = &prepared;
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
-    let field = |name: &str, index: usize| -> Result<Array2<f64>, Failure> {
-        let values = reader.slab(&format!("/fields/{name}"), index)?;
-        let [nx, ny] = surface.grid.points();
-        Array2::from_shape_vec((nx, ny), values).map_err(|error| Failure::input("/fields", error))
-    };
     let solved = |field: &Array2<f64>| field.iter().all(|value| value.is_finite());
     let count = reader.shape("/loads/mean_pressure")?.first().copied().unwrap_or(0);
     if count != controls.len() {
@@ -54,6 +50,8 @@ pub(crate) fn check(
         return Ok(());
     }
     let tolerance = args.solver.tol;
+    let recording = prepared.recording(&args);
+    let mut file = Checked { reader, surface, scales, tolerance, recording, measured: Vec::new() };
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
             Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), &surface.heights),
@@ -65,66 +63,112 @@ pub(crate) fn check(
         };
         let contact = contact.map_err(refuse)?;
         for (index, load) in controls.iter().enumerate().take(count) {
-            let pressure = field("pressure", index)?;
+            let pressure = file.field("pressure", index)?;
             if solved(&pressure) {
                 let state = contact.certify(&pressure, *load).map_err(refuse)?;
-                compare(reader, index, *load, &state, &scales, tolerance, surface, false, comparison)?;
+                let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
+                file.compare(index, *load, &state, Some(stiffness), comparison)?;
             }
         }
-        return Ok(());
+        return file.compare_statistics(comparison);
     }
     let response = NormalResponse::new(surface.grid, body);
     let interface = Interface::on(response, &surface.heights, std::sync::Arc::clone(law)).map_err(refuse)?;
     for (index, load) in controls.iter().enumerate().take(count) {
-        let gap = field("gap", index)?;
+        let gap = file.field("gap", index)?;
         if solved(&gap) {
             let state = interface.certify(&gap, (*load).into()).map_err(refuse)?;
-            compare(reader, index, *load, &state, &scales, tolerance, surface, true, comparison)?;
+            file.compare(index, *load, &state, None, comparison)?;
         }
     }
-    Ok(())
+    file.compare_statistics(comparison)
 }
 
-#[expect(clippy::too_many_arguments, reason = "one call for each kind of contact")]
-fn compare<S: Recorded>(
-    reader: &Reader,
-    index: usize,
-    load: Load,
-    state: &S,
-    scales: &Scales,
+/// The file of a contact, and what its loads must have.
+struct Checked<'a> {
+    reader: &'a Reader,
+    surface: &'a Surface,
+    scales: Scales,
     tolerance: f64,
-    surface: &Surface,
-    with_law: bool,
-    comparison: &mut Comparison,
-) -> Result<(), Failure> {
-    let fields = [
-        ("/fields/pressure", state.pressure().iter().copied().collect::<Vec<f64>>()),
-        ("/fields/displacement_z", state.displacement_z().iter().copied().collect()),
-        ("/fields/gap", state.gap().iter().copied().collect()),
-    ];
-    let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
-    for (path, values) in fields.iter().chain(&depth).filter(|(path, _)| reader.contains(path)) {
-        comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
+    recording: Recording,
+    /// The statistics of the loads so far, from the fields of the file.
+    measured: Vec<Measured>,
+}
+
+impl Checked<'_> {
+    fn field(&self, name: &str, index: usize) -> Result<Array2<f64>, Failure> {
+        let values = self.reader.slab(&format!("/fields/{name}"), index)?;
+        let made = Array2::from_shape_vec(self.surface.grid.points(), values);
+        made.map_err(|error| Failure::input("/fields", error))
     }
-    let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
-    for Column { name, value, .. } in columns(with_law, surface.boundary, depth.is_some())
-        .iter()
-        .filter(|column| !OF_THE_SOLVE.contains(&column.name))
-    {
-        let path = format!("/loads/{name}");
-        let stored: Vec<f64> = reader.values(&path)?;
-        // Residuals are small beside 1, and rounding makes them.
-        let floor = if name.starts_with("residual_") { 1e-3 } else { 0.0 };
-        let stored = stored.get(index).copied().unwrap_or(f64::NAN);
-        comparison.number(&path, stored, value(&record), floor);
-        if *name == "converged" && stored == 1.0 {
-            comparison.at_most(&format!("residual of load {index}"), state.worst(), tolerance);
+
+    fn compare<S: Recorded>(
+        &mut self,
+        index: usize,
+        load: Load,
+        state: &S,
+        stiffness: Option<Stiffness>,
+        comparison: &mut Comparison,
+    ) -> Result<(), Failure> {
+        let Self { reader, surface, ref scales, tolerance, recording, .. } = *self;
+        let fields = [
+            ("/fields/pressure", state.pressure().iter().copied().collect::<Vec<f64>>()),
+            ("/fields/displacement_z", state.displacement_z().iter().copied().collect()),
+            ("/fields/gap", state.gap().iter().copied().collect()),
+        ];
+        let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
+        for (path, values) in fields.iter().chain(&depth).filter(|(path, _)| reader.contains(path)) {
+            comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
+        let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
+        let mut record = record.stiff(stiffness.filter(|_| record.converged));
+        if recording.statistics || recording.flow {
+            // From the fields of the file: a number that rounding moves to another bin would be a difference.
+            let stored = |name: &str, made: ArrayView2<f64>| {
+                if reader.contains(&format!("/fields/{name}")) { self.field(name, index) } else { Ok(made.to_owned()) }
+            };
+            let repulsion = stored("pressure", state.pressure().view())?.mapv(|p| p.max(0.0));
+            let gap = stored("gap", state.gap())?;
+            if recording.statistics {
+                let modulus = scales.contact_modulus;
+                self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);
+            }
+            if recording.flow {
+                let found = through(surface, repulsion.view(), gap.view(), record.mean_gap);
+                record.flow = found.as_ref().ok().map(FlowRecord::from);
+            }
+        }
+        for Column { name, value, .. } in
+            columns(recording).iter().filter(|column| !OF_THE_SOLVE.contains(&column.name))
+        {
+            let path = format!("/loads/{name}");
+            let stored: Vec<f64> = reader.values(&path)?;
+            // Residuals are small beside 1, and rounding makes them.
+            let is_residual = name.starts_with("residual_") || ["stiffness_error", "flow_residual"].contains(name);
+            let floor = if is_residual { 1e-3 } else { 0.0 };
+            let stored = stored.get(index).copied().unwrap_or(f64::NAN);
+            comparison.number(&path, stored, value(&record), floor);
+            if *name == "converged" && stored == 1.0 {
+                comparison.at_most(&format!("residual of load {index}"), state.worst(), tolerance);
+            }
+        }
+        if let Load::Approach(asked) = load {
+            comparison.number("/loads/displacement", asked, record.displacement, 0.0);
+        }
+        Ok(())
     }
-    if let Load::Approach(asked) = load {
-        comparison.number("/loads/displacement", asked, record.displacement, 0.0);
+
+    /// Compares the arrays of the statistics of all loads.
+    fn compare_statistics(&self, comparison: &mut Comparison) -> Result<(), Failure> {
+        for Stored { path, values } in arrays(&self.measured) {
+            if self.reader.contains(path) {
+                comparison.values(path, &self.reader.values::<f64>(path)?, &values, 0.0);
+            } else if !values.is_empty() {
+                comparison.differ(path, "it is missing".into());
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Runs the configuration of a file again, with the output `out`.

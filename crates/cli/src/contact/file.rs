@@ -5,24 +5,22 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use gfmd_contact::Boundary;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
 use ndarray::{CowArray, Ix2};
 use serde::{Serialize, Serializer};
 
+use super::statistics::{self, Measured};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
-use crate::load::{LoadRecord, Recorded, columns};
+use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::source::Surface;
 
 /// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
 pub struct ContactFile<'a> {
     archive: Archive<'a>,
-    with_law: bool,
-    boundary: Boundary,
-    is_plastic: bool,
+    recording: Recording,
     chosen: Chosen,
 }
 
@@ -61,6 +59,12 @@ impl Chosen {
     /// True if the depth of plastic indentation is among them, and named as such.
     pub(super) fn names_plastic_depth(&self) -> bool {
         *self != Self::ALL && self.0[3]
+    }
+
+    /// The places of pressure and gap among the chosen fields, if both are.
+    pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
+        let place = |field: usize| self.of(0..4).position(|chosen| chosen == field);
+        Some([place(0)?, place(2)?])
     }
 
     /// The chosen ones of the items that belong to the fields of a state.
@@ -115,8 +119,7 @@ impl<'a> ContactFile<'a> {
         provenance: &Provenance,
         surface: &Surface,
         loads: usize,
-        with_law: bool,
-        is_plastic: bool,
+        recording: Recording,
         chosen: Chosen,
     ) -> Result<Self, Failure> {
         let mut archive = Archive::create(output, provenance)?;
@@ -124,11 +127,12 @@ impl<'a> ContactFile<'a> {
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         surface.write(&mut archive, [&x, &y])?;
-        for (path, units, long_name) in chosen.of(FIELDS.into_iter().chain(is_plastic.then_some(PLASTIC_DEPTH))) {
+        let fields = FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH));
+        for (path, units, long_name) in chosen.of(fields) {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive, with_law, boundary: surface.boundary, is_plastic, chosen })
+        Ok(Self { archive, recording, chosen })
     }
 
     /// Writes the fields of one state.
@@ -165,6 +169,11 @@ impl<'a> ContactFile<'a> {
         Ok(())
     }
 
+    /// Writes patches, distributions and spectra of the loads.
+    pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
+        statistics::write(&mut self.archive, surface, loads)
+    }
+
     /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name.
     ///
     /// # Errors
@@ -176,7 +185,7 @@ impl<'a> ContactFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let load = Dimension::index("load", count, "load step");
-        for Column { name, units, long_name, value } in columns(self.with_law, self.boundary, self.is_plastic) {
+        for Column { name, units, long_name, value } in columns(self.recording) {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
             self.archive.write(
                 &format!("/loads/{name}"),

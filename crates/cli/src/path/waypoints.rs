@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::memory;
+use crate::values::{Entry, as_numbers, numbers};
 
 /// The largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;
@@ -16,25 +17,25 @@ const STEP_BYTES: u64 = 4096;
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 pub(super) struct WaypointArgs {
-    /// Mean pressures, stress; a negative one pulls
-    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pressure: Vec<f64>,
+    /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g); a negative one pulls
-    #[arg(long, value_delimiter = ',', value_name = "P1,P2,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    p_star: Vec<f64>,
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    p_star: Vec<Entry>,
     /// Rigid approaches beyond first touch, length; a negative one is a separation
     #[arg(
         long,
         value_delimiter = ',',
-        value_name = "D1,D2,..",
+        value_name = "D1|A:B:N,..",
         group = "drive",
         required_unless_present_any = ["pressure", "p_star"],
         allow_negative_numbers = true
     )]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    displacement: Vec<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    displacement: Vec<Entry>,
     /// Lateral displacements of the rigid surface, length; with them all components of the surface move
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -49,9 +50,9 @@ impl WaypointArgs {
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<Vec<Drive>, Failure> {
         let flag = self.flag();
         let (values, under_load): (Vec<f64>, bool) = match flag {
-            "--pressure" => (self.pressure.clone(), true),
-            "--p-star" => (self.p_star.iter().map(|p| p * unit_pressure).collect(), true),
-            _ => (self.displacement.clone(), false),
+            "--pressure" => (numbers(&self.pressure).collect(), true),
+            "--p-star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), true),
+            _ => (numbers(&self.displacement).collect(), false),
         };
         let allowed = if hard { "positive and finite" } else { "finite" };
         if let Some(bad) = values.iter().find(|value| !(value.is_finite() && (!hard || **value > 0.0))) {

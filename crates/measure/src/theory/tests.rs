@@ -2,6 +2,21 @@ use super::*;
 use approx::assert_relative_eq;
 
 #[test]
+fn the_pressures_of_persson_add_up_to_the_area_and_the_load() {
+    for p_star in [0.01, 0.2, 2.0] {
+        let step = 1e-3;
+        let density = |k: i32| persson_pressure(f64::from(k) * step, p_star, 0.25);
+        let (mut area, mut load) = (0.0, 0.0);
+        for k in 1..10_000 {
+            area += density(k) * step;
+            load += density(k) * step * f64::from(k) * step;
+        }
+        assert_relative_eq!(area, persson_area(p_star), max_relative = 1e-5);
+        assert_relative_eq!(load, p_star, max_relative = 1e-5);
+    }
+}
+
+#[test]
 fn constants_are_the_square_roots_they_claim() {
     assert_relative_eq!(PERSSON_KAPPA, (8.0 / PI).sqrt(), max_relative = 1e-15);
     assert_relative_eq!(BUSH_GIBSON_THOMAS_KAPPA, (2.0 * PI).sqrt(), max_relative = 1e-15);

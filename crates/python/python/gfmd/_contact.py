@@ -41,6 +41,9 @@ class Contact(Record):
         mean_pressure_in_contact, pressure_deviation_in_contact: mean and standard deviation over the points in contact, stress.
         pressure_moment_2: mean square pressure over the whole surface, stress^2.
         elastic_energy: elastic energy per area, stress * length.
+        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN with a law, for a profile
+            with free boundaries, and in full contact if the mean level is fixed (half-space), where it is infinite.
+        stiffness_error: its relative error.
         iterations, transform_pairs: effort of the solve.
         converged: True if no residual exceeds the tolerance.
         residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
@@ -76,6 +79,8 @@ class Contact(Record):
     pressure_deviation_in_contact: float
     pressure_moment_2: float
     elastic_energy: float
+    stiffness: float
+    stiffness_error: float
     iterations: int
     transform_pairs: float
     converged: bool

@@ -18,6 +18,7 @@ from ._surface import _surface
 
 _COUNTS = ("contact_nodes", "boundary_links", "iterations")
 _FLAGS = ("converged", "passed_instability")
+_STIFFNESS = ("stiffness", "stiffness_error")
 _RESIDUALS = ("complementarity", "penetration", "negative_pressure", "load")
 
 
@@ -95,13 +96,20 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     law = Law(config.get("law", "hard-wall"), {name: float(value) for name, value in config.get("param", [])})
     names = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "kappa", "kappa_corrected"]
     names += ["contact_nodes", "boundary_links", "mean_gap", "max_pressure", "mean_pressure_in_contact", "pressure_deviation_in_contact"]
-    names += ["pressure_moment_2", "elastic_energy", "iterations", "transform_pairs", "converged", "residual", "seconds"]
+    names += ["pressure_moment_2", "elastic_energy", "stiffness", "stiffness_error", "iterations", "transform_pairs", "converged", "residual", "seconds"]
     if law.name != "hard-wall":
         names += ["interface_energy", "passed_instability", "lowest_curvature", "residual_equilibrium"]
     if config.get("boundary") == "free":
         names.append("force")
     residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in _RESIDUALS}
-    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual"}
+    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual" and key not in _STIFFNESS}
+    for key in _STIFFNESS:
+        try:
+            column = _gfmd.read_array(name, f"/loads/{key}")
+        except InputError:  # a file of an earlier version
+            column = np.full_like(columns["mean_pressure"], np.nan)
+        # Infinite in full contact: no number, as in JSON.
+        columns[key] = np.where(np.isinf(column), np.nan, column)
     fields = [_gfmd.read_array(name, f"/fields/{field}") for field in ("pressure", "displacement_z", "gap")]
 
     def scalar(key: str, index: int) -> Any:

@@ -1,0 +1,114 @@
+//! The report of a contact in words and numbers.
+
+use std::fmt;
+
+use gfmd_contact::Boundary;
+
+use super::Report;
+use crate::session::list_files;
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [nx, ny] = self.n;
+        let unit = self.unit.as_deref().unwrap_or("length units");
+        writeln!(f, "{}", self.surface)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
+        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
+        let (kind, free) = if self.boundary == Boundary::Free.name() {
+            ("differences", "; free boundaries: a patch on an unbounded half-space")
+        } else {
+            ("spectral", "")
+        };
+        writeln!(
+            f,
+            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
+            self.rms_gradient, self.rms_height, self.e_star
+        )?;
+        if let Some(body) = &self.body {
+            writeln!(f, "elastic body: {body}\n")?;
+        }
+        if let Some(hardness) = self.hardness {
+            let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
+            writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
+        }
+        writeln!(
+            f,
+            "{:>11} {:>11} {:>11} {:>9} {:>9} {:>7} {:>11} {:>11} {:>11} {:>7} {:>8} {:>9}",
+            "pressure",
+            "p*",
+            "approach",
+            "area",
+            "corrected",
+            "kappa",
+            "mean gap",
+            "peak p",
+            "stiffness",
+            "steps",
+            "pairs",
+            "residual"
+        )?;
+        for load in &self.loads {
+            let equilibrium = load.law.map_or(0.0, |law| law.residual_equilibrium);
+            let worst = gfmd_relax::worst([load.residual.worst(), equilibrium]);
+            writeln!(
+                f,
+                "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",
+                load.mean_pressure,
+                load.p_star,
+                load.displacement,
+                load.area_fraction,
+                load.area_fraction_corrected,
+                load.kappa,
+                load.mean_gap,
+                load.max_pressure,
+                load.stiffness,
+                load.iterations,
+                load.transform_pairs,
+                worst,
+                if load.converged { "" } else { "  NOT CONVERGED" }
+            )?;
+        }
+        self.statistics(f)?;
+        list_files(f, self.out.as_deref(), &self.plots)
+    }
+}
+
+impl Report {
+    /// The lines of `--statistics` and `--flow`.
+    fn statistics(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let yes = |[x, y]: [bool; 2]| match (x, y) {
+            (true, true) => "x, y",
+            (true, false) => "x",
+            (false, true) => "y",
+            _ => "-",
+        };
+        if self.loads.iter().any(|load| load.patches.is_some()) {
+            writeln!(f, "\n{:>11} {:>9} {:>11} {:>10} {:>11}", "p*", "patches", "largest", "percolate", "conductance")?;
+        }
+        for load in &self.loads {
+            let Some(patches) = load.patches else { continue };
+            writeln!(
+                f,
+                "{:>11.4e} {:>9} {:>11.6} {:>10} {:>11.4e}",
+                load.p_star,
+                patches.count,
+                patches.largest_fraction,
+                yes(patches.percolates),
+                load.conductance.unwrap_or(f64::NAN)
+            )?;
+        }
+        if self.loads.iter().any(|load| load.flow.is_some()) {
+            let head = ["flow xx", "flow yy", "flow xy"];
+            writeln!(f, "\n{:>11} {:>11} {:>11} {:>11} {:>10}", "p*", head[0], head[1], head[2], "percolate")?;
+        }
+        for load in &self.loads {
+            let Some(flow) = load.flow else { continue };
+            let [[xx, xy], [_, yy]] = flow.conductivity;
+            let through = yes(flow.percolates);
+            writeln!(f, "{:>11.4e} {xx:>11.4e} {yy:>11.4e} {xy:>11.4e} {through:>10}", load.p_star)?;
+        }
+        Ok(())
+    }
+}

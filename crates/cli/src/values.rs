@@ -1,0 +1,99 @@
+//! Lists of numbers on the command line.
+
+use serde::{Serialize, Serializer};
+
+/// The largest number of values of one entry.
+const MOST: usize = 10_000;
+
+/// One entry of a list: a number, or `A:B:N`, which is N numbers from A to B in geometric steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Entry(Vec<f64>);
+
+impl std::str::FromStr for Entry {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+        let number = |part: &str| part.parse::<f64>().map_err(|error| format!("{part:?}: {error}"));
+        let [first, last, count] = parts[..] else {
+            return match parts[..] {
+                [_] => Ok(Self(vec![text.parse::<f64>().map_err(|error| error.to_string())?])),
+                _ => Err("must be a number, or A:B:N, which is N numbers from A to B in geometric steps".into()),
+            };
+        };
+        let (first, last) = (number(first)?, number(last)?);
+        let usable = |value: f64| value.is_finite() && value != 0.0;
+        if !(usable(first) && usable(last) && first.signum() == last.signum()) {
+            return Err(format!("from {first} to {last}; both must be finite, not zero, and of one sign"));
+        }
+        let count = count.parse().ok().filter(|count| (2..=MOST).contains(count));
+        let count: usize =
+            count.ok_or_else(|| format!("N is {}; it must be a whole number from 2 to {MOST}", parts[2]))?;
+        let steps = (count - 1) as f64;
+        let values: Vec<f64> = (0..count)
+            .map(|k| match k {
+                0 => first,
+                _ if k == count - 1 => last,
+                _ => first * (last / first).powf(k as f64 / steps),
+            })
+            .collect();
+        if values.iter().all(|value| usable(*value)) {
+            Ok(Self(values))
+        } else {
+            Err(format!("from {first} to {last}; their ratio must be a finite number"))
+        }
+    }
+}
+
+/// The numbers of all entries.
+pub(crate) fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
+    entries.iter().flat_map(|entry| entry.0.iter().copied())
+}
+
+/// Writes the numbers of all entries, as if each had been given.
+pub(crate) fn as_numbers<S: Serializer>(entries: &[Entry], serializer: S) -> Result<S::Ok, S::Error> {
+    numbers(entries).collect::<Vec<f64>>().serialize(serializer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<Vec<f64>, String> {
+        text.split(',').map(str::parse).collect::<Result<Vec<Entry>, _>>().map(|entries| numbers(&entries).collect())
+    }
+
+    #[test]
+    fn steps_are_geometric_and_the_ends_exact() {
+        assert_eq!(parsed("0.3").unwrap(), [0.3]);
+        assert_eq!(parsed("0.1:0.7:2,5").unwrap(), [0.1, 0.7, 5.0]);
+        let down = parsed("-3:-0.007:9").unwrap();
+        assert_eq!((down[0], down[8]), (-3.0, -0.007));
+        assert!(down.windows(2).all(|pair| pair[0] < pair[1]));
+        let ratios: Vec<f64> = down.windows(2).map(|pair| pair[1] / pair[0]).collect();
+        assert!(ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 1e-13), "{ratios:?}");
+        approx::assert_relative_eq!(parsed("1e-3:1:4").unwrap()[2], 0.1, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn what_is_no_list_says_why() {
+        let refused = [
+            ("x", "invalid float"),
+            ("1:2", "A:B:N"),
+            ("1:2:3:4", "A:B:N"),
+            ("0:1:3", "not zero"),
+            ("1:0:3", "not zero"),
+            ("-1:1:3", "of one sign"),
+            ("1:inf:3", "finite"),
+            ("nan:1:3", "finite"),
+            ("1:2:1", "from 2"),
+            ("1:2:1e3", "from 2"),
+            ("1:2:99999999999", "from 2"),
+            ("1e-300:1e300:3", "ratio"),
+            ("1:y:3", "\"y\""),
+        ];
+        for (text, reason) in refused {
+            assert!(parsed(text).is_err_and(|error| error.contains(reason)), "{text}: {:?}", parsed(text));
+        }
+    }
+}

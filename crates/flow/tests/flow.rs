@@ -1,0 +1,252 @@
+//! Flows with closed forms, dense solutions, identities, bad input.
+
+use approx::assert_relative_eq;
+use gfmd_field::Grid;
+use gfmd_flow::{Flow, FlowError, Surroundings, TOLERANCE, flow};
+use ndarray::Array2;
+
+const BOTH: [Surroundings; 2] = [Surroundings::Repeats, Surroundings::Ends];
+
+fn square(n: usize) -> Grid {
+    Grid::square(n, 1.0).unwrap()
+}
+
+fn solved(k: &Array2<f64>, surroundings: Surroundings) -> Flow {
+    let (nx, ny) = k.dim();
+    let grid = Grid::new([nx, ny], [1.0, ny as f64 / nx as f64]).unwrap();
+    let found = flow(&grid, k.view(), surroundings).unwrap();
+    assert!(found.residual <= TOLERANCE);
+    found
+}
+
+/// Numbers between 0 and 1.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[test]
+fn layers_in_series_and_side_by_side_are_exact() {
+    let k = |i: usize| [1.0, 3.0, 0.01, 7.0][i / 3 % 4];
+    let mean = (1.0 + 3.0 + 0.01 + 7.0) / 4.0;
+    let harmonic = 4.0 / (1.0 + 1.0 / 3.0 + 100.0 + 1.0 / 7.0);
+    for surroundings in BOTH {
+        let along_y = solved(&Array2::from_shape_fn((24, 20), |(i, _)| k(i)), surroundings);
+        assert_relative_eq!(along_y.conductivity[0][0], harmonic, max_relative = 1e-8);
+        assert_relative_eq!(along_y.conductivity[1][1], mean, max_relative = 1e-8);
+        assert!(along_y.conductivity[0][1].abs() < 1e-4 && along_y.conductivity[1][0].abs() < 1e-4);
+        let uniform = solved(&Array2::from_elem((5, 8), 3.0), surroundings);
+        assert_relative_eq!(uniform.conductivity[0][0], 3.0, max_relative = 1e-14);
+        // Flux, times unit: everywhere the mean.
+        let path = uniform.paths[0].as_ref().unwrap();
+        assert!(path.flux.iter().all(|flux| (flux - 3.0).abs() < 1e-13));
+    }
+}
+
+#[test]
+fn a_chequerboard_approaches_the_geometric_mean() {
+    let contrast = 9.0_f64;
+    let errors = [16, 64, 256].map(|n: usize| {
+        let board =
+            Array2::from_shape_fn(
+                (n, n),
+                |(i, j)| if (2 * i / n + 2 * j / n).is_multiple_of(2) { 1.0 } else { contrast },
+            );
+        let found = flow(&square(n), board.view(), Surroundings::Repeats).unwrap();
+        found.conductivity[0][0] / contrast.sqrt() - 1.0
+    });
+    // The corners slow it down.
+    assert!(
+        errors[2].abs() < 0.0125 && errors[0].abs() > errors[1].abs() && errors[1].abs() > errors[2].abs(),
+        "{errors:?}"
+    );
+}
+
+#[test]
+fn random_mixtures_have_the_conductivities_of_duality_and_of_effective_media() {
+    // Grains of 8 x 8 cells.
+    let n = 256;
+    let mut number = random(7);
+    let grains = Array2::from_shape_fn((n / 8, n / 8), |_| number());
+    let field = Array2::from_shape_fn((n, n), |(i, j)| grains[[i / 8, j / 8]]);
+    // Half of each: the geometric mean (Keller 1964, Dykhne 1970), which is also Bruggeman's.
+    let half = solved(&field.mapv(|x| if x < 0.5 { 1.0 } else { 4.0 }), Surroundings::Repeats);
+    assert_relative_eq!(half.conductivity[0][0], 2.0, max_relative = 0.06);
+    // Bruggeman: Σ c (k − K)/(k + K) = 0; with a tenth of holes K = 1 − 2 c.
+    let holes = solved(&field.mapv(|x| if x < 0.1 { 0.0 } else { 1.0 }), Surroundings::Repeats);
+    assert_relative_eq!(holes.conductivity[1][1], 0.8, max_relative = 0.06);
+}
+
+#[test]
+fn what_does_not_percolate_conducts_exactly_nothing() {
+    let ring = Array2::from_shape_fn((32, 32), |(i, j)| if (i == 5) | (j == 9) { 0.0 } else { 1.0 });
+    for surroundings in BOTH {
+        let found = solved(&ring, surroundings);
+        assert_eq!((found.conductivity, found.percolates, found.residual), ([[0.0; 2]; 2], [false; 2], 0.0));
+        assert!(found.paths.iter().all(Option::is_none));
+        let dam = solved(&Array2::from_shape_fn((32, 32), |(i, _)| if i == 5 { 0.0 } else { 1.0 }), surroundings);
+        assert_eq!((dam.percolates, dam.conductivity[0], dam.conductivity[1][0]), ([false, true], [0.0; 2], 0.0));
+        assert_relative_eq!(dam.conductivity[1][1], 31.0 / 32.0, max_relative = 1e-8);
+    }
+    // Along both axes by a channel that climbs.
+    let stairs = Array2::from_shape_fn((16, 16), |(i, j)| if (i + 16 - j) % 16 < 2 { 1.0 } else { 0.0 });
+    let found = solved(&stairs, Surroundings::Repeats);
+    assert_eq!(found.percolates, [true; 2]);
+    let [[xx, xy], [yx, yy]] = found.conductivity;
+    assert_relative_eq!(xx, xy, max_relative = 1e-4);
+    assert_relative_eq!(yx, yy, max_relative = 1e-4);
+    let nothing = solved(&Array2::zeros((8, 8)), Surroundings::Repeats);
+    assert_eq!(nothing.conductivity, [[0.0; 2]; 2]);
+}
+
+/// The conductivity along x by Gauss's method, from the faces in words of this test.
+fn dense(k: &Array2<f64>, surroundings: Surroundings) -> f64 {
+    let (nx, ny) = k.dim();
+    let (n, ends) = (nx * ny, surroundings == Surroundings::Ends);
+    let (dx, dy) = (1.0 / nx as f64, 1.0 / nx as f64);
+    let face = |a: f64, b: f64| if a.min(b) > 0.0 { 2.0 / (1.0 / a + 1.0 / b) } else { 0.0 };
+    let mut rows = vec![vec![0.0; n + 1]; n];
+    let mut faces = vec![];
+    for i in 0..nx {
+        for j in 0..ny {
+            if i + 1 < nx || !ends {
+                faces.push((
+                    (i * ny + j),
+                    ((i + 1) % nx * ny + j),
+                    face(k[[i, j]], k[[(i + 1) % nx, j]]) * dy / dx,
+                    dx,
+                ));
+            }
+            if j + 1 < ny || !ends {
+                faces.push((
+                    (i * ny + j),
+                    (i * ny + (j + 1) % ny),
+                    face(k[[i, j]], k[[i, (j + 1) % ny]]) * dx / dy,
+                    0.0,
+                ));
+            }
+        }
+    }
+    for &(a, b, t, drop) in &faces {
+        rows[a][a] += t;
+        rows[b][b] += t;
+        rows[a][b] -= t;
+        rows[b][a] -= t;
+        rows[a][n] -= t * drop;
+        rows[b][n] += t * drop;
+    }
+    for j in (0..ny).filter(|_| ends) {
+        for (cell, sign) in [(j, 1.0), ((nx - 1) * ny + j, -1.0)] {
+            let t = k.as_slice().unwrap()[cell] * dy / (0.5 * dx);
+            rows[cell][cell] += t;
+            rows[cell][n] += sign * t * 0.5 * dx;
+        }
+    }
+    let scale = rows[0][0].max(1e-3);
+    for p in 0..n {
+        if rows[p][p] < 1e-11 * scale {
+            // A part without a reservoir, or a closed cell: its level is any.
+            rows[p].fill(0.0);
+            rows[p][p] = 1.0;
+        }
+        let (above, below) = rows.split_at_mut(p + 1);
+        for row in below {
+            let factor = row[p] / above[p][p];
+            row.iter_mut().zip(&above[p]).skip(p).for_each(|(a, b)| *a -= factor * b);
+        }
+    }
+    let mut level = vec![0.0; n];
+    for p in (0..n).rev() {
+        let known: f64 = (p + 1..n).map(|q| rows[p][q] * level[q]).sum();
+        level[p] = (rows[p][n] - known) / rows[p][p];
+    }
+    // Through the section behind the first row of cells.
+    faces
+        .iter()
+        .filter(|f| f.0 / ny == 0 && f.3 > 0.0)
+        .map(|&(a, b, t, drop)| t * (level[a] - level[b] + drop))
+        .sum::<f64>()
+        / (ny as f64 * dy)
+}
+
+#[test]
+fn dense_solutions_agree() {
+    for (seed, closed) in [(1, 0.0), (2, 0.2), (3, 0.35)] {
+        let mut number = random(seed);
+        let k =
+            Array2::from_shape_fn(
+                (12, 9),
+                |_| if number() < closed { 0.0 } else { 10.0_f64.powf(4.0 * number() - 3.0) },
+            );
+        for surroundings in BOTH {
+            let found = solved(&k, surroundings).conductivity[0][0];
+            assert_relative_eq!(found, dense(&k, surroundings), max_relative = 1e-8, epsilon = 1e-14);
+        }
+    }
+}
+
+#[test]
+fn the_tensor_is_symmetric_and_turns_with_the_field() {
+    let field = |i: usize, j: usize| {
+        let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / 48.0);
+        (2.0 * (x - 2.0 * y).sin() + (3.0 * x + y + 1.0).cos()).exp()
+    };
+    let found = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(i, j)), Surroundings::Repeats).conductivity;
+    assert!((found[0][1] - found[1][0]).abs() < 1e-4 * found[0][0], "{found:?}");
+    assert!(found[0][1].abs() > 1e-2);
+    let turned = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(j, i)), Surroundings::Repeats).conductivity;
+    assert_relative_eq!(turned[0][0], found[1][1], max_relative = 1e-7);
+    // Bounds of Wiener: between harmonic and arithmetic means.
+    let (mean, inverse) = (0..48 * 48).map(|c| field(c / 48, c % 48)).fold((0.0, 0.0), |s, k| (s.0 + k, s.1 + 1.0 / k));
+    assert!(found[0][0] < mean / 2304.0 && found[0][0] > 2304.0 / inverse);
+}
+
+#[test]
+fn contrasts_of_many_orders_take_few_iterations_and_units_do_not_matter() {
+    // Gaps cubed: narrow channels beside closed patches, k over twenty orders.
+    for n in [64, 256] {
+        let gap = Array2::from_shape_fn((n, n), |(i, j)| {
+            let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / n as f64);
+            let waves = (3.0 * x).cos()
+                + (2.0 * y + 1.0).cos()
+                + 0.7 * (5.0 * x - 4.0 * y).sin()
+                + 0.4 * (9.0 * x + 8.0 * y).cos();
+            (waves + 0.9).max(0.0)
+        });
+        let found = solved(&gap.mapv(|g| g.powi(3)), Surroundings::Repeats);
+        assert_eq!(found.percolates, [true; 2]);
+        for path in found.paths.iter().flatten() {
+            assert!(path.iterations <= 40, "{n}: {}", path.iterations);
+        }
+        let small = solved(&gap.mapv(|g| 1e-280 * g.powi(3)), Surroundings::Repeats);
+        assert_relative_eq!(small.conductivity[0][0], 1e-280 * found.conductivity[0][0], max_relative = 1e-12);
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let mut number = random(5);
+    let k = Array2::from_shape_fn((100, 90), |_| (number() - 0.2).max(0.0).powi(3));
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solved(&k, Surroundings::Repeats))
+    };
+    assert_eq!(on(1), on(2));
+}
+
+#[test]
+fn unusable_fields_are_refused() {
+    let refused = |k: Array2<f64>| flow(&square(4), k.view(), Surroundings::Repeats).unwrap_err();
+    assert!(matches!(refused(Array2::ones((4, 5))), FlowError::Shape { .. }));
+    for value in [-1.0, f64::NAN, f64::INFINITY] {
+        let mut k = Array2::ones((4, 4));
+        k[[1, 2]] = value;
+        assert!(matches!(refused(k), FlowError::Conductivity { index: [1, 2], .. }));
+    }
+    let line = Grid::line(4, 1.0).unwrap();
+    let found = flow(&line, Array2::ones((4, 1)).view(), Surroundings::Repeats);
+    assert!(matches!(found, Err(FlowError::Points([4, 1]))));
+}
