@@ -13,7 +13,7 @@ use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_surface::{PowerSpectrum, Statistics};
-use ndarray::ArrayRef2;
+use ndarray::{ArrayRef2, ArrayView2};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -72,6 +72,7 @@ impl Problem {
         lengths: [f64; 2],
         body: Vec<String>,
         law: (String, Vec<(String, f64)>),
+        hardness: Option<f64>,
         boundary: &str,
         solver: &str,
         threads: usize,
@@ -83,7 +84,7 @@ impl Problem {
         let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
         let (made, raised) =
-            run(py, threads, None, |_| Self::pose(&heights, grid, (&body, boundary), (kind, &law), solver))?;
+            run(py, threads, None, |_| Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness), solver))?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
         made.map_err(|failure| refused(py, &failure))
@@ -151,15 +152,23 @@ impl State {
     /// Pressure, displacement, gap, without a copy: the arrays keep the state alive.
     #[getter]
     fn fields(this: Bound<'_, Self>) -> [Array<'_>; 3] {
-        let state = this.get();
-        state.rest.fields().map(|field| {
-            #[expect(unsafe_code, reason = "the array lends the memory of the state")]
-            // SAFETY: the state is the base of the array, and, being frozen, never moves or changes its fields.
-            let array = unsafe { PyArray2::borrow_from_array(&field, this.clone().into_any()) };
-            array.readwrite().make_nonwriteable();
-            array
-        })
+        this.get().rest.fields().map(|field| lent(&this, &field))
     }
+
+    /// The plastic depth of a contact with a hardness, without a copy.
+    #[getter]
+    fn plastic_depth(this: Bound<'_, Self>) -> Option<Array<'_>> {
+        this.get().rest.plastic_depth().map(|field| lent(&this, &field))
+    }
+}
+
+/// A field of a state as a read-only array.
+fn lent<'py>(state: &Bound<'py, State>, field: &ArrayView2<'_, f64>) -> Array<'py> {
+    #[expect(unsafe_code, reason = "the array lends the memory of the state")]
+    // SAFETY: the state is the base of the array, and, being frozen, never moves or changes its fields.
+    let array = unsafe { PyArray2::borrow_from_array(field, state.clone().into_any()) };
+    array.readwrite().make_nonwriteable();
+    array
 }
 
 impl Problem {
@@ -167,12 +176,15 @@ impl Problem {
         heights: &ArrayRef2<f64>,
         grid: Grid,
         (body, boundary): (&Body, Boundary),
-        (kind, law): (Kind, &Arc<dyn Law>),
+        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
         solver: Solver,
     ) -> Result<Self, Failure> {
+        if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
+            return Err(Failure::value("hardness", hardness, "absent with a law"));
+        }
         let held = match (kind, boundary) {
-            (Kind::HardWall, Boundary::Periodic) => Held::HARD_WALL,
-            (Kind::HardWall, Boundary::Free) => Held::FREE,
+            (Kind::HardWall, Boundary::Periodic) if hardness.is_none() => Held::HARD_WALL,
+            (Kind::HardWall, _) => Held::FREE,
             (_, Boundary::Periodic) => Held::LAW,
             (_, Boundary::Free) => return Err(Failure::value("boundary", boundary, "periodic with a law")),
         };
@@ -184,10 +196,11 @@ impl Problem {
         };
         let refuse = |error: Refusal| match error {
             Refusal::Solver { .. } => Failure::input("solver", error),
+            Refusal::Hardness { .. } => Failure::input("hardness", error),
             Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };
-        let loads = Loads::new((grid, body, boundary), heights, (kind, law), solver).map_err(refuse)?;
+        let loads = Loads::new((grid, body, boundary), heights, (kind, law, hardness), solver).map_err(refuse)?;
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
         Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient })
     }

@@ -18,8 +18,8 @@ use crate::failure::{failed, refused};
 use crate::surface::grid;
 use crate::worker::quick;
 
-/// The scalars as TOML (which has a NaN), pressure, displacement, gap.
-type Load<'py> = (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>);
+/// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth.
+type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
 /// Writes contacts of one surface. `surface` is heights, lengths, unit, description.
 #[pyfunction]
@@ -34,11 +34,11 @@ pub(crate) fn save(
     let heights = heights.as_array().to_owned();
     let grid = grid(py, heights.dim().into(), lengths)?;
     let mut records = Vec::new();
-    let mut fields: Vec<[Array2<f64>; 3]> = Vec::new();
-    for (record, pressure, displacement, gap) in loads {
+    let mut fields: Vec<Vec<Array2<f64>>> = Vec::new();
+    for (record, of_load) in loads {
         let record: LoadRecord = toml::from_str(&record).map_err(|error| refused(py, &error))?;
         records.push(record);
-        fields.push([pressure, displacement, gap].map(|field| field.as_array().to_owned()));
+        fields.push(of_load.iter().map(|field| field.as_array().to_owned()).collect());
     }
     let is_free = records.iter().any(|record| record.force.is_some());
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
@@ -48,11 +48,12 @@ pub(crate) fn save(
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
-        let recording = Recording::plain(with_law, boundary);
+        let is_plastic = records.iter().any(|record| record.plastic_fraction.is_some());
+        let recording = Recording { is_plastic, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
-        for (index, [pressure, displacement, gap]) in fields.iter().enumerate() {
-            file.write_fields(index, [pressure, displacement, gap].map(|field| field.view().into()))?;
+        for (index, fields) in fields.iter().enumerate() {
+            file.write_fields(index, fields.iter().map(|field| field.view().into()))?;
         }
         file.finish(&records, records.len(), None).map(|_| ())
     })?;

@@ -51,6 +51,14 @@ impl Rest {
         Self { record: LoadRecord::measure(&state, scales, tolerance, seconds), reached: reached(state) }
     }
 
+    /// The plastic depth of a contact with a hardness.
+    pub(crate) fn plastic_depth(&self) -> Option<ArrayView2<'_, f64>> {
+        match &self.reached {
+            Reached::Wall(solution) => solution.plastic.as_ref().map(|plastic| plastic.depth.view()),
+            Reached::Law(..) => None,
+        }
+    }
+
     /// Pressure, displacement, gap.
     pub(crate) fn fields(&self) -> [ArrayView2<'_, f64>; 3] {
         match &self.reached {
@@ -73,13 +81,17 @@ impl Loads {
     pub(crate) fn new(
         (grid, body, boundary): (Grid, &Body, Boundary),
         heights: &ArrayRef2<f64>,
-        (kind, law): (Kind, &Arc<dyn Law>),
+        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
         solver: Solver,
     ) -> Result<Self, Refusal> {
         let (contact, allowed) = if kind == Kind::HardWall {
             let contact = match boundary {
                 Boundary::Periodic => Contact::on(NormalResponse::new(grid, body), heights)?,
                 Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
+            };
+            let contact = match hardness {
+                Some(hardness) => contact.with_hardness(hardness)?,
+                None => contact,
             };
             let allowed = contact.solvers();
             (Kindred::Wall(contact), allowed)

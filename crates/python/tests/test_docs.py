@@ -102,7 +102,8 @@ def test_results_have_the_attributes_that_are_documented(words):
     adhesive = gfmd.contact(words["s"], gfmd.Body(), approach=0.001, law=gfmd.law("morse", gamma=1e-4, range=5e-3))
     rubbed = gfmd.friction(gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1)
     examples = [
-        (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free")]),
+        (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
+                        gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1)]),
         (gfmd.Path, [words["loop"], rubbed]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::persson_pressure;
 use super::quadrature::{scaled, unit_rule};
 
 /// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to short,
@@ -68,12 +69,10 @@ impl Persson {
     /// The density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄ less its mirror image
     /// at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
     pub fn pressure_density(&self, mean_pressure: f64, largest: f64, pressure: f64) -> f64 {
-        let variance = self.variance(largest);
-        if variance == 0.0 || pressure <= 0.0 {
-            return 0.0;
+        match self.variance(largest) {
+            variance if variance > 0.0 && pressure > 0.0 => persson_pressure(pressure, mean_pressure, variance),
+            _ => 0.0,
         }
-        let normal = |x: f64| (-0.5 * x * x / variance).exp() / (2.0 * PI * variance).sqrt();
-        normal(pressure - mean_pressure) - normal(pressure + mean_pressure)
     }
 
     /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy for each

@@ -50,6 +50,9 @@ class Contact(Record):
         seconds: wall time of the solve.
         boundary: "periodic" or "free".
         force: force (of a line: per length across it), with free boundaries only.
+        plastic_fraction, plastic_volume: points whose pressure is the hardness over all points, mean plastic depth (length);
+            with a hardness only.
+        hardness: the hardness given, stress, or None.
         interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
         passed_instability: True if the surfaces jumped on the way from `start`.
         lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
@@ -87,6 +90,8 @@ class Contact(Record):
     residual: Residual
     seconds: float
     force: float
+    plastic_fraction: float
+    plastic_volume: float
     interface_energy: float
     passed_instability: bool
     lowest_curvature: float
@@ -94,25 +99,28 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float, str]
+    _settings: tuple[str, float, str, Optional[float]]
     _state: Any
+    _plastic_depth: Optional[Array]
 
     def __init__(
         self,
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float, str] = ("auto", 1e-8, "periodic"),
+        settings: tuple[str, float, str, Optional[float]] = ("auto", 1e-8, "periodic", None),
         state: Any = None,
+        plastic_depth: Optional[Array] = None,
     ) -> None:
         super().__init__(values)
+        object.__setattr__(self, "_plastic_depth", None if plastic_depth is None else frozen(plastic_depth))
         names = ("surface", "body", "law", "_pressure", "_displacement_z", "_gap", "_settings", "_state")
         for name, value in zip(names, (*parts, *(frozen(field) for field in fields), settings, state)):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         fields = (self._pressure, self._displacement_z, self._gap)
-        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings)
+        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._plastic_depth)
 
     @property
     def pressure(self) -> Array:
@@ -133,6 +141,16 @@ class Contact(Record):
     def boundary(self) -> str:
         """The surroundings of the surface, by name: "periodic" or "free"."""
         return self._settings[2]
+
+    @property
+    def hardness(self) -> Optional[float]:
+        """The largest pressure of a contact with a hardness, stress."""
+        return self._settings[3]
+
+    @property
+    def plastic_depth(self) -> Optional[Array]:
+        """Depth by which the surfaces are pressed into each other beyond touching [x, y], length; None without a hardness. Read-only."""
+        return self._plastic_depth
 
     @property
     def approach(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _check, _gfmd
 from ._body import Body, Law
+from ._check import Array
 from ._contact import Contact, Contacts
 from ._errors import InputError
 from ._record import Residual
@@ -53,12 +54,17 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         **_others(body),
         "pressure": [contact["mean_pressure"] for contact in contacts],
         "boundary": first.boundary,
+        **({} if first.hardness is None else {"hardness": first.hardness}),
         "solver": first._settings[0],
         "tol": first._settings[1],
         "law": law.name,
         "param": [[name, value] for name, value in law.parameters.items()],
     }
-    loads = [(_toml(contact._values), contact.pressure, contact.displacement_z, contact.gap) for contact in contacts]
+    def fields_of(contact: Contact) -> list[Array]:
+        depth = contact.plastic_depth
+        return [contact.pressure, contact.displacement_z, contact.gap, *([] if depth is None else [depth])]
+
+    loads = [(_toml(contact._values), fields_of(contact)) for contact in contacts]
     given = (surface.heights, surface.size, surface.unit, surface.description)
     _gfmd.save(_check.path("path", name), given, loads, _gfmd.json_to_toml(json.dumps(config)))
 
@@ -79,8 +85,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    if "hardness" in config:
-        raise InputError(f"{name} is a contact with a hardness, {config['hardness']}; it must have none to be loaded")
+    hardness = float(config["hardness"]) if "hardness" in config else None
     heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
     length = config.get("length", [])
     if len(length) == 2:
@@ -101,7 +106,10 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         names += ["interface_energy", "passed_instability", "lowest_curvature", "residual_equilibrium"]
     if config.get("boundary") == "free":
         names.append("force")
-    residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in _RESIDUALS}
+    if hardness is not None:
+        names += ["plastic_fraction", "plastic_volume"]
+    parts = _RESIDUALS if hardness is None else (*_RESIDUALS, "saturation")
+    residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in parts}
     columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual" and key not in _STIFFNESS}
     for key in _STIFFNESS:
         try:
@@ -120,9 +128,10 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
             return int(value)
         return bool(value) if key in _FLAGS else value
 
-    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")))
+    depths = None if hardness is None else _gfmd.read_array(name, "/fields/plastic_depth")
+    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")), hardness)
     contacts = [
-        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings)  # type: ignore[arg-type]
+        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings, None, None if depths is None else np.ascontiguousarray(depths[index]))  # type: ignore[arg-type]
         for index in range(len(fields[0]))
         if np.isfinite(columns["mean_pressure"][index])
     ]

@@ -34,6 +34,7 @@ _Tick = Optional[Callable[[int, float], None]]
 @final
 class State:
     fields: tuple[_Array, _Array, _Array]
+    plastic_depth: Optional[_Array]
 
 @final
 class Problem:
@@ -43,6 +44,7 @@ class Problem:
         lengths: tuple[float, float],
         body: list[str],
         law: tuple[str, list[tuple[str, float]]],
+        hardness: Optional[float],
         boundary: str,
         solver: str,
         threads: int,
@@ -81,7 +83,7 @@ def program(words: list[str]) -> int: ...
 def save(
     path: str,
     surface: tuple[_Array, tuple[float, float], Optional[str], str],
-    loads: list[tuple[str, _Array, _Array, _Array]],
+    loads: list[tuple[str, list[_Array]]],
     config: str,
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...

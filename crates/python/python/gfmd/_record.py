@@ -88,6 +88,7 @@ class Residual(Record):
         penetration: largest overlap over the rms height.
         negative_pressure: largest tension over the mean pressure.
         load: mean pressure less the asked one, over the asked one.
+        saturation: with a hardness only, largest gap over the rms height where the pressure is the hardness.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
@@ -98,6 +99,7 @@ class Residual(Record):
     penetration: float
     negative_pressure: float
     load: float
+    saturation: float
 
     def __float__(self) -> float:
         parts = [float(part) for part in self._values.values()]

@@ -23,16 +23,17 @@ from ._surface import Surface, as_surface
 BOUNDARIES = ("periodic", "free")
 
 # A problem for each surface that is in use.
-_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str], Any]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Optional[float]], Any]] = WeakKeyDictionary()
 
 
 class _Setup:
     """A surface against a body, checked, with the numbers of the solve."""
 
-    def __init__(self, surface: Any, body: Any, boundary: Any, law: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
+    def __init__(self, surface: Any, body: Any, boundary: Any, law: Any, hardness: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
         self.boundary = word("boundary", boundary)
+        self.hardness = None if hardness is None else number("hardness", hardness)
         if self.boundary not in BOUNDARIES:
             raise InputError(f"boundary is {boundary!r}; it must be one of {', '.join(map(repr, BOUNDARIES))}")
         if self.solver not in _gfmd.solvers():
@@ -48,11 +49,12 @@ class _Setup:
 
     def _problem(self) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        asked = (self.body, self.law, self.boundary, self.solver)
+        asked = (self.body, self.law, self.boundary, self.solver, self.hardness)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
             heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
-            last = asked, _gfmd.Problem(heights, size, given, self.law._native, self.boundary, self.solver, self.threads)
+            law = self.law._native
+            last = asked, _gfmd.Problem(heights, size, given, law, self.hardness, self.boundary, self.solver, self.threads)
             _LAST[self.surface] = last
         return last[1]
 
@@ -80,7 +82,7 @@ class _Setup:
         values["residual"] = Residual(without_null(values["residual"]))
         parts = (self.surface, self.body, self.law)
         pressure, displacement, gap = state.fields
-        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance, self.boundary), state)
+        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance, self.boundary, self.hardness), state, state.plastic_depth)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:
@@ -108,6 +110,7 @@ def contact(
     approach: Optional[float] = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
+    hardness: Optional[float] = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -125,6 +128,7 @@ def contact(
         boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, pressed by a hard wall; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
+        hardness: largest pressure, stress, of a hard wall; where it is reached the surfaces are pressed into each other.
         solver: a name of docs/solvers.md.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
@@ -144,7 +148,7 @@ def contact(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     value = number(control, given)
-    setup = _Setup(surface, body, boundary, law, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, hardness, solver, tolerance, max_iterations, threads, start)
     setup.check(control, value)
     with Progress("contact") as progress:
         return setup.solve(control, value, setup.start, progress)
@@ -159,6 +163,7 @@ def contacts(
     approach: Any = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
+    hardness: Optional[float] = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -170,7 +175,7 @@ def contacts(
     Args:
         surface, body: as of `contact`.
         mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
-        boundary, law, solver, tolerance, max_iterations, threads, start: as of `contact`.
+        boundary, law, hardness, solver, tolerance, max_iterations, threads, start: as of `contact`.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -183,7 +188,7 @@ def contacts(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     values = numbers(control, given)
-    setup = _Setup(surface, body, boundary, law, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, hardness, solver, tolerance, max_iterations, threads, start)
     for value in values:
         setup.check(control, value)
     done: list[Contact] = []
