@@ -37,6 +37,8 @@ pub struct Map<'a> {
     /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
     /// bar then has a triangle there.
     pub range: Option<[f64; 2]>,
+    /// True if the colour bar has numbers. False: colours tell values apart and mean nothing else.
+    pub numbers: bool,
     /// Width of the figure in points.
     pub width: f64,
 }
@@ -54,7 +56,7 @@ impl<'a> Map<'a> {
     /// A map of `values` on a cell of `size`, one column wide, with all values coloured.
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
-        Self { values, shape, size, x, y, label, below: None, range: None, width: COLUMN }
+        Self { values, shape, size, x, y, label, below: None, range: None, numbers: true, width: COLUMN }
     }
 
     fn is_coloured(&self, value: f64) -> bool {
@@ -96,7 +98,10 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     }
     let (range, beyond) = colour_range(map)?;
     let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
-    let bar_ticks = ticks(range, 5.0)?;
+    let mut bar_ticks = ticks(range, 5.0)?;
+    if !map.numbers {
+        bar_ticks.major.clear();
+    }
     let bar_labels = bar_ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
     let below_label = map.below.as_ref().map_or(0.0, |below| Text::new(&below.label, TICK).width());
     let y_label = Axis::linear(&map.y);

@@ -112,7 +112,7 @@ pub(super) fn measured(
         let mut drawn = field(grid, &values, &format!("{} patches, told apart by colour", found.patches.len()), unit);
         if let Drawn::Map(map) = &mut drawn {
             map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
-            map.range = Some([0.0, 1.0]);
+            (map.range, map.numbers) = (Some([0.0, 1.0]), false);
         }
         files.extend(drawn.save(&named(prefix, "patches"))?);
     }
