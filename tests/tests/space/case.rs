@@ -198,14 +198,27 @@ impl Case {
         32.0 * f64::EPSILON * softest * self.units[1] / self.units[0] * largest
     }
 
-    /// u_z of a normal traction, without the mean of bodies whose mean level is fixed.
+    /// The compliance of the mean displacement, lateral and normal: of all slabs in series, against the mean level of what
+    /// does not hold the body (theory.md, section 4.1).
+    pub(crate) fn mean_compliance(&self) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        let mut body = &self.plain.0;
+        while let Height::Finite(height) = body.height() {
+            sum[0] += height / body.material().shear_modulus();
+            sum[1] += body.material().p_wave_modulus().map_or(0.0, |modulus| height / modulus);
+            let Base::Elastic(below) = body.base() else { break };
+            body = below;
+        }
+        sum.map(|compliance| self.units[1] / self.units[0] * compliance)
+    }
+
+    /// u_z of a normal traction.
     pub(crate) fn normal_displacement(&self, traction: ArrayView2<f64>) -> Vec<f64> {
         let fields = [vec![0.0; traction.len()], vec![0.0; traction.len()], traction.iter().copied().collect()];
         let zero = Complex64::ZERO;
         let [_, _, normal] = self.direct(&fields, |mode| {
-            let q = if mode.is_uniform() { 0.0 } else { mode.wavenumber() };
-            let compliance = self.units[1] / self.units[0] * self.plain.0.normal_compliance(q);
-            let entry = Complex64::from(if compliance.is_finite() { compliance } else { 0.0 });
+            let wave = || self.units[1] / self.units[0] * self.plain.0.normal_compliance(mode.wavenumber());
+            let entry = Complex64::from(if mode.is_uniform() { self.mean_compliance()[1] } else { wave() });
             [[zero; 3], [zero; 3], [zero, zero, entry]]
         });
         normal

@@ -277,9 +277,15 @@ fn on_axes(grid: &Grid, field: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
 fn displacement(case: &Case, traction: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
     let line = case.grid.is_line();
     case.direct(&on_axes(&case.grid, traction), |mode| {
-        let finite = |z: Complex64| if z.re.is_finite() && z.im.is_finite() { z } else { Complex64::ZERO };
-        let unit = case.units[1] / case.units[0];
-        let mut matrix = case.plain.0.compliance_of(mode).map(|row| row.map(|entry| finite(entry) * unit));
+        let mut matrix = if mode.is_uniform() {
+            let [lateral, normal] = case.mean_compliance();
+            let [x, y, z] = [lateral, lateral, normal].map(Complex64::from);
+            let zero = Complex64::ZERO;
+            [[x, zero, zero], [zero, y, zero], [zero, zero, z]]
+        } else {
+            let unit = case.units[1] / case.units[0];
+            case.plain.0.compliance_of(mode).map(|row| row.map(|entry| entry * unit))
+        };
         if line {
             matrix[1] = [Complex64::ZERO; 3];
         }
