@@ -38,10 +38,15 @@ impl History {
         if !iteration.is_multiple_of(self.every) {
             return;
         }
+        // A search that takes no iteration is seen at the same one again and again.
+        if let (true, Some(last)) = (self.iteration.last() == Some(&iteration), self.residual.last_mut()) {
+            *last = residual;
+            return;
+        }
         self.iteration.push(iteration);
         self.residual.push(residual);
         if self.iteration.len() > MOST_SAMPLES {
-            self.every *= 2;
+            self.every = self.every.saturating_mul(2);
             let keep: Vec<bool> = self.iteration.iter().map(|iteration| iteration.is_multiple_of(self.every)).collect();
             let mut kept = keep.iter();
             self.iteration.retain(|_| *kept.next().unwrap_or(&true));
@@ -226,6 +231,19 @@ mod tests {
         let mut history = History::default();
         residuals.enumerate().for_each(|(i, residual)| history.see(i as u64, residual));
         history.closed()
+    }
+
+    #[test]
+    fn an_iteration_that_is_seen_again_has_its_last_residual() {
+        let mut history = History::default();
+        for k in 0..100_000 {
+            history.see(0, f64::from(k));
+        }
+        history.see(1, 0.5);
+        assert_eq!(
+            (&history.iteration[..], &history.residual[..], history.every),
+            (&[0, 1][..], &[99_999.0, 0.5][..], 1)
+        );
     }
 
     #[test]

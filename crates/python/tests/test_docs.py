@@ -111,7 +111,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Statistics, [words["s"].statistics()]),
         (gfmd.Body, [gfmd.Body()]),
-        (gfmd.Residual, [words["c"].residual]),
+        (gfmd.Residual, [words["c"].residual, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual]),
     ]
     for kind, results in examples:
         typed = {key for key in kind.__annotations__ if not key.startswith("_")}
