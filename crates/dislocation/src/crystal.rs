@@ -88,6 +88,19 @@ pub struct Events {
     pub shortened: usize,
 }
 
+/// A step that may still be refused.
+struct Trial {
+    moved: Vec<Dislocation>,
+    depth: f64,
+    state: State,
+    dissipated: f64,
+    shortened: usize,
+    error: f64,
+}
+
+/// The shortest step of [`Crystal::advance_within`] over the time.
+const SHORTEST: f64 = 1e-4;
+
 /// Dislocations on one slip system in a [`Domain`], which glide against a drag while a punch is pressed in.
 #[derive(Clone, Debug)]
 pub struct Crystal {
@@ -188,33 +201,67 @@ impl Crystal {
         self.events
     }
 
-    /// Moves on by `time`, while the punch goes down by `indent` (length): glide by Heun's rule, of second order in the step, then events.
+    /// Moves on by `time`, while the punch goes down by `indent` (length), in one step: glide by Heun's rule, of second order in the step, then events.
     ///
     /// # Errors
     /// A step that is not positive and finite; a surface that does not come to equilibrium.
     pub fn advance(&mut self, time: f64, indent: f64) -> Result<(), DislocationError> {
+        let trial = self.glide(time, indent)?;
+        self.accept(trial, time, indent)
+    }
+
+    /// As [`advance`](Self::advance), in as many steps as it takes for no dislocation to err by more than `accuracy` (length) in a step: half the difference of
+    /// its velocities at both ends, times the step. A step is no shorter than 1e-4 of `time`.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance); an accuracy that is not positive.
+    pub fn advance_within(&mut self, time: f64, indent: f64, accuracy: f64) -> Result<(), DislocationError> {
+        if !(accuracy > 0.0) {
+            return Err(DislocationError::Value { what: "accuracy", found: accuracy, allowed: "positive" });
+        }
+        let (mut left, mut part) = (1.0, 1.0);
+        while left > 0.0 {
+            let now = if part < 0.999 * left { part } else { left };
+            let trial = self.glide(now * time, now * indent)?;
+            if trial.error > accuracy && now > SHORTEST {
+                part = 0.5 * now;
+                continue;
+            }
+            part = if trial.error < 0.25 * accuracy { 2.0 * now } else { now };
+            left = if now == left { 0.0 } else { left - now };
+            self.accept(trial, now * time, now * indent)?;
+        }
+        Ok(())
+    }
+
+    /// A step of Heun's rule, without events.
+    fn glide(&self, time: f64, indent: f64) -> Result<Trial, DislocationError> {
         if !(time > 0.0 && time.is_finite()) {
             return Err(DislocationError::Value { what: "time step", found: time, allowed: "positive and finite" });
         }
         let depth = self.depth + indent;
         let before = self.forces(&self.state, &self.dislocations)?;
-        self.release(&before);
-        let first: Vec<f64> = self.velocities(&before).map(|v| v * time).collect();
-        let (guess, _) = self.moved(&first);
+        let held = self.held(&before);
+        let first = self.velocities(&before, &held);
+        let (guess, _) = self.moved(&held, first.iter().map(|v| v * time));
         let guessed = equilibrium(&self.domain, &self.slip, &guess, depth)?;
         let after = self.forces(&guessed, &guess)?;
-        let mean: Vec<f64> =
-            self.velocities(&before).zip(self.velocities(&after)).map(|(a, b)| 0.5 * (a + b) * time).collect();
-        let (moved, shortened) = self.moved(&mean);
+        let second = self.velocities(&after, &held);
+        let error = first.iter().zip(&second).fold(0.0, |most: f64, (a, b)| most.max(0.5 * (a - b).abs() * time));
+        let (moved, shortened) = self.moved(&held, first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b) * time));
         let state = equilibrium(&self.domain, &self.slip, &moved, depth)?;
         let glides = moved.iter().zip(&self.dislocations).map(|(new, old)| new.place - old.place);
-        let drawn: f64 = glides.zip(before.iter().zip(&after)).map(|(glide, (a, b))| 0.5 * (a + b) * glide).sum();
+        let dissipated = glides.zip(before.iter().zip(&after)).map(|(glide, (a, b))| 0.5 * (a + b) * glide).sum();
+        Ok(Trial { moved, depth, state, dissipated, shortened, error })
+    }
+
+    fn accept(&mut self, trial: Trial, time: f64, indent: f64) -> Result<(), DislocationError> {
         let length = self.domain.grid().lengths()[0];
-        self.balance.work += 0.5 * length * (self.state.mean_pressure() + state.mean_pressure()) * indent;
-        self.balance.dissipated += drawn;
-        self.balance.stored += state.energy() - self.state.energy();
-        self.events.shortened += shortened;
-        (self.dislocations, self.depth, self.state) = (moved, depth, state);
+        self.balance.work += 0.5 * length * (self.state.mean_pressure() + trial.state.mean_pressure()) * indent;
+        self.balance.dissipated += trial.dissipated;
+        self.balance.stored += trial.state.energy() - self.state.energy();
+        self.events.shortened += trial.shortened;
+        (self.dislocations, self.depth, self.state) = (trial.moved, trial.depth, trial.state);
         self.happen(time)
     }
 
@@ -229,28 +276,23 @@ impl Crystal {
             .collect()
     }
 
-    fn velocities<'a>(&'a self, forces: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let held = self.dislocations.iter().map(|dislocation| dislocation.obstacle.is_some());
-        held.zip(forces).map(|(held, force)| if held { 0.0 } else { force / self.slip.drag })
+    /// The obstacle that still holds each dislocation.
+    fn held(&self, forces: &[f64]) -> Vec<Option<usize>> {
+        let strong = |obstacle: usize, force: f64| force.abs() <= self.obstacles[obstacle].strength * self.slip.burgers;
+        let all = self.dislocations.iter().zip(forces);
+        all.map(|(dislocation, force)| dislocation.obstacle.filter(|obstacle| strong(*obstacle, *force))).collect()
     }
 
-    /// Sets free what its obstacle cannot hold.
-    fn release(&mut self, forces: &[f64]) {
-        for (dislocation, force) in self.dislocations.iter_mut().zip(forces) {
-            if let Some(obstacle) = dislocation.obstacle
-                && force.abs() > self.obstacles[obstacle].strength * self.slip.burgers
-            {
-                dislocation.obstacle = None;
-            }
-        }
+    fn velocities(&self, forces: &[f64], held: &[Option<usize>]) -> Vec<f64> {
+        held.iter().zip(forces).map(|(held, force)| if held.is_some() { 0.0 } else { force / self.slip.drag }).collect()
     }
 
-    /// The dislocations after `glides`, which end at obstacles, and before other dislocations of the same sign, the surface and the base; and the number of
-    /// those cut short by dislocations.
-    fn moved(&self, glides: &[f64]) -> (Vec<Dislocation>, usize) {
+    /// The dislocations after `glides`, which end at obstacles, before other dislocations, at the surface and at the base; and the number of those cut
+    /// short by equal dislocations.
+    fn moved(&self, held: &[Option<usize>], glides: impl Iterator<Item = f64>) -> (Vec<Dislocation>, usize) {
         let mut shortened = 0;
         let lowest = self.domain.height().map(|height| -height / self.slip.angle.sin());
-        let glide = |(index, (old, glide)): (usize, (&Dislocation, &f64))| {
+        let glide = |(index, (old, glide)): (usize, (&Dislocation, f64))| {
             let mut place = old.place + glide;
             // Almost half-way to the next dislocation: opposite ones meet there, within reach of each other.
             let others = self.dislocations.iter().enumerate().filter(|(other, d)| *other != index && d.plane == old.plane);
@@ -265,7 +307,7 @@ impl Crystal {
                     shortened += usize::from(next.sign == old.sign);
                 }
             }
-            let mut obstacle = old.obstacle;
+            let mut obstacle = held[index];
             for (number, o) in self.obstacles.iter().enumerate().filter(|(_, o)| o.plane == old.plane) {
                 let passed = (old.place < o.place && o.place <= place) || (place <= o.place && o.place < old.place);
                 if passed {
