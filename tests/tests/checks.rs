@@ -10,6 +10,7 @@ fn holds(topic: &Topic) {
     let checks = (topic.checks)(&Reference::default()).unwrap();
     assert!(!checks.is_empty());
     let failed: Vec<String> = checks.iter().filter(|check| !check.passes()).map(|check| format!("{check:?}")).collect();
+    eprintln!("{checks:#?}");
     assert!(failed.is_empty(), "{}:\n{}", topic.title, failed.join("\n"));
 }
 
@@ -29,7 +30,7 @@ macro_rules! topics {
         }
     };
 }
-topics!(limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws);
+topics!(limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws, friction);
 
 #[test]
 fn a_missing_file_is_named() {

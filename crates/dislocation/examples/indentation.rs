@@ -3,7 +3,7 @@
 //!     cargo run --release -p gfmd-dislocation --example indentation -- [FOLDER] [SURFACES]
 //!
 //! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch but the dislocations: Burgers vector, density and
-//! strength of sources and obstacles, drag. Each curve is the mean over some random placings (3, or the second argument).
+//! strength of sources and obstacles, and the speed of the punch. Each curve is the mean over some random placings (3, or the second argument).
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -17,7 +17,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-const WIDTHS: [f64; 3] = [0.25, 0.5, 1.0];
+const WIDTHS: [f64; 3] = [0.2, 0.4, 0.8];
 const POINTS: usize = 135;
 const STEPS: usize = 200;
 /// Depth at the end over the width.
@@ -26,7 +26,7 @@ const BURGERS: f64 = 2.5e-4;
 /// The distance at which opposite dislocations annihilate.
 const CAPTURE: f64 = 20.0 * BURGERS;
 /// Sources and obstacles per µm².
-const DENSITY: [f64; 2] = [30.0, 60.0];
+const DENSITY: [f64; 2] = [12.0, 24.0];
 
 fn crystal(width: f64, seed: u64) -> Result<Crystal, Box<dyn Error>> {
     let (length, height) = (4.0 * width, 2.0 * width);
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for seed in 0..placings {
             let mut crystal = crystal(width, seed)?;
             for now in &mut curve[1..] {
-                crystal.advance_within(0.1, DEPTH * width / STEPS as f64, 0.5 * CAPTURE)?;
+                crystal.advance_within(0.5 * width, DEPTH * width / STEPS as f64, 0.5 * CAPTURE)?;
                 now[0] += crystal.state().mean_pressure() * 4.0 / placings as f64;
                 now[1] += crystal.dislocations().len() as f64 / placings as f64;
             }
@@ -103,10 +103,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     Chart::new(vec![panel]).save(&Path::new(&folder).join("indentation"))?;
     if let Some(crystal) = last {
-        let height = 2.0 * WIDTHS[2];
         let place = |sign: f64| {
             let all = crystal.dislocations().iter().zip(crystal.state().edges());
-            all.filter(|(d, _)| d.sign == sign).map(|(_, e)| Point::new(e.place[0].rem_euclid(2.0 * height), e.place[1])).collect()
+            all.filter(|(d, _)| d.sign == sign)
+                .map(|(_, e)| Point::new(e.place[0].rem_euclid(4.0 * WIDTHS[2]), e.place[1]))
+                .collect()
         };
         let punch = [1.5, 2.5].map(|x| (x * WIDTHS[2], 0.0));
         let panel = Panel {

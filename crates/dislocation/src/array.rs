@@ -84,8 +84,7 @@ impl Row {
         let gamma = self.strength(source.burgers);
         let [first, second] = self.sums(zeta);
         let sum = 4.0 * (gamma * first).re;
-        let difference =
-            2.0 * ((gamma.conj() - gamma) * first + Complex64::new(0.0, 2.0 * zeta.im) * gamma * second);
+        let difference = 2.0 * ((gamma.conj() - gamma) * first + Complex64::new(0.0, 2.0 * zeta.im) * gamma * second);
         Stress { xx: 0.5 * (sum - difference.re), zz: 0.5 * (sum + difference.re), xz: 0.5 * difference.im }
     }
 
@@ -173,7 +172,8 @@ mod tests {
             let other = Edge { place, burgers: [-0.8, 0.3] };
             let at = |dx: f64, dz: f64| row.energy(&one, &Edge { place: [place[0] + dx, place[1] + dz], ..other });
             let step = 1e-6 * (place[0] - 0.1);
-            let slope = [(at(-step, 0.0) - at(step, 0.0)) / (2.0 * step), (at(0.0, -step) - at(0.0, step)) / (2.0 * step)];
+            let slope =
+                [(at(-step, 0.0) - at(step, 0.0)) / (2.0 * step), (at(0.0, -step) - at(0.0, step)) / (2.0 * step)];
             let stress = row.stress(&one, place);
             let [bx, bz] = other.burgers;
             let force = [bx * stress.xz + bz * stress.zz, -(bx * stress.xx + bz * stress.xz)];

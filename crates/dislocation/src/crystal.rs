@@ -133,7 +133,8 @@ impl Crystal {
         if !between {
             return refuse("angle of the slip planes", slip.angle, "above 0 and below pi");
         }
-        for (what, found) in [("Burgers vector", slip.burgers), ("drag", slip.drag), ("capture distance", slip.capture)] {
+        for (what, found) in [("Burgers vector", slip.burgers), ("drag", slip.drag), ("capture distance", slip.capture)]
+        {
             if !(found > 0.0 && found.is_finite()) {
                 return refuse(what, found, "positive and finite");
             }
@@ -295,7 +296,8 @@ impl Crystal {
         let glide = |(index, (old, glide)): (usize, (&Dislocation, f64))| {
             let mut place = old.place + glide;
             // Almost half-way to the next dislocation: opposite ones meet there, within reach of each other.
-            let others = self.dislocations.iter().enumerate().filter(|(other, d)| *other != index && d.plane == old.plane);
+            let others =
+                self.dislocations.iter().enumerate().filter(|(other, d)| *other != index && d.plane == old.plane);
             let next = others
                 .filter(|(_, d)| (d.place - old.place) * glide > 0.0)
                 .min_by(|(_, a), (_, b)| (a.place - old.place).abs().total_cmp(&(b.place - old.place).abs()));

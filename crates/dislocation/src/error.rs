@@ -7,7 +7,9 @@ use gfmd_mixed::MixedError;
 #[non_exhaustive]
 pub enum DislocationError {
     /// A body with layers, another base, or a second body.
-    #[error("the body has layers, a base that is not bonded, or a second body; it must be a half-space or one bonded slab")]
+    #[error(
+        "the body has layers, a base that is not bonded, or a second body; it must be a half-space or one bonded slab"
+    )]
     Body,
     /// An even number of points, of which the shortest wave is its own mirror image.
     #[error("the line has {found} points; their number must be odd and at least 3")]
@@ -26,7 +28,9 @@ pub enum DislocationError {
         allowed: &'static str,
     },
     /// A dislocation, source or obstacle that is not inside the body.
-    #[error("the place {found} along slip plane {plane} is outside the body; it must be between {lowest} and 0, both excluded")]
+    #[error(
+        "the place {found} along slip plane {plane} is outside the body; it must be between {lowest} and 0, both excluded"
+    )]
     Place {
         /// The index of the slip plane.
         plane: usize,

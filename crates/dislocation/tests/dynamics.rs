@@ -99,7 +99,8 @@ fn a_pair_far_from_everything_falls_together_as_the_square_root_of_time() {
 #[test]
 fn a_dislocation_near_a_free_surface_leaves_and_a_step_stays() {
     let domain = domain(Body::slab(material(), 1.0).unwrap(), 2.0, 255, 0..0);
-    let mut crystal = Crystal::new(domain, slip(&[0.804]), &[free(0, -0.05, 1.0), free(0, -0.6, -1.0)], &[], &[]).unwrap();
+    let mut crystal =
+        Crystal::new(domain, slip(&[0.804]), &[free(0, -0.05, 1.0), free(0, -0.6, -1.0)], &[], &[]).unwrap();
     for _ in 0..200 {
         crystal.advance(0.05, 0.0).unwrap();
         if crystal.events().departed > 0 {
@@ -120,7 +121,8 @@ fn surface_and_pressure_do_not_jump_when_a_dislocation_leaves() {
     for (held, x, sign) in [(60..75, 1.003, 1.0), (60..75, 0.7, 1.0), (0..0, 0.9, -1.0)] {
         let world = domain(Body::slab(material(), 1.0).unwrap(), 2.0, 135, held);
         let partner = free(0, -0.6, -sign);
-        let state = |all: &[Dislocation]| Crystal::new(world.clone(), slip(&[x]), all, &[], &[]).unwrap().state().clone();
+        let state =
+            |all: &[Dislocation]| Crystal::new(world.clone(), slip(&[x]), all, &[], &[]).unwrap().state().clone();
         let (near, gone) = (state(&[free(0, -1e-7, sign), partner]), state(&[partner]));
         // Both have the waves of the grid only, near the step itself with all of its Gibbs phenomenon.
         let scale = B * (PI / 3.0).sin();

@@ -48,9 +48,7 @@ fn forces_and_stresses_are_those_of_head_and_of_a_boundary_value_problem() {
     let file = reference();
     let grid = Grid::line(255, 1.0).unwrap();
     let edges = edges_of(&file);
-    for (body, key) in
-        [(Body::half_space(material()), "half_space"), (Body::slab(material(), 0.35).unwrap(), "slab")]
-    {
+    for (body, key) in [(Body::half_space(material()), "half_space"), (Body::slab(material(), 0.35).unwrap(), "slab")] {
         let domain = Domain::new(&body, &grid, &[false; 255]).unwrap();
         let state = domain.state(&edges, &[], 0.0, 0.0).unwrap();
         compare(&state, &file, &file[key], 1e-9);
@@ -77,7 +75,10 @@ impl Case {
         let (c, s) = (self.angle.cos(), self.angle.sin());
         let b = 0.003;
         let edges: Vec<Edge> = (0..3)
-            .map(|i| Edge { place: [PLANES[i] + along[i] * c, along[i] * s], burgers: [SIGNS[i] * b * c, SIGNS[i] * b * s] })
+            .map(|i| Edge {
+                place: [PLANES[i] + along[i] * c, along[i] * s],
+                burgers: [SIGNS[i] * b * c, SIGNS[i] * b * s],
+            })
             .collect();
         // The partner of the third has left on its plane.
         let step = Step { x: 0.61, jump: [b * c, b * s] };
@@ -120,7 +121,11 @@ fn forces_are_the_slopes_of_the_energy() {
             assert!((found - forces[i]).abs() < 1e-6 * scale, "{i}: {found} {}", forces[i]);
         }
         let load = slope([0.0, 0.0, 0.0, step]);
-        assert!((load - state.mean_pressure()).abs() < 1e-6 * state.mean_pressure().abs().max(1e-3), "{load} {}", state.mean_pressure());
+        assert!(
+            (load - state.mean_pressure()).abs() < 1e-6 * state.mean_pressure().abs().max(1e-3),
+            "{load} {}",
+            state.mean_pressure()
+        );
     }
 }
 
@@ -128,7 +133,10 @@ fn forces_are_the_slopes_of_the_energy() {
 fn what_makes_no_domain_is_refused() {
     let grid = Grid::line(31, 1.0).unwrap();
     let slab = Body::slab(material(), 0.5).unwrap();
-    assert!(matches!(Domain::new(&slab.clone().on(Base::Free).unwrap(), &grid, &[false; 31]), Err(DislocationError::Body)));
+    assert!(matches!(
+        Domain::new(&slab.clone().on(Base::Free).unwrap(), &grid, &[false; 31]),
+        Err(DislocationError::Body)
+    ));
     let even = Grid::line(32, 1.0).unwrap();
     assert!(matches!(Domain::new(&slab, &even, &[false; 32]), Err(DislocationError::Points { found: 32 })));
     assert!(matches!(Domain::new(&slab, &grid, &[false; 30]), Err(DislocationError::Shape(_))));
