@@ -119,7 +119,7 @@ def wave(n):
 
 def strip(n):
     x = np.arange(n) - n // 2
-    return np.where(np.abs(x) <= n // 8, 0.0, -1.0)[:, None]
+    return np.where(np.abs(x) <= n // 8, 0.0, -0.05)[:, None]
 
 
 def sphere(n):
