@@ -5,6 +5,8 @@
 //! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch but the dislocations: Burgers vector, density and
 //! strength of sources and obstacles, and the speed of the punch. Each curve is the mean over some random placings (3, or the second argument).
 
+#![allow(clippy::print_stdout, reason = "the result of the example")]
+
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write as _;

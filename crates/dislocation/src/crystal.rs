@@ -157,10 +157,10 @@ impl Crystal {
             return refuse("sign of a dislocation", found, "1 or -1");
         }
         let strengths = sources.iter().map(|s| s.strength).chain(obstacles.iter().map(|o| o.strength));
-        if let Some(found) = strengths.into_iter().find(|strength| !(*strength > 0.0)) {
+        if let Some(found) = strengths.into_iter().find(|strength| strength.is_nan() || *strength <= 0.0) {
             return refuse("strength of a source or obstacle", found, "positive");
         }
-        if let Some(found) = sources.iter().map(|s| s.delay).find(|delay| !(*delay >= 0.0)) {
+        if let Some(found) = sources.iter().map(|s| s.delay).find(|delay| delay.is_nan() || *delay < 0.0) {
             return refuse("delay of a source", found, "not negative");
         }
         let state = equilibrium(&domain, &slip, dislocations, 0.0)?;
@@ -217,7 +217,7 @@ impl Crystal {
     /// # Errors
     /// As [`advance`](Self::advance); an accuracy that is not positive.
     pub fn advance_within(&mut self, time: f64, indent: f64, accuracy: f64) -> Result<(), DislocationError> {
-        if !(accuracy > 0.0) {
+        if accuracy.is_nan() || accuracy <= 0.0 {
             return Err(DislocationError::Value { what: "accuracy", found: accuracy, allowed: "positive" });
         }
         let (mut left, mut part) = (1.0, 1.0);

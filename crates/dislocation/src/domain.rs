@@ -66,7 +66,7 @@ impl Domain {
             return Err(DislocationError::Body);
         }
         let points = grid.len();
-        if !grid.is_line() || points % 2 == 0 || points < 3 {
+        if !grid.is_line() || points.is_multiple_of(2) || points < 3 {
             return Err(DislocationError::Points { found: points });
         }
         if held.len() != points {
