@@ -164,7 +164,7 @@ impl Interior {
     }
 
     /// The plane upside down, and what the base adds there: zero if it is at rest.
-    fn from_base(&self, depth: f64) -> Result<Option<Section<'_>>, InteriorError> {
+    fn upside_down(&self, depth: f64) -> Result<Option<Section<'_>>, InteriorError> {
         Ok(match &self.base {
             Some(_) => Some(self.body.at_depth(self.body.total_height() - depth)?.against_level()),
             None => None,
@@ -241,7 +241,7 @@ impl Interior {
     pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
         self.check_workspace(ws)?;
         let section = self.body.at_depth(depth)?.against_level();
-        let base = self.from_base(depth)?;
+        let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [x, y, z, ..] = &mut ws.spectra;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
@@ -281,7 +281,7 @@ impl Interior {
     ) -> Result<Deformation<'w>, InteriorError> {
         self.check_workspace(ws)?;
         let section = section.against_level();
-        let base = self.from_base(depth)?;
+        let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [a, b, c, d, e, f] = &mut ws.spectra;
         (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {
