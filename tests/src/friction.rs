@@ -27,11 +27,11 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
-fn body(case: &Value) -> Result<Body, ValidationError> {
+pub(crate) fn body(case: &Value) -> Result<Body, ValidationError> {
     let base = case["base"].as_str().and_then(|name| name.parse::<BaseKind>().ok()).unwrap_or_default();
     let mut layers = Vec::new();
     for row in case["layers"].as_array().into_iter().flatten() {

@@ -17,6 +17,7 @@ mod kernels;
 mod laws;
 mod layered;
 mod limits;
+mod moving;
 mod punch;
 mod reference;
 
@@ -32,7 +33,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 11] = [
+pub const TOPICS: [Topic; 12] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -44,6 +45,7 @@ pub const TOPICS: [Topic; 11] = [
     Topic { name: "layered", title: "Layers, bases and pairs of bodies", checks: layered::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
     Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },
+    Topic { name: "moving", title: "A base that moves", checks: moving::checks },
 ];
 
 /// Every method that can be asked for by name.

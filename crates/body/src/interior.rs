@@ -5,7 +5,7 @@ use gfmd_green::{Base, Body, Complex64, GreenError, Height, Section};
 use gfmd_response::Components;
 use rayon::prelude::*;
 
-use crate::Deformation;
+use crate::{BaseField, Deformation};
 
 /// A body whose surface is displaced: the spectra from which every depth follows.
 pub struct Interior {
@@ -163,7 +163,24 @@ impl Interior {
         Ok(self)
     }
 
-    /// The plane upside down, and what the base adds there: zero if it is at rest.
+    /// The same with what a base that moves by `displacement` (length) adds to it while the surface is free of traction, at the surface, too: for one slab on a bonded
+    /// base (theory.md, section 4.2).
+    ///
+    /// # Errors
+    /// As [`with_base`](Self::with_base).
+    pub fn over_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
+        let grid = *self.grid();
+        let lifted = BaseField::Displacement(displacement.to_vec()).surface_displacement(&self.body, grid)?;
+        let mut ws = self.transform.workspace();
+        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        for (&axis, component) in self.components.axes().iter().zip(lifted.chunks_exact(grid.len())) {
+            self.transform.forward(component, &mut spectrum, &mut ws)?;
+            self.surface[axis].iter_mut().zip(&spectrum).for_each(|(sum, added)| *sum += added);
+        }
+        self.with_base(displacement)
+    }
+
+    /// The plane at `depth`, upside down; `None` if the base is at rest.
     fn upside_down(&self, depth: f64) -> Result<Option<Section<'_>>, InteriorError> {
         Ok(match &self.base {
             Some(_) => Some(self.body.at_depth(self.body.total_height() - depth)?.against_level()),

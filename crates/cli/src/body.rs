@@ -16,6 +16,7 @@ use gfmd_files::Output;
 use gfmd_green::Body;
 use serde::Serialize;
 
+use crate::base::{self, BaseArgs};
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
@@ -173,11 +174,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
     Held::BODY.check(&args.surface, surface.grid.points())?;
-    let interior = match surface.kind {
-        Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement),
-        Kind::Full => Interior::new(&body, surface.grid, &surface.displacement),
+    let inside = match surface.kind {
+        Kind::Normal if BaseArgs::NAMES.iter().any(|name| surface.record.contains_key(*name)) => {
+            base::inside(&args.surface, &body, &surface.grid, &surface.displacement)
+        }
+        Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement).map_err(|e| e.to_string()),
+        Kind::Full => Interior::new(&body, surface.grid, &surface.displacement).map_err(|e| e.to_string()),
     };
-    let interior = interior.map_err(|error| Failure::input(&args.surface, error))?;
+    let interior = inside.map_err(|error| Failure::input(&args.surface, error))?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {
         surface: &args.surface,

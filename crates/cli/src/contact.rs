@@ -27,6 +27,7 @@ use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
 use serde::Serialize;
 
+use crate::base::{BaseArgs, MovedBase};
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
 use crate::elastic::{BodyArgs, OtherArgs};
@@ -64,6 +65,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     body: BodyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    base: BaseArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
@@ -158,6 +162,8 @@ pub struct Report {
     pub others: OtherArgs,
     #[serde(skip)]
     pub body: Option<String>,
+    #[serde(flatten)]
+    pub base: BaseArgs,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
@@ -182,6 +188,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 struct Prepared {
     surface: Surface,
     body: Body,
+    base: Option<MovedBase>,
     law: Arc<dyn Law>,
     controls: Vec<Load>,
     output: Option<Output>,
@@ -238,13 +245,14 @@ impl Prepared {
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
+        let base = args.base.read(&body, &surface.grid)?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&args.control.displacement).map(Load::Approach))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, law, controls, output })
+        Ok(Self { surface, body, base, law, controls, output })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -277,7 +285,8 @@ impl Prepared {
             Refusal::Body(_) => Failure::input("--boundary free", refusal),
             _ => Failure::input(&args.source.name(), refusal),
         };
-        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
+        let (body, Surface { grid, .. }) = (&self.body, &self.surface);
+        let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
             let contact = Contact::bounded(args.boundary, body, grid, heights);
@@ -323,6 +332,7 @@ impl Prepared {
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
             body: args.body.words(),
+            base: args.base.clone(),
             boundary: self.surface.boundary.name(),
             hardness: args.hardness,
             loads: Vec::new(),
@@ -335,7 +345,8 @@ impl Prepared {
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut kept = match &self.output {
             Some(output) => {
-                let head = session.identity(&config, &self.surface);
+                let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
+                let head = session.identity(&config, &self.surface) + &base;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
@@ -386,7 +397,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, controls, output, .. }, contact, args, session } = *self;
+        let Self { prepared: Prepared { surface, base, controls, output, .. }, contact, args, session } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = self.prepared.recording(args);
@@ -394,6 +405,10 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let create =
             |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
         let mut file = output.as_ref().map(create).transpose()?;
+        if let (Some(file), Some(base)) = (&mut file, base) {
+            file.write_base(base, surface)?;
+        }
+        let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
         let mut gathered = Gathered::default();
@@ -440,7 +455,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 report.not_converged = Some(unmet);
             }
             if let Some(file) = &mut file {
-                file.write(index, &state)?;
+                file.write(index, &state, lift)?;
             }
             if let Some(stopped) = stopped {
                 failure = Some(stopped.at(&format!("load {index}")));
@@ -448,7 +463,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 break;
             }
             if let Some(kept) = &mut kept {
-                let fields = chosen.fields(&state);
+                let fields = chosen.fields(&state, lift);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&Part { text: record.to_toml()?, fields });
                 kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;

@@ -17,6 +17,7 @@
 //! # Ok::<(), gfmd_cli::failure::Failure>(())
 //! ```
 
+pub mod base;
 pub mod body;
 pub mod check;
 pub mod choice;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use common::{SWEEP, gfmd, json};
 use gfmd_files::Reader;
+use ndarray::Array2;
 use serde_json::{Value, json as value};
 
 fn words(flags: &str) -> Vec<&str> {
@@ -198,4 +199,55 @@ fn what_does_not_go_together_is_refused_with_what_is_allowed() {
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(text.contains("with free boundaries it must be inf, a half-space"), "{text}");
     }
+}
+
+/// A base that moves: read from a file, kept in the result, checked, run again, and seen inside.
+#[test]
+fn a_base_that_moves_is_kept_and_met_inside() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let wave = |amplitude: f64| {
+        Array2::from_shape_fn((27, 27), |(i, j)| amplitude * (std::f64::consts::TAU * (i + 2 * j) as f64 / 27.0).cos())
+    };
+    ndarray_npy::write_npy(folder.join("base.npy"), &wave(0.01)).unwrap();
+    let flags = "contact --n 27 --eps-f-inv 4 --p-star 0.05 --height 0.3 --poisson 0.3";
+    run(folder, &format!("{flags} --base-displacement base.npy --out c.h5 --json"));
+    let reader = Reader::open(folder.join("c.h5")).unwrap();
+    assert_eq!(reader.shape("/base/displacement").unwrap(), [27, 27, 3]);
+    std::fs::remove_file(folder.join("base.npy")).unwrap();
+    let checked = run(folder, "check c.h5 --rerun --json");
+    assert_eq!(checked["differing"], 0, "{checked:#}");
+    // The base has its displacement, and the surface the pressure of the contact.
+    run(folder, "body --surface c.h5 --depth 0,0.3 --out b.h5 --json");
+    let inside = Reader::open(folder.join("b.h5")).unwrap();
+    let displacement: Vec<f64> = inside.values("/fields/displacement").unwrap();
+    let below = &displacement[3 * 27 * 27..];
+    for (found, wanted) in below.chunks_exact(3).zip(&wave(0.01)) {
+        assert!(found[0].abs() + found[1].abs() + (found[2] - wanted).abs() < 1e-12, "{found:?} {wanted}");
+    }
+    let stress: Vec<f64> = inside.values("/fields/stress").unwrap();
+    let pressure: Vec<f64> = reader.slab("/fields/pressure", 0).unwrap();
+    let peak = pressure.iter().copied().fold(0.0, f64::max);
+    for (stress, pressure) in stress.chunks_exact(6).zip(&pressure) {
+        assert!((stress[2] + pressure).abs() < 1e-7 * peak, "{stress:?} {pressure}");
+    }
+    // What has no such base is refused by the name of the flag.
+    ndarray_npy::write_npy(folder.join("base.npy"), &wave(0.01)).unwrap();
+    for (flags, words) in [
+        ("--height inf --base-displacement base.npy", "--base-displacement: the displacement of the base is given"),
+        ("--height 0.3 --base-traction base.npy", "--base-traction: the traction of the base is given"),
+        (
+            "--height 0.3 --n 9 --base-displacement base.npy",
+            "the shape is [27, 27]; it must be [nx, ny] or [nx, ny, 3]",
+        ),
+        ("--height 0.3 --base-displacement none.npy", "--base-displacement: none.npy"),
+    ] {
+        let output = gfmd(folder, &self::words(&format!("contact --eps-f-inv 2 --p-star 0.05 {}", with_points(flags))));
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains(words), "{text}");
+    }
+}
+
+fn with_points(flags: &str) -> String {
+    if flags.contains("--n ") { flags.to_owned() } else { format!("--n 27 {flags}") }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use gfmd_files::{Checksum, Reader};
 
 use super::{Comparison, words};
+use crate::base::{BaseArgs, stored_base};
 use crate::failure::Failure;
 use crate::source::SourceArgs;
 
@@ -40,12 +41,13 @@ pub(crate) fn flags_again(reader: &Reader, config: &str, out: &Path) -> Result<V
     let mut flags = match table.contains_key("surface") {
         true => {
             let mut flags = stored_surface(reader, &mut Comparison::default())?;
-            flags.extend(words(config, &SourceArgs::names())?);
+            flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES].concat())?);
             flags
         }
         // Defaults of the flags for files are no flags of a generated surface.
-        false => words(config, &[])?,
+        false => words(config, &BaseArgs::NAMES)?,
     };
+    flags.extend(stored_base(reader));
     flags.push(format!("--out={}", out.display()));
     Ok(flags)
 }

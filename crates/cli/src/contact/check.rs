@@ -12,6 +12,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{Measured, Stored, arrays, through};
 use super::{Args, Prepared};
+use crate::base::{BaseArgs, MovedBase, stored_base};
 use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
@@ -29,10 +30,12 @@ pub(crate) fn check(
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(words(config, &SourceArgs::names())?);
+    flags.extend(stored_base(reader));
+    flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES].concat())?);
     let args: Args = parsed(&flags)?;
     let prepared = Prepared::new(&args, session)?;
-    let Prepared { surface, body, law, controls, .. } = &prepared;
+    let Prepared { surface, body, base, law, controls, .. } = &prepared;
+    let heights = &*MovedBase::under(base.as_ref(), &surface.heights);
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
     let solved = |field: &Array2<f64>| field.iter().all(|value| value.is_finite());
@@ -51,11 +54,19 @@ pub(crate) fn check(
     }
     let tolerance = args.solver.tol;
     let recording = prepared.recording(&args);
-    let mut file = Checked { reader, surface, scales, tolerance, recording, measured: Vec::new() };
+    let mut file = Checked {
+        reader,
+        surface,
+        lift: base.as_ref().map(|base| &base.lift),
+        scales,
+        tolerance,
+        recording,
+        measured: Vec::new(),
+    };
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
-            Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), &surface.heights),
-            Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, &surface.heights),
+            Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), heights),
+            Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
         let contact = match args.hardness {
             Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
@@ -73,7 +84,7 @@ pub(crate) fn check(
         return file.compare_statistics(comparison);
     }
     let response = NormalResponse::new(surface.grid, body);
-    let interface = Interface::on(response, &surface.heights, std::sync::Arc::clone(law)).map_err(refuse)?;
+    let interface = Interface::on(response, heights, std::sync::Arc::clone(law)).map_err(refuse)?;
     for (index, load) in controls.iter().enumerate().take(count) {
         let gap = file.field("gap", index)?;
         if solved(&gap) {
@@ -88,6 +99,8 @@ pub(crate) fn check(
 struct Checked<'a> {
     reader: &'a Reader,
     surface: &'a Surface,
+    /// What a base that moves adds to the displacement.
+    lift: Option<&'a Array2<f64>>,
     scales: Scales,
     tolerance: f64,
     recording: Recording,
@@ -111,9 +124,13 @@ impl Checked<'_> {
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
         let Self { reader, surface, ref scales, tolerance, recording, .. } = *self;
+        let displacement = match self.lift {
+            Some(lift) => (&state.displacement_z() + lift).into_iter().collect(),
+            None => state.displacement_z().iter().copied().collect(),
+        };
         let fields = [
             ("/fields/pressure", state.pressure().iter().copied().collect::<Vec<f64>>()),
-            ("/fields/displacement_z", state.displacement_z().iter().copied().collect()),
+            ("/fields/displacement_z", displacement),
             ("/fields/gap", state.gap().iter().copied().collect()),
         ];
         let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));

@@ -8,10 +8,11 @@ use std::str::FromStr;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
-use ndarray::{CowArray, Ix2};
+use ndarray::{Array2, CowArray, Ix2};
 use serde::{Serialize, Serializer};
 
 use super::statistics::{self, Measured};
+use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
@@ -74,8 +75,16 @@ impl Chosen {
 
     /// The chosen fields of a state, in the order of the file: pressure, displacement and gap, with a hardness also plastic
     /// depth.
-    pub(super) fn fields<'s>(&self, state: &'s impl Recorded) -> Vec<CowArray<'s, f64, Ix2>> {
-        let mut fields = vec![state.pressure(), state.displacement_z().into(), state.gap().into()];
+    pub(super) fn fields<'s>(
+        &self,
+        state: &'s impl Recorded,
+        lift: Option<&Array2<f64>>,
+    ) -> Vec<CowArray<'s, f64, Ix2>> {
+        let displacement = match lift {
+            Some(lift) => (&state.displacement_z() + lift).into(),
+            None => state.displacement_z().into(),
+        };
+        let mut fields = vec![state.pressure(), displacement, state.gap().into()];
         fields.extend(state.plastic().map(|plastic| plastic.depth.view().into()));
         self.of(fields).collect()
     }
@@ -135,12 +144,21 @@ impl<'a> ContactFile<'a> {
         Ok(Self { archive, recording, chosen })
     }
 
-    /// Writes the fields of one state.
+    /// Writes the group `/base`.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&mut self, index: usize, state: &impl Recorded) -> Result<(), Failure> {
-        self.write_fields(index, self.chosen.fields(state))
+    pub(super) fn write_base(&mut self, base: &MovedBase, surface: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&surface.grid, surface.unit());
+        base.write(&mut self.archive, [&x, &y], surface.unit())
+    }
+
+    /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&mut self, index: usize, state: &impl Recorded, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
+        self.write_fields(index, self.chosen.fields(state, lift))
     }
 
     /// As [`write`](Self::write), from the values of the fields row by row.
