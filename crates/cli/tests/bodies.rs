@@ -218,7 +218,7 @@ fn a_base_that_moves_is_kept_and_met_inside() {
     let checked = run(folder, "check c.h5 --rerun --json");
     assert_eq!(checked["differing"], 0, "{checked:#}");
     // The base has its displacement, and the surface the pressure of the contact.
-    run(folder, "body --surface c.h5 --depth 0,0.3 --out b.h5 --json");
+    run(folder, "body --surface c.h5 --depths 0,0.3 --out b.h5 --json");
     let inside = Reader::open(folder.join("b.h5")).unwrap();
     let displacement: Vec<f64> = inside.values("/fields/displacement").unwrap();
     let below = &displacement[3 * 27 * 27..];
