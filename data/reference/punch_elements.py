@@ -134,7 +134,7 @@ def main():
         print(layers, pressure, error)
         if layers != N:
             continue
-        np.save(os.path.join(folder, "u_n128.npy"), u.astype("f4"))
+        np.save(os.path.join(folder, "u_n128.npy"), u)
         for name, section in zip("yx", sections(u, down, layers)):
             np.save(os.path.join(folder, f"section_{name}.npy"), section[::2, ::2].astype("f4"))
     content = {

@@ -12,7 +12,7 @@ use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use super::{Plane, evenly_spaced};
 use crate::failure::Failure;
-use crate::figures::{Drawn, field, named};
+use crate::figures::{Drawn, about_zero, field, named};
 
 /// The values on one section, filled level by level.
 pub(super) struct Pictures {
@@ -78,7 +78,7 @@ impl Pictures {
             let labels = ["reference", "less the reference"].map(|what| format!("{}, {what}", component.label));
             let theirs = self.drawn(&compared.reference, compared.shape, &labels[0], range, place);
             let less = &compared.difference;
-            let difference = self.drawn(less, compared.common, &labels[1], central(less), place);
+            let difference = self.drawn(less, compared.common, &labels[1], about_zero(less), place);
             files.extend(match (ours, theirs, difference) {
                 (Drawn::Map(ours), Drawn::Map(theirs), Drawn::Map(difference)) => {
                     Maps(vec![ours, theirs, difference]).save(&stem)?.to_vec()

@@ -11,7 +11,7 @@ use ndarray::{ArrayView3, Axis as Along};
 use super::Report;
 use super::comparison::Reference;
 use crate::failure::Failure;
-use crate::figures::{draw_pressure, named};
+use crate::figures::{about_zero, draw_pressure, named};
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
 /// displacement of the reference, if there is one; the maps then have it and the difference beside ours. A strip has only the cut.
@@ -51,7 +51,7 @@ pub(super) fn draw(
             let maps = vec![
                 Map { range, ..map },
                 Map { range, ..Map::new(&theirs, points, size, &labels[0]) },
-                Map::new(&less, common, size, &labels[1]),
+                Map { range: about_zero(&less), ..Map::new(&less, common, size, &labels[1]) },
             ];
             files.extend(Maps(maps).save(&stem)?);
         }
