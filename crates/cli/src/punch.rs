@@ -430,7 +430,7 @@ impl Prepared {
             others: args.others.clone(),
             contact: args.contact,
             nodes: args.nodes,
-            punch_width: self.mask.is_none().then(|| args.punch_fraction * args.length),
+            punch_width: self.mask.is_none().then_some(args.punch_fraction * args.length),
             effective_width: self.mask.is_none().then(|| self.punch.effective_width(grid)),
             mask: args.mask.clone(),
             prescribed_traction: args.traction.clone(),

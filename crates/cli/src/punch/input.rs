@@ -56,11 +56,7 @@ pub(super) fn traction(name: &str, grid: &Grid) -> Result<Array3<f64>, Failure> 
     let found = read("--traction", name)?;
     let [nx, ny] = grid.points();
     let components = Components::of(grid).len();
-    let fits = match found.shape() {
-        &[n, c] => ny == 1 && [n, c] == [nx, components],
-        &[n, m, c] => [n, m, c] == [nx, ny, components],
-        _ => false,
-    };
+    let fits = found.shape() == [nx, ny, components] || (ny == 1 && found.shape() == [nx, components]);
     if !fits {
         let allowed = if ny == 1 { format!("[{nx}, 2]") } else { format!("[{nx}, {ny}, 3]") };
         let found = found.shape();
