@@ -11,6 +11,7 @@ mod bounded;
 mod check;
 mod damping;
 mod exact;
+mod friction;
 mod inside;
 mod kernels;
 mod laws;
@@ -31,7 +32,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 10] = [
+pub const TOPICS: [Topic; 11] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -42,6 +43,7 @@ pub const TOPICS: [Topic; 10] = [
     Topic { name: "bounded", title: "Free boundaries and hardness", checks: bounded::checks },
     Topic { name: "layered", title: "Layers, bases and pairs of bodies", checks: layered::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
+    Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },
 ];
 
 /// Every method that can be asked for by name.

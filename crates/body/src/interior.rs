@@ -1,7 +1,7 @@
 use std::fmt;
 
 use gfmd_field::{Grid, Mode, ShapeError, Transform};
-use gfmd_green::{Body, Complex64, GreenError, Height, Section};
+use gfmd_green::{Base, Body, Complex64, GreenError, Height, Section};
 use gfmd_response::Components;
 use rayon::prelude::*;
 
@@ -14,6 +14,8 @@ pub struct Interior {
     components: Components,
     /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
     surface: [Vec<Complex64>; 3],
+    /// The same of the base, if it moves.
+    base: Option<[Vec<Complex64>; 3]>,
 }
 
 /// The working memory of one caller, made by [`Interior::workspace`]: six fields, their spectra, and the workspace of a
@@ -35,8 +37,32 @@ pub enum InteriorError {
     #[error(transparent)]
     Place(#[from] GreenError),
     /// A value that is NaN or infinite.
-    #[error("the displacement is {found} at index {index}; it must be finite")]
+    #[error("the value is {found} at index {index}; it must be finite")]
     NotFinite {
+        /// The value.
+        found: f64,
+        /// Its index, the first one of several.
+        index: usize,
+    },
+    /// A field for another base.
+    #[error("the {given} of the base is given; the body must be {allowed}")]
+    Base {
+        /// What was given.
+        given: &'static str,
+        /// The bodies that have it.
+        allowed: &'static str,
+    },
+    /// A mean traction on the lower face of a plate.
+    #[error(
+        "the mean traction on the lower face is {found}; it must be zero, since the mean is borne against the load"
+    )]
+    MeanTraction {
+        /// The mean of a component.
+        found: f64,
+    },
+    /// A lateral displacement of a base without friction.
+    #[error("the lateral displacement of the sliding base is {found} at index {index}; it must be zero")]
+    Sideways {
         /// The value.
         found: f64,
         /// Its index, the first one of several.
@@ -108,17 +134,53 @@ impl Interior {
 
     fn at_rest(body: &Body, grid: Grid) -> Self {
         let surface = std::array::from_fn(|_| vec![Complex64::ZERO; grid.spectrum_len()]);
-        Self { body: body.alone(), transform: Transform::new(grid), components: Components::of(&grid), surface }
+        Self {
+            body: body.alone(),
+            transform: Transform::new(grid),
+            components: Components::of(&grid),
+            surface,
+            base: None,
+        }
+    }
+
+    /// The same with a base that moves by `displacement` (length), component after component, while the surface has the displacement given: for one slab on a
+    /// bonded base. The field is that of the slab whose base is at rest, and that of the same slab upside down, whose surface is at rest (theory.md, section 5).
+    ///
+    /// # Errors
+    /// Another body; a displacement of the wrong length or with a value that is not finite.
+    pub fn with_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
+        if *self.body.base() != Base::Bonded || self.body.height() == Height::Infinite {
+            return Err(InteriorError::Base { given: "displacement", allowed: "one slab on a bonded base" });
+        }
+        let points = self.grid().len();
+        self.check(displacement, self.components.len() * points)?;
+        let mut spectra: [Vec<Complex64>; 3] = std::array::from_fn(|_| vec![Complex64::ZERO; self.surface[0].len()]);
+        let mut ws = self.transform.workspace();
+        for (&axis, component) in self.components.axes().iter().zip(displacement.chunks_exact(points)) {
+            self.transform.forward(component, &mut spectra[axis], &mut ws)?;
+        }
+        self.base = Some(spectra);
+        Ok(self)
+    }
+
+    /// The plane upside down, and what the base adds there: zero if it is at rest.
+    fn upside_down(&self, depth: f64) -> Result<Option<Section<'_>>, InteriorError> {
+        Ok(match &self.base {
+            Some(_) => Some(self.body.at_depth(self.body.total_height() - depth)?.against_level()),
+            None => None,
+        })
+    }
+
+    /// The displacement of the base by the index of a mode, upside down.
+    fn mirrored(&self, index: usize) -> [Complex64; 3] {
+        self.base.as_ref().map_or([Complex64::ZERO; 3], |[x, y, z]| [x[index], y[index], -z[index]])
     }
 
     fn check(&self, displacement: &[f64], expected: usize) -> Result<(), InteriorError> {
         if displacement.len() != expected {
             return Err(ShapeError { what: "displacement", found: displacement.len(), expected }.into());
         }
-        match displacement.iter().position(|u| !u.is_finite()) {
-            Some(index) => Err(InteriorError::NotFinite { found: displacement[index], index }),
-            None => Ok(()),
-        }
+        check_finite(displacement)
     }
 
     /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 as `part` says, and for the uniform
@@ -179,10 +241,16 @@ impl Interior {
     pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
         self.check_workspace(ws)?;
         let section = self.body.at_depth(depth)?.against_level();
+        let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [x, y, z, ..] = &mut ws.spectra;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
-            [*x, *y, *z] = apply(&section.displacement_transfer_of(&grid.mode_at(index)), amplitude(index));
+            let mode = grid.mode_at(index);
+            [*x, *y, *z] = apply(&section.displacement_transfer_of(&mode), amplitude(index));
+            if let Some(section) = &base {
+                let [bx, by, bz] = apply(&section.displacement_transfer_of(&mode), self.mirrored(index));
+                [*x, *y, *z] = [*x + bx, *y + by, *z - bz];
+            }
         });
         self.synthesise(self.components.axes(), ws)?;
         Ok(&ws.fields[..self.components.len() * self.grid().len()])
@@ -193,7 +261,7 @@ impl Interior {
     /// # Errors
     /// As [`Self::displacement`].
     pub fn deformation<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
-        self.deformation_on(self.body.at_depth(depth)?, ws)
+        self.deformation_on(self.body.at_depth(depth)?, depth, ws)
     }
 
     /// As [`deformation`](Self::deformation), but between two layers it is that of the lower one: the stresses σ_xx, σ_yy and
@@ -202,21 +270,32 @@ impl Interior {
     /// # Errors
     /// As [`Self::displacement`].
     pub fn deformation_below<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<Deformation<'w>, InteriorError> {
-        self.deformation_on(self.body.at_depth(depth)?.from_below(), ws)
+        self.deformation_on(self.body.at_depth(depth)?.from_below(), depth, ws)
     }
 
     fn deformation_on<'w>(
         &self,
         section: Section<'_>,
+        depth: f64,
         ws: &'w mut Workspace,
     ) -> Result<Deformation<'w>, InteriorError> {
         self.check_workspace(ws)?;
         let section = section.against_level();
+        let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
         let [a, b, c, d, e, f] = &mut ws.spectra;
         (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {
-            let rows = section.continuous_transfer_of(&grid.mode_at(index));
-            [*a, *b, *c, *d, *e, *f] = apply(&rows, amplitude(index));
+            let mode = grid.mode_at(index);
+            let mut rows = apply(&section.continuous_transfer_of(&mode), amplitude(index));
+            if let Some(section) = &base {
+                let added = apply(&section.continuous_transfer_of(&mode), self.mirrored(index));
+                // The shear stresses σ_yz and σ_xz turn their signs upside down.
+                for (row, (added, sign)) in rows.iter_mut().zip(added.into_iter().zip([1.0, 1.0, 1.0, 1.0, -1.0, -1.0]))
+                {
+                    *row += sign * added;
+                }
+            }
+            [*a, *b, *c, *d, *e, *f] = rows;
         });
         let rows: &[usize] = match self.components {
             Components::Plane => &[0, 3, 5],
@@ -247,6 +326,13 @@ impl Interior {
     fn amplitude(&self) -> impl Fn(usize) -> [Complex64; 3] + Sync + '_ {
         let [x, y, z] = &self.surface;
         move |index| [x[index], y[index], z[index]]
+    }
+}
+
+pub(crate) fn check_finite(field: &[f64]) -> Result<(), InteriorError> {
+    match field.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(InteriorError::NotFinite { found: field[index], index }),
+        None => Ok(()),
     }
 }
 

@@ -36,8 +36,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod base;
 mod deformation;
 mod interior;
 
+pub use base::BaseField;
 pub use deformation::{Deformation, State};
 pub use interior::{Interior, InteriorError, Workspace};

@@ -329,7 +329,7 @@ fn what_cannot_be_is_refused_in_words() {
     );
     let mut surface = [0.0; 48];
     surface[20] = f64::NAN;
-    assert_eq!(error(Interior::new(&plain, grid, &surface)), "the displacement is NaN at index 20; it must be finite");
+    assert_eq!(error(Interior::new(&plain, grid, &surface)), "the value is NaN at index 20; it must be finite");
     surface[20] = 0.0;
     surface[32..].fill(-0.25);
     let volume = "the mean of u_z is -0.25; it must be zero on incompressible layers";

@@ -1,0 +1,124 @@
+use gfmd_field::{Grid, ShapeError, Transform};
+use gfmd_green::{Base, Body, Complex64, Matrix3};
+use gfmd_response::Components;
+
+use crate::InteriorError;
+use crate::interior::check_finite;
+
+/// What is prescribed on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on a line, component after component.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BaseField {
+    /// Displacement (length) of a bonded base; of a sliding base u_z, with lateral components that are zero.
+    Displacement(Vec<f64>),
+    /// Traction (stress) that acts on the lower face of a plate, of mean zero: the mean is borne against the load (theory.md, section 4.2).
+    Traction(Vec<f64>),
+}
+
+/// Which field a base can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Held {
+    Bonded,
+    Sliding,
+    Free,
+}
+
+impl BaseField {
+    /// The displacement (length) that it gives to the surface of `body` while that is free of traction, component after component. The displacement under a
+    /// load is the sum of this one and of that with the base at rest.
+    ///
+    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz at the base of rest per traction on the surface, and w = (T G)† t_b with T G the
+    /// displacement of the lower face (theory.md, section 4.2). Of a [pair](Body::against) of bodies it is the base of the first.
+    ///
+    /// # Errors
+    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral displacement of a sliding base.
+    pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
+        let body = body.alone();
+        let (field, held) = self.check(&body, &grid)?;
+        let (components, points) = (Components::of(&grid), grid.len());
+        let transform = Transform::new(grid);
+        let mut memory = transform.workspace();
+        let mut spectra = [const { Vec::new() }; 3];
+        for (&axis, component) in components.axes().iter().zip(field.chunks_exact(points)) {
+            spectra[axis] = vec![Complex64::ZERO; grid.spectrum_len()];
+            transform.forward(component, &mut spectra[axis], &mut memory)?;
+        }
+        let base = body.at_depth(body.total_height())?;
+        for index in 0..grid.spectrum_len() {
+            let mode = grid.mode_at(index);
+            let at = |axis: usize| spectra[axis].get(index).copied().unwrap_or_default();
+            let given = [at(0), at(1), at(2)];
+            let found = if mode.is_uniform() {
+                // A base that moves as a whole takes the body with it.
+                if held == Held::Free { [Complex64::ZERO; 3] } else { given }
+            } else {
+                let rows = base.continuous_transfer_of(&mode);
+                let below: Matrix3 = match held {
+                    Held::Bonded => [rows[5], rows[4], rows[3]],
+                    Held::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
+                    Held::Free => base.displacement_transfer_of(&mode),
+                };
+                reversed(&below, &body.compliance_of(&mode), given)
+            };
+            for &axis in components.axes() {
+                spectra[axis][index] = found[axis];
+            }
+        }
+        let mut lifted = vec![0.0; field.len()];
+        for (&axis, component) in components.axes().iter().zip(lifted.chunks_exact_mut(points)) {
+            transform.inverse(&spectra[axis], component, &mut memory)?;
+        }
+        Ok(lifted)
+    }
+
+    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Held), InteriorError> {
+        let mut lowest = body;
+        while let Base::Elastic(below) = lowest.base() {
+            lowest = below;
+        }
+        let on = match lowest.base() {
+            _ if body.total_height() == f64::INFINITY => None,
+            Base::Bonded => Some(Held::Bonded),
+            Base::Sliding => Some(Held::Sliding),
+            _ => Some(Held::Free),
+        };
+        let (field, held) = match (self, on) {
+            (Self::Displacement(field), Some(held @ (Held::Bonded | Held::Sliding))) => (field, held),
+            (Self::Displacement(_), _) => {
+                return Err(InteriorError::Base {
+                    given: "displacement",
+                    allowed: "layers on a bonded or sliding base",
+                });
+            }
+            (Self::Traction(field), Some(Held::Free)) => (field, Held::Free),
+            (Self::Traction(_), _) => {
+                return Err(InteriorError::Base { given: "traction", allowed: "a plate, whose base is free" });
+            }
+        };
+        let (points, expected) = (grid.len(), Components::of(grid).len() * grid.len());
+        if field.len() != expected {
+            return Err(ShapeError { what: "field of the base", found: field.len(), expected }.into());
+        }
+        check_finite(field)?;
+        let largest = field.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        if held == Held::Free {
+            for component in field.chunks_exact(points) {
+                let mean = component.iter().sum::<f64>() / points as f64;
+                if mean.abs() > 1e-12 * largest {
+                    return Err(InteriorError::MeanTraction { found: mean });
+                }
+            }
+        }
+        if held == Held::Sliding
+            && let Some(index) = field[..expected - points].iter().position(|value| *value != 0.0)
+        {
+            return Err(InteriorError::Sideways { found: field[index], index });
+        }
+        Ok((field, held))
+    }
+}
+
+/// (A G)† v.
+fn reversed(a: &Matrix3, g: &Matrix3, v: [Complex64; 3]) -> [Complex64; 3] {
+    let inner: [Complex64; 3] = std::array::from_fn(|k| (0..3).map(|row| a[row][k].conj() * v[row]).sum());
+    std::array::from_fn(|k| (0..3).map(|row| g[row][k].conj() * inner[row]).sum())
+}

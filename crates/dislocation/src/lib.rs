@@ -1,0 +1,41 @@
+//! Green's function dislocation dynamics in plane strain: edge dislocations glide on one slip system below a rigid flat punch without friction, so that
+//! plasticity comes from dislocations and contact from the elastic response of the surface (Venugopalan, Müser and Nicola 2017; discrete dislocation
+//! plasticity: van der Giessen and Needleman 1995).
+//!
+//! The dislocations have their fields in an unbounded body, in closed form for periodic rows. What these violate at the surface and at the base is made good by
+//! a smooth image field, and that is a problem of the surface alone, solved by the operators of the other crates: `gfmd-mixed` with the
+//! compliance of the body ([`Domain::state`]). Forces are those of Peach and Koehler, sources send out pairs, obstacles hold
+//! dislocations, opposite ones annihilate, and those that reach the surface leave a step ([`Crystal`]).
+//!
+//! - [`Edge`], [`Stress`]: dislocations with any Burgers vector, and stresses.
+//! - [`Domain`], [`State`]: body, punch, and their equilibrium with given dislocations: pressure, stresses, forces, energy.
+//! - [`Crystal`]: dynamics on a [`SlipSystem`], with a [`Balance`] of energy.
+//!
+//! The image is made of the waves of the grid: closer to the surface than about two spacings the image force is too weak. Small strains; the body is a half-space
+//! or one slab on a bonded base; the mean strain along x is zero far below. The punch does not let go where it pulls. Equations: theory.md, section 15.
+//!
+//! The force on one dislocation below a free surface is that of its image (Head 1953):
+//!
+//! ```
+//! use gfmd_dislocation::{Domain, Edge};
+//! use gfmd_field::Grid;
+//! use gfmd_green::{Body, Material};
+//!
+//! let material = Material::from_young(70.0, 0.33)?;
+//! let domain = Domain::new(&Body::half_space(material), &Grid::line(2001, 200.0)?, &[false; 2001])?;
+//! let (b, depth) = (2.5e-4, 1.0);
+//! let state = domain.state(&[Edge { place: [100.0, -depth], burgers: [0.0, b] }], &[], 0.0, 0.0)?;
+//! let image = material.shear_modulus() * b * b / (4.0 * std::f64::consts::PI * (1.0 - 0.33) * depth);
+//! assert!((state.force(0)?[1] - image).abs() < 1e-3 * image);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod array;
+mod crystal;
+mod domain;
+mod error;
+
+pub use array::{Edge, Stress};
+pub use crystal::{Balance, Crystal, Dislocation, Events, Obstacle, SlipSystem, Source};
+pub use domain::{Domain, State, Step};
+pub use error::DislocationError;
