@@ -150,18 +150,16 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
 pub(super) fn write(archive: &mut Archive, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
     let axis = Dimension::index("axis", 2, "axis of the flow: x, y");
     let side = Dimension::index("side", 2, "highest load at which the gap is open, lowest at which it is closed");
-    let columns: [(_, _, _, fn(&Threshold) -> [f64; 2]); 6] = [
-        ("mean_pressure", "stress", "mean pressure", |found| found.mean_pressure),
-        ("p_star", "1", "reduced pressure", |found| found.p_star),
-        ("displacement", unit, "approach", |found| found.displacement),
-        ("area_fraction", "1", "contact area fraction", |found| found.area_fraction),
-        ("area_fraction_corrected", "1", "contact area fraction, corrected", |found| found.area_fraction_corrected),
-        ("mean_gap", unit, "mean gap", |found| found.mean_gap),
-    ];
-    for (name, units, long_name, of) in columns {
+    let mut column = |name: &str, units: &str, long_name: &str, of: fn(&Threshold) -> [f64; 2]| {
         let values: Vec<f64> = found.iter().flat_map(|found| found.as_ref().map_or([f64::NAN; 2], of)).collect();
         let variable = Variable { dimensions: &[&axis, &side], units, long_name };
-        archive.write(&format!("/flow_threshold/{name}"), &variable, &values)?;
-    }
+        archive.write(&format!("/flow_threshold/{name}"), &variable, &values)
+    };
+    column("mean_pressure", "stress", "mean pressure", |found| found.mean_pressure)?;
+    column("p_star", "1", "reduced pressure", |found| found.p_star)?;
+    column("displacement", unit, "approach", |found| found.displacement)?;
+    column("area_fraction", "1", "contact area fraction", |found| found.area_fraction)?;
+    column("area_fraction_corrected", "1", "contact area fraction, corrected", |found| found.area_fraction_corrected)?;
+    column("mean_gap", unit, "mean gap", |found| found.mean_gap)?;
     Ok(())
 }
