@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 use gfmd_cli::program::{conclude, print, start};
-use gfmd_xtask::{bench_peers, results, verify};
+use gfmd_xtask::{bench_peers, reproduce, results, verify};
 
 #[derive(Subcommand)]
 enum Command {
@@ -12,6 +12,8 @@ enum Command {
     Gfmd(gfmd_cli::program::Command),
     /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),
+    /// Compute and draw the figures of the source, chapters 2 to 4, and write docs/source/README.md
+    Reproduce(Box<reproduce::Args>),
     /// Draw the figures and write the tables of docs/results.md from data/results
     Results(Box<results::Args>),
     /// Compare results of the program with references, closed forms and identities
@@ -22,6 +24,7 @@ fn main() -> ExitCode {
     start("cargo xtask", |command: &Command, session| match command {
         Command::Gfmd(command) => command.run(session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
+        Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),
         Command::Results(args) => print(&results::run(args)?, session),
         Command::Verify(args) => conclude(verify::run(args, session)?, session),
     })

@@ -1,17 +1,21 @@
 //! `body`: displacement, strain and stress below a surface, plane by plane from the displacement of the surface.
 
 mod check;
+mod comparison;
+mod component;
 mod input;
 mod pictures;
 mod quantity;
 mod rows;
 mod volume;
+mod wave;
 
 use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_body::Interior;
+use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
 use serde::Serialize;
@@ -25,13 +29,16 @@ use crate::session::{Session, list_files};
 use crate::source::origin;
 
 pub(crate) use check::again;
+pub use comparison::{Comparison, Difference};
+pub use component::Component;
 pub use quantity::Quantity;
 pub use rows::Slice;
+pub use wave::Wave;
 
 pub use pictures::draw_middle;
 
 use input::{Kind, Surface};
-use pictures::Pictures;
+use pictures::{Pictures, Place};
 use quantity::{Family, Fields};
 use rows::Rows;
 use volume::{Planes, Volume};
@@ -41,12 +48,22 @@ use volume::{Planes, Volume};
 #[command(after_help = "Examples:
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
   gfmd body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
-  gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json")]
+  gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json
+  gfmd body --wave 1,1,z,0.005 --wave 1,-1,z,0.005 --young 1 --poisson 0.33 --height 1 --levels 65 --slice x=0 \
+--draw uy,uz,eyz --plots wave
+  gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --compare elements.npy --plots both")]
 pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
     /// of this shape; to /fields/displacement_z of a contact, the lateral displacement without friction is added
-    #[arg(long, value_name = "FILE")]
-    surface: String,
+    #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
+    surface: Option<String>,
+    /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves that are
+    /// given add up, other components are zero
+    #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
+    wave: Vec<Wave>,
+    /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
+    #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave")]
+    n: Vec<usize>,
     /// Number of the load in the file of a contact, from 0; default: the last one
     #[arg(long, value_name = "K")]
     load: Option<usize>,
@@ -60,8 +77,9 @@ pub struct Args {
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
     deepest: Option<f64>,
-    /// Compute only the row of points nearest to this position, an x-z or y-z slice
-    #[arg(long, value_name = "y=Y|x=X")]
+    /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane at this
+    /// height above the base (of a half-space: above its surface)
+    #[arg(long, value_name = "x=X|y=Y|z=Z")]
     slice: Option<Slice>,
     /// Quantities to compute
     #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL)]
@@ -69,14 +87,22 @@ pub struct Args {
     /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
     #[arg(long, value_name = "FILE.h5|FILE.vti")]
     out: Option<PathBuf>,
-    /// Draw displacement and stress on the slice, or on the middle row without --slice: PREFIX-*.svg, .png (with --levels)
+    /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component] from the
+    /// surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of both
+    #[arg(long, value_name = "FILE")]
+    compare: Option<String>,
+    /// Draw maps of the slice, or of the middle row without --slice: PREFIX-*.svg, .png (with --levels or --slice z=Z);
+    /// with --compare also of the reference and of the difference
     #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
     plots: Option<PathBuf>,
+    /// Components to draw and to compare; default: those of --quantities in the plane of the slice
+    #[arg(long, value_delimiter = ',', value_name = "C1,C2,..", value_parser = Component::parser())]
+    draw: Vec<Component>,
 }
 
-/// The flags of the depths, of which exactly one is given.
+/// The flags of the depths, of which one is given, unless the slice is a plane.
 #[derive(ClapArgs, Clone, Debug)]
-#[group(required = true, multiple = false)]
+#[group(multiple = false)]
 struct PlaceArgs {
     /// Depths below the surface
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
@@ -89,7 +115,12 @@ struct PlaceArgs {
 /// The configuration with every default filled in, for the record of a run.
 #[derive(Serialize)]
 struct Config<'a> {
-    surface: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    surface: Option<&'a str>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    wave: &'a [Wave],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n: Option<[usize; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     scan: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,6 +145,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slice: Option<Slice>,
     pub levels: Vec<Level>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
@@ -157,7 +190,13 @@ pub(crate) struct Plane {
 /// # Errors
 /// Unusable input; a file that could not be written; an interruption.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let surface = Surface::read(&args.surface, args.load, &args.length)?;
+    let (surface, name) = match &args.surface {
+        Some(file) => (Surface::read(file, args.load, &args.length)?, file.as_str()),
+        None => (Surface::of_waves(&args.wave, &args.n, &args.length)?, "--wave"),
+    };
+    if let (None, Some(load)) = (&args.surface, args.load) {
+        return Err(Failure::value("--load", load, "left out with --wave"));
+    }
     let elastic = args.body.over(&surface.record)?;
     let body = elastic.body()?;
     let depths = depths(args, &body)?;
@@ -172,21 +211,23 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
-    Held::BODY.check(&args.surface, surface.grid.points())?;
+    Held::BODY.check(name, surface.grid.points())?;
     let interior = match surface.kind {
         Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement),
         Kind::Full => Interior::new(&body, surface.grid, &surface.displacement),
     };
-    let interior = interior.map_err(|error| Failure::input(&args.surface, error))?;
+    let interior = interior.map_err(|error| Failure::input(name, error))?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {
-        surface: &args.surface,
+        surface: args.surface.as_deref(),
+        wave: &args.wave,
+        n: args.surface.is_none().then(|| surface.grid.points()),
         scan: surface.scan.as_deref(),
         load: surface.load,
         length: surface.grid.lengths(),
         body: &elastic,
         depths: &unique(&planes_below),
-        slice: rows.slice.map(|slice| slice.to_string()),
+        slice: rows.selected().map(|slice| slice.to_string()),
         quantities: &quantities,
     });
     let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
@@ -198,16 +239,20 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         height: Some(body.total_height()).filter(|height| height.is_finite()),
         unit: &surface.unit,
     };
-    let origin = origin(&args.surface)?;
-    let volume = output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, &origin));
+    let origin = args.surface.as_deref().map(origin).transpose()?;
+    let volume =
+        output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, origin.as_ref()));
     let mut volume = volume.transpose()?;
-    let drawn = if rows.axes.len() == 1 { rows.clone() } else { Rows::middle(&surface.grid) };
-    if args.plots.is_some() {
-        // Ten maps of one row each, and their copies while they are drawn.
-        let values = (depths.len() as u64).saturating_mul(drawn.points.len() as u64);
-        memory::check_count("--levels", "values of a figure", values, 8 * 10 * 2)?;
+    let is_row = rows.axes.len() == 1 || rows.is_level();
+    let section = if is_row { rows.clone() } else { Rows::middle(&surface.grid) };
+    let components = args.components(&quantities, &section, &surface.grid)?;
+    let is_drawn = args.plots.is_some() || args.compare.is_some();
+    if is_drawn {
+        // The maps, and their copies while they are drawn.
+        let values = (depths.len() as u64).saturating_mul(section.points.len() as u64);
+        memory::check_count("--levels", "values of a figure", values, 8 * components.len() as u64 * 2)?;
     }
-    let mut pictures = args.plots.as_ref().map(|_| Pictures::new(&quantities, drawn, depths.len()));
+    let mut pictures = is_drawn.then(|| Pictures::new(&components, section, depths.len()));
 
     let progress = Progress::new(&session.common, "depths", planes_below.len() as f64);
     let mut ws = interior.workspace();
@@ -224,13 +269,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let mut level = Level::at(plane);
         for family in [Family::Displacement, Family::Deformation] {
             let wanted = quantities.iter().enumerate().filter(|(_, quantity)| quantity.family() == family);
-            if wanted.clone().next().is_none() {
+            let is_drawn = row.is_some() && pictures.as_ref().is_some_and(|pictures| pictures.wants(family));
+            if wanted.clone().next().is_none() && !is_drawn {
                 continue;
             }
             let fields = Fields::at(&interior, family, plane, &mut ws);
             let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
             level.note(&fields);
-            level.check(family, &args.surface)?;
+            level.check(family, name)?;
             for (index, _) in wanted {
                 if let Some(volume) = &mut volume {
                     volume.write(index, number, &fields)?;
@@ -244,15 +290,37 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         progress.advance(1.0, &format!("depth {depth:.3e}"));
     }
     progress.finish();
+    let compared = match (&pictures, &args.compare) {
+        (Some(pictures), Some(file)) => Some(comparison::compare(file, pictures, &surface.grid, &depths)?),
+        _ => None,
+    };
+    let (comparison, compared) = compared.unzip();
     let out = volume.map(Volume::finish).transpose()?;
     let plots = match (&pictures, &args.plots) {
         (Some(pictures), Some(prefix)) => {
-            pictures.draw(prefix, &surface.grid, depths[depths.len() - 1], &surface.unit)?
+            let place = Place { grid: &surface.grid, deepest: depths[depths.len() - 1], unit: &surface.unit };
+            pictures.draw(prefix, &place, &compared.unwrap_or_default())?
         }
         _ => Vec::new(),
     };
     let (n, length) = (surface.grid.points(), surface.grid.lengths());
-    Ok(Report { n, length, surface: surface.description, slice: rows.slice, levels, out, plots })
+    Ok(Report { n, length, surface: surface.description, slice: rows.slice, levels, comparison, out, plots })
+}
+
+impl Args {
+    /// The components that are drawn and compared on a section.
+    fn components(&self, quantities: &[Quantity], section: &Rows, grid: &Grid) -> Result<Vec<Component>, Failure> {
+        let absent = |component: &Component| grid.is_line() && component.is_out_of_plane();
+        if self.draw.is_empty() {
+            let mut components = Component::in_plane(quantities, section.slice);
+            components.retain(|component| !absent(component));
+            return Ok(components);
+        }
+        match self.draw.iter().find(|component| absent(component)) {
+            Some(component) => Err(Failure::value("--draw", component.name, "a component in the plane of a line")),
+            None => Ok(self.draw.clone()),
+        }
+    }
 }
 
 /// The planes at `depths`. One between two layers is taken twice, on either side; with even `levels` those that lie between
@@ -286,6 +354,17 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
         Ok(_) => Ok(snapped(depth)),
         Err(error) => Err(Failure::input(flag, error)),
     };
+    let is_given = args.place.levels.is_some() || !args.place.depths.is_empty();
+    if let Some(height) = args.slice.and_then(Slice::height) {
+        if is_given {
+            return Err(Failure::input("--slice", "a plane z=Z takes the place of --depths and --levels"));
+        }
+        let top = Some(body.total_height()).filter(|height| height.is_finite()).unwrap_or(0.0);
+        return Ok(vec![inside("--slice", top - height)?]);
+    }
+    if !is_given {
+        return Err(Failure::Input("--depths or --levels is missing; one of them is needed, or --slice z=Z".into()));
+    }
     let Some(levels) = args.place.levels else {
         return args.place.depths.iter().map(|&depth| inside("--depths", depth)).collect();
     };
@@ -365,6 +444,16 @@ impl fmt::Display for Report {
                 None => {}
             }
             writeln!(f)?;
+        }
+        if let Some(Comparison { reference, compared_points: [a, b], components }) = &self.comparison {
+            writeln!(f, "\nagainst {reference} on {a} x {b} points of the section:")?;
+            writeln!(f, "{:>8} {:>15} {:>18} {:>17}", "", "rms difference", "largest difference", "largest reference")?;
+            for Difference { name, rms_difference, largest_difference, largest_reference } in components {
+                writeln!(
+                    f,
+                    "{name:>8} {rms_difference:>15.6e} {largest_difference:>18.6e} {largest_reference:>17.6e}"
+                )?;
+            }
         }
         list_files(f, self.out.as_deref(), &self.plots)
     }

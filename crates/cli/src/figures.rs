@@ -47,6 +47,16 @@ pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     [Series::line("Persson", 5, persson), Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) }]
 }
 
+/// A range of colours for a difference: about zero, without the largest two hundredths of the values in magnitude if they are much
+/// larger than the others, as beside singular edges; `None` if nothing differs.
+pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
+    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let (most, largest) = (*sizes.get(sizes.len().saturating_sub(1) * 98 / 100)?, *sizes.last()?);
+    let end = if most > 0.0 && largest > 1.5 * most { most } else { largest };
+    (end > 0.0).then_some([-end, end])
+}
+
 /// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 

@@ -45,4 +45,5 @@ pub mod solver;
 pub mod source;
 pub mod surface;
 pub mod theory;
+pub mod trace;
 mod values;

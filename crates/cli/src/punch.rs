@@ -8,8 +8,8 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
-use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
-use gfmd_relax::Budget;
+use gfmd_mixed::{Edge, Factors, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
+use gfmd_relax::{Budget, Watch};
 use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::Serialize;
@@ -21,10 +21,12 @@ use crate::figures::parse_prefix;
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::trace::{TraceArgs, Tracer};
 
 mod check;
 mod comparison;
 mod figures;
+mod input;
 mod refinement;
 mod report;
 
@@ -48,7 +50,8 @@ Examples:
   gfmd punch --nodes inclusive --out punch.h5 --plots punch
   gfmd punch --nodes inclusive --compare continuum_u_n128.npy
   gfmd punch --dim 2 --n 256 --nodes inclusive --refine 4
-  gfmd punch --height inf --contact frictionless --poisson 0.5 --punch-fraction 0.5 --json"
+  gfmd punch --height inf --contact frictionless --poisson 0.5 --punch-fraction 0.5 --json
+  gfmd punch --mask ring.npy --shift 0.001,0 --out ring.h5"
 )]
 pub struct Args {
     /// Side of the square cell, length
@@ -70,9 +73,10 @@ pub struct Args {
     /// 3: a square punch; 2: a strip, in plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
     dim: u8,
-    /// Points along each axis
-    #[arg(long, default_value_t = 128, value_name = "N")]
-    n: usize,
+    /// Points along each axis; default: those of --mask, or 128
+    #[arg(long, value_name = "N")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n: Option<usize>,
     /// Width of the punch over that of the cell
     #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true)]
     punch_fraction: f64,
@@ -85,9 +89,35 @@ pub struct Args {
     /// Points on the edge of the punch, excluded or included
     #[arg(long, value_enum, default_value_t = Nodes::Strict)]
     nodes: Nodes,
+    /// Points under a punch of any shape, in place of --punch-fraction: .npy of shape [N, N] ([N] with --dim 2), or
+    /// FILE.h5:/dataset; those other than 0 are under it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mask: Option<String>,
+    /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim 2), or
+    /// FILE.h5:/dataset
+    #[arg(long, value_name = "FILE", conflicts_with = "refine")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    traction: Option<String>,
+    /// Lateral displacement of a sticking punch, length
+    #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    shift: Vec<f64>,
     /// The method (docs/solvers.md)
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
     solver: SolverName,
+    /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dt: Option<f64>,
+    /// Damping of verlet-critical over the critical one of the softest mode (default: 1); or, with three numbers, that of each
+    /// component over the critical one of its own uniform mode
+    #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    damping: Vec<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    trace: TraceArgs,
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     tol: f64,
@@ -144,19 +174,10 @@ pub enum SolverName {
     Verlet,
     /// Position Verlet with the softest mode critically damped
     VerletCritical,
+    /// Position Verlet with every mode critically damped, on slabs that are compressible
+    VerletModes,
     /// Fast inertial relaxation engine
     Fire,
-}
-
-impl From<SolverName> for Method {
-    fn from(name: SolverName) -> Self {
-        match name {
-            SolverName::Auto | SolverName::Cg => Self::ConjugateGradients,
-            SolverName::Verlet => Self::Verlet,
-            SolverName::VerletCritical => Self::VerletCritical,
-            SolverName::Fire => Self::Fire,
-        }
-    }
 }
 
 fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer: S) -> Result<S::Ok, S::Error> {
@@ -167,6 +188,34 @@ fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer:
 }
 
 impl Args {
+    /// The method, with its time step and damping.
+    fn method(&self) -> Result<Method, Failure> {
+        let dynamics = matches!(self.solver, SolverName::VerletCritical | SolverName::VerletModes);
+        if let (Some(dt), false) = (self.dt, dynamics) {
+            return Err(Failure::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
+        }
+        if let (Some(factor), false) = (self.damping.first(), self.solver == SolverName::VerletCritical) {
+            return Err(Failure::value("--damping", factor, "left out without --solver verlet-critical"));
+        }
+        Ok(match self.solver {
+            SolverName::Auto | SolverName::Cg => Method::ConjugateGradients,
+            SolverName::Verlet => Method::Verlet,
+            SolverName::VerletModes => Method::VerletModes { time_step: self.dt },
+            SolverName::Fire => Method::Fire,
+            SolverName::VerletCritical => Method::Damped {
+                time_step: self.dt.unwrap_or(Method::TIME_STEP),
+                damping: match self.damping[..] {
+                    [] => Factors::Softest(1.0),
+                    [factor] => Factors::Softest(factor),
+                    [x, y, z] => Factors::Components([x, y, z]),
+                    _ => {
+                        return Err(Failure::value("--damping", format!("{:?}", self.damping), "one number, or three"));
+                    }
+                },
+            },
+        })
+    }
+
     fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
@@ -188,6 +237,10 @@ struct Prepared {
     body: Body,
     height: Height,
     punch: FlatPunch,
+    /// The points under the punch, if they are given.
+    mask: Option<Array2<bool>>,
+    /// The traction where the punch does not hold, `[component, x, y]`.
+    traction: Option<Array3<f64>>,
     grids: Vec<Grid>,
     reference: Option<Reference>,
     output: Option<Output>,
@@ -196,6 +249,7 @@ struct Prepared {
 impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.method()?;
         if !(args.depth.is_finite() && args.depth > 0.0) {
             return Err(Failure::value("--depth", args.depth, "positive and finite"));
         }
@@ -204,13 +258,14 @@ impl Prepared {
                 check_size(flag, size)?;
             }
         }
-        let finest = args.n.saturating_mul(1 << (args.refine - 1));
-        for (flag, n) in [("--n", args.n), ("--refine", finest)] {
+        let mask = args.mask.as_ref().map(|name| input::mask(name, args.dim)).transpose()?;
+        let n = input::points(args.n, mask.as_ref())?;
+        let finest = n.saturating_mul(1 << (args.refine - 1));
+        for (flag, n) in [("--n", n), ("--refine", finest)] {
             Held::PUNCH.check(flag, [n, if args.dim == 2 { 1 } else { n }])?;
         }
-        let grids = (0..args.refine)
-            .map(|level| grid(args, args.n.saturating_mul(1 << level)))
-            .collect::<Result<Vec<_>, _>>()?;
+        let grids =
+            (0..args.refine).map(|level| grid(args, n.saturating_mul(1 << level))).collect::<Result<Vec<_>, _>>()?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
         let Args { young, poisson, others, .. } = args.clone();
         let body = BodyArgs { young, poisson, e_star: None, height, others }.body()?;
@@ -221,17 +276,18 @@ impl Prepared {
         };
         let punch =
             FlatPunch::new(args.punch_fraction, edge).map_err(|error| Failure::input("--punch-fraction", error))?;
-        if punch.points_across(&grids[0]) == 0 {
-            let reason =
-                format!("no point of {} across lies under a punch of {} of the cell", args.n, args.punch_fraction);
+        if mask.is_none() && punch.points_across(&grids[0]) == 0 {
+            let reason = format!("no point of {n} across lies under a punch of {} of the cell", args.punch_fraction);
             return Err(Failure::input("--punch-fraction", reason + "; more points or a wider punch are needed"));
         }
         let components = Components::of(&grids[0]).len();
+        let traction = args.traction.as_ref().map(|name| input::traction(name, &grids[0])).transpose()?;
+        input::check_shift(args)?;
         let reference = args.compare.as_ref().map(|name| Reference::read(name, grids[0].points(), components));
         let reference = reference.transpose()?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { body, height, punch, grids, reference, output })
+        Ok(Self { body, height, punch, mask, traction, grids, reference, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
@@ -261,7 +317,6 @@ impl Prepared {
             report.out = Some(self.write(output, args, session, &report, &solution)?);
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
-            let reference = reference.map(|reference| &reference.displacement);
             report.plots = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
         }
         let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
@@ -269,7 +324,7 @@ impl Prepared {
     }
 
     fn warn_of_large_strain(&self, args: &Args, session: &Session) {
-        let width = args.punch_fraction * args.length;
+        let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.length };
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
         for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
             let part = args.depth / length;
@@ -296,14 +351,12 @@ impl Prepared {
         let started = Instant::now();
         let problem = self.problem(args, grid)?;
         let n = grid.points()[0];
-        let mut history = History::default();
-        let mut watch = |now: &gfmd_relax::Progress| {
-            history.see(now.iteration, now.residual);
-            progress.advance(0.0, &format!("n = {n}, iteration {}, residual {:.1e}", now.iteration, now.residual));
-            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
+        let tracer = args.trace.tracer(grid, Components::of(grid).axes())?;
+        let mut watch = Watching { n, session, progress, history: History::default(), tracer };
         let mut not_converged = None;
-        let (solution, failure) = match problem.solve(args.solver.into(), &args.budget(), &mut watch) {
+        let solved = problem.solve(args.method()?, &args.budget(), &mut watch);
+        let Watching { history, tracer, .. } = watch;
+        let (solution, failure) = match solved {
             Ok(solution) => (solution, None),
             Err(MixedError::NotConverged { solution, asked, why }) => {
                 let text = format!(
@@ -319,20 +372,38 @@ impl Prepared {
             Err(MixedError::Interrupted { solution }) => {
                 (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
             }
+            Err(MixedError::Search(error)) if args.dt.is_some() || !args.damping.is_empty() => {
+                return Err(Failure::input("--dt, --damping", error));
+            }
+            Err(MixedError::Search(error)) if args.solver == SolverName::VerletModes => {
+                return Err(Failure::input("--solver verlet-modes", error));
+            }
             Err(error) => return Err(Failure::Computation(error.to_string())),
         };
         progress.advance(1.0, &format!("n = {n}, residual {:.1e}", solution.residual));
         let seconds = started.elapsed().as_secs_f64();
-        let report = Report { not_converged, ..self.measure(args, grid, &self.punch.points(grid), &solution, seconds) };
+        let history = tracer.map(Tracer::trace);
+        let report =
+            Report { not_converged, history, ..self.measure(args, grid, &self.points(grid), &solution, seconds) };
         Ok((report, solution, failure))
+    }
+
+    /// The points under the punch.
+    fn points(&self, grid: &Grid) -> Array2<bool> {
+        self.mask.clone().unwrap_or_else(|| self.punch.points(grid))
     }
 
     /// The boundary conditions on a grid.
     fn problem(&self, args: &Args, grid: &Grid) -> Result<MixedProblem, Failure> {
-        let points = self.punch.points(grid);
+        let points = self.points(grid);
+        let [x, y] = [0, 1].map(|axis| args.shift.get(axis).copied().unwrap_or(0.0));
         let prescribed = match args.contact {
-            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [0.0, 0.0, -args.depth]),
+            ContactName::Sticking => Prescribed::sticking(grid, points.view(), [x, y, -args.depth]),
             ContactName::Frictionless => Prescribed::frictionless(grid, points.view(), -args.depth),
+        };
+        let prescribed = match &self.traction {
+            Some(traction) => prescribed.and_then(|prescribed| prescribed.with_traction(traction.view())),
+            None => prescribed,
         };
         let problem = prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed));
         problem.map_err(|error| Failure::Computation(error.to_string()))
@@ -359,8 +430,11 @@ impl Prepared {
             others: args.others.clone(),
             contact: args.contact,
             nodes: args.nodes,
-            punch_width: args.punch_fraction * args.length,
-            effective_width: self.punch.effective_width(grid),
+            punch_width: self.mask.is_none().then_some(args.punch_fraction * args.length),
+            effective_width: self.mask.is_none().then(|| self.punch.effective_width(grid)),
+            mask: args.mask.clone(),
+            prescribed_traction: args.traction.clone(),
+            shift: args.shift.clone(),
             depth: args.depth,
             contact_nodes: points.iter().filter(|under| **under).count(),
             components: names(components),
@@ -376,6 +450,7 @@ impl Prepared {
             comparison: None,
             refinement: None,
             not_converged: None,
+            history: None,
             peak_bytes: 0,
             out: None,
             plots: Vec::new(),
@@ -390,7 +465,8 @@ impl Prepared {
         report: &Report,
         solution: &MixedSolution,
     ) -> Result<PathBuf, Failure> {
-        let resolved = Args { height: Some(self.height), ..args.clone() };
+        let n = Some(self.grids[0].points()[0]);
+        let resolved = Args { height: Some(self.height), n, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let [x, y] = axes(&self.grids[0], "length");
@@ -403,7 +479,7 @@ impl Prepared {
             let variable = Variable { dimensions: &[&x, &y, &component], units, long_name };
             archive.write(path, &variable, &by_point(field))?;
         }
-        let under: Vec<u8> = self.punch.points(&self.grids[0]).iter().map(|under| u8::from(*under)).collect();
+        let under: Vec<u8> = self.points(&self.grids[0]).iter().map(|under| u8::from(*under)).collect();
         let held = Variable { dimensions: &[&x, &y], units: "1", long_name: "1 where the punch holds the surface" };
         archive.write("/fields/under_punch", &held, &under)?;
         for (name, units, long_name, value) in scalars(report) {
@@ -411,7 +487,35 @@ impl Prepared {
             archive.write(&format!("/punch/{name}"), &variable, &[value])?;
         }
         report.not_converged.as_ref().map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
+        report.history.as_ref().map_or(Ok(()), |history| history.write(&mut archive, "length"))?;
         Ok(archive.finish()?)
+    }
+}
+
+/// The watcher of one solve: progress, interruption, history.
+struct Watching<'a> {
+    n: usize,
+    session: &'a Session,
+    progress: &'a Progress,
+    history: History,
+    tracer: Option<Tracer>,
+}
+
+impl Watch for Watching<'_> {
+    fn see(&mut self, now: &gfmd_relax::Progress) -> ControlFlow<()> {
+        let gfmd_relax::Progress { iteration, residual } = *now;
+        self.history.see(iteration, residual);
+        if let Some(tracer) = &mut self.tracer {
+            tracer.see(iteration, residual);
+        }
+        self.progress.advance(0.0, &format!("n = {}, iteration {iteration}, residual {residual:.1e}", self.n));
+        if self.session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        if let Some(tracer) = &mut self.tracer {
+            tracer.layer(energy, u);
+        }
     }
 }
 

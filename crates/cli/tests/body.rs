@@ -25,7 +25,7 @@ fn a_slice_below_the_punch_is_that_of_the_independent_solution() {
     let report = json(folder.path(), &words(flags));
     assert_eq!((&report["slice"], report["levels"].as_array().unwrap().len()), (&"y=0.635".into(), 9));
     assert_eq!(report["levels"][8]["max_displacement"], 0.0);
-    assert_eq!(report["plots"].as_array().unwrap().len(), 14);
+    assert_eq!(report["plots"].as_array().unwrap().len(), 20);
     assert!(folder.path().join("punch-mises.svg").exists() && folder.path().join("punch-sxz.png").exists());
 
     let file = Reader::open(folder.path().join("slice.h5")).unwrap();
@@ -119,6 +119,73 @@ fn a_line_and_a_half_space_have_their_own_shapes_and_threads_do_not_matter() {
 }
 
 #[test]
+fn waves_need_no_file_and_every_component_is_drawn_on_every_slice() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "--young 2 --poisson 0.33 --height 1";
+    let wave = format!("body --wave 1,1,z,0.5 --wave 1,-1,z,0.5 --n 16 {body}");
+    let run = |rest: &str| json(folder.path(), &words(&format!("{wave} {rest} --json")));
+    let row = run("--levels 5 --slice x=0.0625 --draw uy,exx,exz,sxy --plots row --out row.h5");
+    let names = row["plots"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect::<Vec<_>>();
+    assert_eq!(names[..2], ["row-uy.svg", "row-uy.png"]);
+    assert_eq!(names.len(), 8);
+    assert_eq!(row["surface"], "waves 1,1,z,0.5 + 1,-1,z,0.5");
+    let level = run("--slice z=0.75 --plots level --out level.h5");
+    assert_eq!((level["slice"].as_str(), level["plots"].as_array().unwrap().len()), (Some("z=0.75"), 34));
+    let [row, level] = ["row.h5", "level.h5"].map(|name| Reader::open(folder.path().join(name)).unwrap());
+    assert_eq!(row.shape("/fields/strain").unwrap(), [5, 16, 6]);
+    assert_eq!(level.shape("/fields/strain").unwrap(), [1, 16, 16, 6]);
+    // Both hold the row x = 1/16 at the height 3/4.
+    let (row, level): (Vec<f64>, Vec<f64>) =
+        (row.values("/fields/strain").unwrap(), level.values("/fields/strain").unwrap());
+    assert_eq!(row[96..192], level[96..192]);
+    // At the surface the wave is cos 2 pi x cos 2 pi y, and the strains along it vanish.
+    run("--depths 0 --out top.h5");
+    let top = Reader::open(folder.path().join("top.h5")).unwrap();
+    let (u, strain): (Vec<f64>, Vec<f64>) =
+        (top.values("/fields/displacement").unwrap(), top.values("/fields/strain").unwrap());
+    let cos = |i: usize| (std::f64::consts::TAU * i as f64 / 16.0).cos();
+    for (point, (u, strain)) in u.chunks_exact(3).zip(strain.chunks_exact(6)).enumerate() {
+        assert!((u[2] - cos(point / 16) * cos(point % 16)).abs() < 1e-14 && u[0].abs().max(u[1].abs()) < 1e-14);
+        assert!([strain[0], strain[1], strain[5]].into_iter().all(|strain| strain.abs() < 1e-13));
+    }
+    let check = json(folder.path(), &words("check row.h5 --json"));
+    assert_eq!((&check["differing"], &check["input"]), (&0.into(), &serde_json::Value::Null));
+}
+
+#[test]
+fn a_wave_along_x_is_that_of_a_line_and_a_comparison_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "--young 1 --poisson 0.33 --height 1 --levels 9 --quantities displacement,stress";
+    let run = |flags: &str| json(folder.path(), &words(&format!("body --wave 1,0,z,1 {body} {flags} --json")));
+    run("--n 32,1 --out line.h5");
+    // The file of the line as an array of the displacement on the plane: y is added.
+    let line = Reader::open(folder.path().join("line.h5")).unwrap().values::<f64>("/fields/displacement").unwrap();
+    let plane =
+        Array3::from_shape_fn((9, 32, 3), |(k, i, c)| if c == 1 { 0.0 } else { line[(k * 32 + i) * 2 + c / 2] });
+    ndarray_npy::write_npy(folder.path().join("plane.npy"), &plane).unwrap();
+    let report = run("--n 16 --slice y=0.5 --compare plane.npy --plots both");
+    let comparison = &report["comparison"];
+    assert_eq!(comparison["compared_points"], serde_json::json!([16, 9]));
+    let components = comparison["components"].as_array().unwrap();
+    assert_eq!(components.iter().map(|c| c["name"].as_str().unwrap()).collect::<Vec<_>>(), ["ux", "uz"]);
+    assert!(components.iter().all(|c| c["largest_difference"].as_f64().unwrap() < 1e-14), "{comparison}");
+    assert!((components[1]["largest_reference"].as_f64().unwrap() - 1.0).abs() < 1e-14);
+    let svg = std::fs::read_to_string(folder.path().join("both-uz.svg")).unwrap();
+    assert_eq!(svg.matches("<image").count(), 3);
+    // Another run, with more levels and fewer points, whose wave is twice as high.
+    let other =
+        "body --wave 1,0,z,2 --n 8 --young 1 --poisson 0.33 --height 1 --levels 17 --slice y=0.5 --out other.h5";
+    json(folder.path(), &words(&format!("{other} --json")));
+    let report = run("--n 16 --slice y=0.5 --compare other.h5 --draw uz,sxz");
+    let uz = &report["comparison"]["components"][0];
+    assert_eq!(report["comparison"]["compared_points"], serde_json::json!([8, 9]));
+    assert!((uz["largest_difference"].as_f64().unwrap() - 1.0).abs() < 1e-14, "{uz}");
+    let shorter = format!("body --wave 1,0,z,1 --n 8 {body} --slice y=0.25 --compare other.h5");
+    let output = gfmd(folder.path(), &words(&shorter));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the slice y=0.5; it must have the slice y=0.25"));
+}
+
+#[test]
 fn unusable_input_is_one_clear_line() {
     let folder = tempfile::tempdir().unwrap();
     ndarray_npy::write_npy(folder.path().join("u.npy"), &Array3::<f64>::zeros((4, 4, 3))).unwrap();
@@ -134,7 +201,20 @@ fn unusable_input_is_one_clear_line() {
         (format!("--surface u.npy {slab} --depths 0,0.6"), vec!["--depths", "0.5", "0.6"]),
         (format!("--surface u.npy {slab} --levels 1"), vec!["--levels", "2", "1"]),
         (format!("--surface u.npy {slab} --levels 3 --deepest 1"), vec!["--deepest", "0.5", "1"]),
-        (format!("--surface u.npy {slab} --levels 3 --slice z=1"), vec!["--slice", "y=", "z=1"]),
+        (format!("--surface u.npy {slab} --levels 3 --slice w=1"), vec!["--slice", "y=", "w=1"]),
+        (format!("--surface u.npy {slab} --levels 3 --slice z=0.1"), vec!["--slice", "--levels"]),
+        (format!("--surface u.npy {slab} --slice z=0.6"), vec!["--slice", "0.5"]),
+        (format!("--surface u.npy {slab} --slice z=0 --wave 1,1,z,1"), vec!["--surface", "--wave"]),
+        (format!("--surface u.npy {slab} --slice z=0 --n 8"), vec!["--n", "--surface"]),
+        (format!("--surface u.npy {slab} --levels 3 --draw ux,rx"), vec!["--draw", "rx"]),
+        (format!("--surface u.npy {slab} --levels 3 --compare flat.npy"), vec!["--compare", "flat.npy", "[4, 4]", "9"]),
+        (format!("--surface u.npy {slab} --levels 3 --compare c.h5"), vec!["--compare", "c.h5", "no result of body"]),
+        (format!("--wave 1,1,z {slab} --depths 0"), vec!["--wave", "M,N,COMPONENT"]),
+        (format!("--wave 4,0,z,1 --n 8 {slab} --depths 0"), vec!["--wave", "4,0,z,1.0", "below 4"]),
+        (format!("--wave 1,0,y,1 --n 8,1 {slab} --depths 0"), vec!["--wave", "line"]),
+        (format!("--wave 1,0,z,1 --n 8,1 {slab} --levels 3 --draw uy"), vec!["--draw", "uy"]),
+        (format!("--wave 1,0,z,1 --n 1 {slab} --depths 0"), vec!["--n", "[1, 1]"]),
+        ("--wave 1,0,z,1 --depths 0".into(), vec!["--young"]),
         (format!("--surface u.npy {slab} --levels 3 --slice y=1"), vec!["--slice", "1"]),
         (format!("--surface u.npy {slab} --depths 0,0.1 --out u.vti"), vec!["--out", "--levels"]),
         (format!("--surface u.npy {slab} --levels 3 --out u.txt"), vec!["--out", ".vti"]),

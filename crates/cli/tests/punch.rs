@@ -124,6 +124,148 @@ fn refinement_extrapolates_to_the_closed_form() {
 }
 
 #[test]
+fn punches_of_any_shape_with_shift_and_traction_are_those_of_dense_solutions() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/reference/masked_punches.json");
+    let reference: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let under: Vec<u8> = numbers(&reference["under"]).iter().map(|x| *x as u8).collect();
+    let mask = ndarray::Array2::from_shape_vec((15, 15), under).unwrap();
+    ndarray_npy::write_npy(folder.path().join("mask.npy"), &mask).unwrap();
+    let given = Array3::from_shape_vec((15, 15, 3), numbers(&reference["given"])).unwrap();
+    ndarray_npy::write_npy(folder.path().join("given.npy"), &given).unwrap();
+    for case in reference["cases"].as_array().unwrap() {
+        let body = match case["body"].as_str().unwrap() {
+            "slab" => "--young 1 --poisson 0.3 --height 0.4",
+            _ => "--young 3 --poisson 0.2 --height 0.1 --layer 1,0.4,0.3",
+        };
+        let how = if case["sticking"] == true { "--shift 0.004,-0.007" } else { "--contact frictionless" };
+        let flags = format!(
+            "punch --length 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tol 1e-12 --out m.h5 --json"
+        );
+        let report = json(folder.path(), &words(&flags));
+        assert_eq!(
+            (&report["n"], &report["contact_nodes"]),
+            (&serde_json::json!([15, 15]), &under_count(&mask).into())
+        );
+        assert!(report["punch_width"].is_null() && report["mask"] == "mask.npy");
+        let file = Reader::open(folder.path().join("m.h5")).unwrap();
+        for name in ["traction", "displacement"] {
+            let found: Vec<f64> = file.values(&format!("/fields/{name}")).unwrap();
+            let expected = numbers(&case[name]);
+            let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+            let error = found.iter().zip(&expected).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
+            assert!(error < 1e-9 * largest, "{name} {error:e}");
+        }
+        std::fs::rename(folder.path().join("mask.npy"), folder.path().join("gone.npy")).unwrap();
+        // The file has what its check needs.
+        for check in ["check m.h5 --json", "check m.h5 --rerun --json"] {
+            assert_eq!(json(folder.path(), &words(check))["differing"], 0, "{check}");
+        }
+        std::fs::rename(folder.path().join("gone.npy"), folder.path().join("mask.npy")).unwrap();
+    }
+}
+
+fn under_count(mask: &ndarray::Array2<u8>) -> usize {
+    mask.iter().filter(|under| **under != 0).count()
+}
+
+#[test]
+fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_pressed() {
+    // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that either load is the other turned.
+    let folder = tempfile::tempdir().unwrap();
+    let strip = "punch --dim 2 --height inf --poisson 0.5 --n 64 --tol 1e-11 --json --depth 0.003";
+    let pressed = json(folder.path(), &words(strip));
+    let shifted = json(folder.path(), &words(&format!("{strip} --shift 0.006")));
+    assert_relative_eq!(number(&shifted, "mean_pressure"), number(&pressed, "mean_pressure"), max_relative = 1e-9);
+    let shear = numbers(&shifted["mean_traction"])[0];
+    assert_relative_eq!(shear, 2.0 * number(&pressed, "mean_pressure"), max_relative = 1e-9);
+    // The mask of a punch is the punch.
+    let mask = ndarray::Array1::from_shape_fn(64, |i| f64::from(u8::from(24 < i && i < 40)));
+    ndarray_npy::write_npy(folder.path().join("strip.npy"), &mask).unwrap();
+    let masked = json(folder.path(), &words(&format!("{} --mask strip.npy", strip.replace("--n 64", ""))));
+    assert_eq!(masked["mean_pressure"], pressed["mean_pressure"]);
+}
+
+#[test]
+fn all_dampings_find_the_state_and_the_history_has_every_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &words(&format!("punch --n 24 --tol 1e-9 --json {flags}")));
+    let expected = number(&run(""), "mean_pressure");
+    let of_source = run("--solver verlet-critical");
+    for flags in [
+        "--solver verlet-critical --dt 0.25 --damping 1",
+        "--solver verlet-critical --dt 0.5 --damping 2",
+        "--solver verlet-critical --dt 0.4 --damping 1,1,0.8",
+        "--solver verlet-modes",
+        "--solver verlet-modes --dt 0.5",
+    ] {
+        let report = run(flags);
+        assert_relative_eq!(number(&report, "mean_pressure"), expected, max_relative = 1e-8);
+        if flags.contains("--damping 1 ") || flags.ends_with("0.25 --damping 1") {
+            assert_eq!(report["iterations"], of_source["iterations"]);
+        }
+    }
+    let history = "--history --history-mode 1,0,x --history-mode 0,0,z --history-point 0.635,0.635,z";
+    let report = run(&format!("--solver verlet-critical {history} --out h.h5"));
+    let steps = number(&report, "iterations") as usize;
+    let trace = &report["history"];
+    assert_eq!(numbers(&trace["iteration"]), (0..=steps).map(|step| step as f64).collect::<Vec<_>>());
+    let energy = numbers(&trace["energy"]);
+    assert_relative_eq!(energy[steps], number(&report, "elastic_energy"), max_relative = 1e-8);
+    assert!(energy[0] > energy[steps]);
+    assert!(numbers(&trace["points"][0]["u"]).iter().all(|u| *u == -0.005));
+    let [wave, mean] = [0, 1].map(|mode| trace["modes"][mode].clone());
+    // u_x is odd about the middle, which lies at half a turn: the amplitude of its first wave is imaginary.
+    let [re, im] = ["re", "im"].map(|part| numbers(&wave[part])[steps]);
+    assert!(im.abs() > 1e-5 && re.abs() < 1e-6 * im.abs(), "{re} {im}");
+    let file = Reader::open(folder.path().join("h.h5")).unwrap();
+    assert_eq!(file.shape("/history/mode_re").unwrap(), [2, steps + 1]);
+    assert_eq!(file.texts("/history/mode").unwrap(), ["1,0,x", "0,0,z"]);
+    let displacement: Vec<f64> = file.values("/fields/displacement").unwrap();
+    let u: f64 = displacement.iter().skip(2).step_by(3).sum::<f64>() / 576.0;
+    assert_relative_eq!(numbers(&mean["re"])[steps], u, max_relative = 1e-6);
+    assert_eq!(json(folder.path(), &words("check h.h5 --rerun --json"))["differing"], 0);
+    // Conjugate gradients move no displacement.
+    let report = run("--history");
+    assert!(report["history"]["energy"][0].is_null() && numbers(&report["history"]["residual"])[0] == 1.0);
+}
+
+#[test]
+fn unusable_masks_tractions_shifts_and_dampings_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, array: ndarray::ArrayD<f64>| {
+        ndarray_npy::write_npy(folder.path().join(name), &array).unwrap();
+    };
+    write("none.npy", ndarray::ArrayD::zeros(vec![8, 8]));
+    write("flat.npy", ndarray::ArrayD::ones(vec![8, 6]));
+    write("t.npy", ndarray::ArrayD::ones(vec![8, 8]));
+    for (flags, named) in [
+        ("--mask none.npy", ["--mask", "no point"]),
+        ("--mask flat.npy", ["--mask", "[8, 6]"]),
+        ("--mask t.npy --n 16", ["--n", "8, as --mask has"]),
+        ("--mask t.npy --punch-fraction 0.5", ["--mask", "--punch-fraction"]),
+        ("--n 8 --traction t.npy", ["--traction", "[8, 8, 3]"]),
+        ("--n 8 --shift 0.1 --contact frictionless", ["--shift", "frictionless"]),
+        ("--n 8 --dim 2 --shift 0.1,0.1", ["--shift", "--dim 2"]),
+        ("--n 8 --shift nan,0", ["--shift", "finite"]),
+        ("--n 8 --dt 0.5", ["--dt", "verlet-critical"]),
+        ("--n 8 --solver verlet-modes --damping 2", ["--damping", "verlet-critical"]),
+        ("--n 8 --solver verlet-critical --damping 1,1", ["--damping", "three"]),
+        ("--n 8 --solver verlet-critical --damping 1e3", ["--damping", "over the critical one is 1e3"]),
+        ("--n 8 --solver verlet-critical --dt 1", ["--dt", "below 1"]),
+        ("--n 8 --solver verlet-modes --height inf", ["verlet-modes", "slab"]),
+        ("--n 8 --solver verlet-critical --damping 1,1,1 --height inf", ["--damping", "slab"]),
+        ("--n 8 --history-mode 1,0,x", ["--history", "required"]),
+        ("--n 8 --dim 2 --history --history-point 0,0,y", ["--history-point", "x, z"]),
+    ] {
+        let output = gfmd(folder.path(), &words(&format!("punch {flags}")));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), text.trim_end().lines().count()), (Some(2), 1), "{flags}: {text}");
+        assert!(named.iter().all(|word| text.contains(word)), "{flags}: {text}");
+    }
+}
+
+#[test]
 fn a_deep_punch_is_pressed_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let output = gfmd(folder.path(), &words("punch --n 16 --depth 0.1 --json"));

@@ -18,7 +18,8 @@ use crate::attempt::{Attempt, Ended};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
-/// Time step of the original method, relative to its stability limit 2/√k_max.
+/// Time step of [`Motion::VerletCritical`], relative to its stability limit 2/√k_max. The source gives Δt = 0.25 without a unit
+/// (docs/solvers.md).
 const SOURCE_TIME_STEP: f64 = 0.25;
 
 /// Step length of the augmented Lagrangian; the stability limit is 2.

@@ -5,15 +5,16 @@
 //! forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
-use gfmd_relax::{Bounds, Budget, Ending, Fire, Landscape, Method, RelaxError, Verlet, Watch, Why, relax_until};
+use gfmd_relax::{
+    Bounds, Budget, Damping, Ending, Fire, Landscape, Method, ModeDamped, RelaxError, Verlet, Watch, Why, relax_until,
+};
+use gfmd_response::FullResponse;
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
-use crate::Prescribed;
 use crate::surface::Surface;
-
-/// Time step of the original method over its stability limit 2/√k_max.
-const SOURCE_TIME_STEP: f64 = 0.25;
+use crate::{Factors, Prescribed};
 
 /// The number of steps and the reason why they ended.
 type Run = Result<(u64, Ending), RelaxError>;
@@ -24,10 +25,109 @@ pub(crate) fn verlet(surface: &mut Surface, budget: &Budget, watch: &mut dyn Wat
     run(surface, || Verlet::optimal(softest, stiffest), budget, watch)
 }
 
-/// Relaxes with the softest mode critically damped, as in the original method.
-pub(crate) fn verlet_critical(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
-    let [softest, stiffest] = surface.problem.response.stiffness_range();
-    run(surface, || Verlet::critical(softest, stiffest, SOURCE_TIME_STEP * 2.0 / stiffest.sqrt()), budget, watch)
+/// Relaxes with a time step over its stability limit 2/√k_max, and a damping over a critical one.
+pub(crate) fn damped(
+    surface: &mut Surface,
+    time_step: f64,
+    damping: Factors,
+    budget: &Budget,
+    watch: &mut dyn Watch,
+) -> Run {
+    let response = &surface.problem.response;
+    let [softest, stiffest] = response.stiffness_range();
+    let dt = checked(time_step)? * 2.0 / stiffest.sqrt();
+    match damping {
+        Factors::Softest(factor) => {
+            let damping = times_critical(factor, softest, stiffest, dt)?;
+            run(surface, || Verlet::new(damping, stiffest), budget, watch)
+        }
+        Factors::Components(factors) => {
+            let points = response.grid().len();
+            let mut retained = Vec::new();
+            for &axis in response.components().axes() {
+                let stiffness = uniform_stiffness(response, axis)?;
+                // Inertia is one number, so that all components together are stable if each alone is.
+                retained.push(times_critical(factors[axis], stiffness, stiffest, dt)?.beta);
+            }
+            let least = retained.iter().copied().fold(1.0, f64::min);
+            let retain = move |motion: &mut [f64]| {
+                for (motion, beta) in motion.chunks_exact_mut(points).zip(&retained) {
+                    for_each([motion], &|_, [motion]| motion.iter_mut().for_each(|d| *d *= beta));
+                }
+            };
+            let tau = dt * dt;
+            run(surface, || Ok(ModeDamped { tau, stiffness_limit: 2.0 * (1.0 + least) / tau, retain }), budget, watch)
+        }
+    }
+}
+
+/// The damping of `factor` times the critical η of a mode, with which modes up to `stiffest` are stable.
+fn times_critical(factor: f64, stiffness: f64, stiffest: f64, dt: f64) -> Result<Damping, RelaxError> {
+    let tau = dt * dt;
+    let damping = Damping { beta: 1.0 - factor * Damping::critical(stiffness, dt).eta() * tau, tau };
+    if damping.beta.abs() < 1.0 && stiffest < damping.stiffness_limit() {
+        return Ok(damping);
+    }
+    let allowed = "positive, and small enough for stability with this time step";
+    Err(RelaxError::Parameter { name: "the damping over the critical one", found: factor, allowed })
+}
+
+fn checked(time_step: f64) -> Result<f64, RelaxError> {
+    let name = "the time step over the stability limit";
+    if time_step > 0.0 && time_step < 1.0 {
+        Ok(time_step)
+    } else {
+        Err(RelaxError::Parameter { name, found: time_step, allowed: "above 0 and below 1" })
+    }
+}
+
+/// The stiffness of the uniform displacement along `axis`.
+fn uniform_stiffness(response: &FullResponse, axis: usize) -> Result<f64, RelaxError> {
+    let found = response.uniform_compliance()[axis];
+    if found > 0.0 && found.is_finite() {
+        return Ok(found.recip());
+    }
+    let name = "the compliance of a uniform displacement";
+    Err(RelaxError::Parameter { name, found, allowed: "finite and above zero, as of a compressible slab" })
+}
+
+/// Relaxes with critical damping of every mode of the free surface.
+///
+/// Held points do not make it unstable: for a motion v the numbers b = ⟨v, B v⟩ and k = τ ⟨v, K v⟩ meet k < 2 (1 + b), since each
+/// mode does.
+pub(crate) fn verlet_modes(
+    surface: &mut Surface,
+    time_step: Option<f64>,
+    budget: &Budget,
+    watch: &mut dyn Watch,
+) -> Run {
+    let response = std::sync::Arc::clone(&surface.problem.response);
+    let [softest, stiffest] = response.stiffness_range();
+    for &axis in response.components().axes() {
+        uniform_stiffness(&response, axis)?;
+    }
+    let dt = match time_step {
+        Some(time_step) => checked(time_step)? * 2.0 / stiffest.sqrt(),
+        None => Damping::optimal(softest, stiffest).tau.sqrt(),
+    };
+    let stiffness = response.stiffness();
+    let operator = stiffness.beside(|mode| {
+        let index = stiffness.grid().index_of(mode.number);
+        let matrix = index.and_then(|index| stiffness.matrices().get(index));
+        matrix.map_or_else(Default::default, |matrix| matrix.function(|k| Damping::critical(k, dt).beta))
+    });
+    let entries = surface.traction.len();
+    let scratch = Mutex::new((response.workspace(), vec![0.0; entries]));
+    let retain = |motion: &mut [f64]| {
+        // Steps are taken one after the other, so that nothing waits here.
+        let (workspace, before) = &mut *scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        before.copy_from_slice(motion);
+        // The lengths are those of the problem.
+        let _ = operator.apply(before, motion, workspace);
+    };
+    let (steps, ending) = run(surface, || Ok(ModeDamped::critical(dt * dt, retain)), budget, watch)?;
+    *surface.transforms.counter() += steps * response.components().len() as u64;
+    Ok((steps, ending))
 }
 
 /// Relaxes by the fast inertial relaxation engine of 2006.

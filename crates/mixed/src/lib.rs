@@ -58,6 +58,6 @@ mod surface;
 
 pub use error::MixedError;
 pub use prescribed::Prescribed;
-pub use problem::{Method, MixedProblem};
+pub use problem::{Factors, Method, MixedProblem};
 pub use punch::{Edge, FlatPunch};
 pub use solution::MixedSolution;

@@ -7,7 +7,7 @@ use gfmd_response::FullResponse;
 use crate::{MixedError, Prescribed};
 
 /// The methods. All find the one solution; they differ in cost (docs/solvers.md).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
     /// Conjugate gradients for the traction on the held entries, preconditioned by the stiffness restricted to them.
@@ -16,11 +16,40 @@ pub enum Method {
     /// Damped position Verlet for the free displacement, with the optimal scalar damping and time step for the range of
     /// stiffnesses.
     Verlet,
-    /// Damped position Verlet with the softest mode critically damped and a quarter of the stable time step, as in the
-    /// original method.
+    /// Damped position Verlet with the softest mode critically damped, as in the original method, and a quarter of the stable
+    /// time step: [`Method::Damped`] with [`TIME_STEP`](Self::TIME_STEP) and the factor 1.
     VerletCritical,
+    /// Damped position Verlet with a time step and a damping of one's own.
+    Damped {
+        /// The time step over the stability limit without damping, 2/√k_max.
+        time_step: f64,
+        /// The damping.
+        damping: Factors,
+    },
+    /// Position Verlet with critical damping of every mode of the free surface (theory.md, section 6.2).
+    VerletModes {
+        /// The time step over the stability limit without damping; by default the one that is best for the range of
+        /// stiffnesses.
+        time_step: Option<f64>,
+    },
     /// The fast inertial relaxation engine (Bitzek et al. 2006).
     Fire,
+}
+
+/// Damping coefficients η over critical ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factors {
+    /// One η for all, over the critical one of the softest mode (the source's eq. 4.8).
+    Softest(f64),
+    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m, C44/z_m,
+    /// C11/z_m on a bonded slab (the source's eq. 4.5).
+    Components([f64; 3]),
+}
+
+impl Method {
+    /// The time step of [`Method::VerletCritical`] over the stability limit. The source gives Δt = 0.25 without a unit
+    /// (docs/solvers.md).
+    pub const TIME_STEP: f64 = 0.25;
 }
 
 /// An elastic body with the boundary conditions on its surface. A clone shares the response of the body.

@@ -2,7 +2,7 @@ use gfmd_relax::{Budget, Ending, Watch, Why};
 use ndarray::Array3;
 
 use crate::surface::Surface;
-use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
+use crate::{Factors, Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
 impl MixedProblem {
     /// The state of a traction, with its residual, from new transforms. The effort counts those alone.
@@ -45,7 +45,11 @@ impl MixedProblem {
         let (iterations, ending) = match method {
             Method::ConjugateGradients => conjugate_gradients::solve(&mut surface, budget, watch),
             Method::Verlet => dynamics::verlet(&mut surface, budget, watch)?,
-            Method::VerletCritical => dynamics::verlet_critical(&mut surface, budget, watch)?,
+            Method::VerletCritical => {
+                dynamics::damped(&mut surface, Method::TIME_STEP, Factors::Softest(1.0), budget, watch)?
+            }
+            Method::Damped { time_step, damping } => dynamics::damped(&mut surface, time_step, damping, budget, watch)?,
+            Method::VerletModes { time_step } => dynamics::verlet_modes(&mut surface, time_step, budget, watch)?,
             Method::Fire => dynamics::fire(&mut surface, budget, watch)?,
         };
         let most = budget.tolerance / f64::EPSILON * self.response.stiffness_range()[0] * surface.scale;

@@ -58,10 +58,24 @@ impl Drawing {
     pub(super) fn element(&self, name: &str, title: &str) -> String {
         let svg = self.svg();
         let element = svg.split_once("?>\n").map_or(svg.as_str(), |(_, element)| element);
-        // Quotes are escaped in texts, so that these are attributes.
-        let element =
-            element.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"));
-        element.replacen(">\n", &format!(" role=\"img\">\n<title>{}</title>\n", escape(title)), 1)
+        with_ids(element, name).replacen(">\n", &format!(" role=\"img\">\n<title>{}</title>\n", escape(title)), 1)
+    }
+
+    /// Drawings side by side, from left to right.
+    pub(super) fn row(drawings: impl IntoIterator<Item = Self>) -> Self {
+        let mut row = Self { width: 0.0, height: 0.0, pictures: Vec::new(), elements: String::new() };
+        for (index, drawing) in drawings.into_iter().enumerate() {
+            let moved = |picture: Picture| {
+                let [left, top, width, height] = picture.frame;
+                Picture { frame: [left + row.width, top, width, height], ..picture }
+            };
+            row.pictures.extend(drawing.pictures.into_iter().map(moved));
+            let elements = with_ids(&drawing.elements, &format!("part{index}"));
+            row.elements += &format!("<g transform=\"translate({} 0)\">\n{elements}</g>\n", number(row.width));
+            row.width += drawing.width;
+            row.height = row.height.max(drawing.height);
+        }
+        row
     }
 
     pub(super) fn png(&self) -> Result<Vec<u8>, PlotError> {
@@ -134,6 +148,12 @@ impl Picture {
         page.draw_pixmap(0, 0, source.as_ref(), &PixmapPaint { quality, ..PixmapPaint::default() }, transform, None);
         Some(())
     }
+}
+
+/// The elements with ids that begin with `name`.
+fn with_ids(elements: &str, name: &str) -> String {
+    // Quotes are escaped in texts, so that these are attributes.
+    elements.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"))
 }
 
 fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> Result<Vec<u8>, png::EncodingError> {

@@ -42,5 +42,5 @@ mod tests;
 
 pub use chart::{COLUMN, Chart, TWO_COLUMNS};
 pub use error::PlotError;
-pub use map::{Below, Map};
+pub use map::{Below, Map, Maps};
 pub use panel::{Axis, Level, Mark, Panel, Point, Scale, Series};

@@ -87,6 +87,34 @@ impl Map<'_> {
     }
 }
 
+/// Maps side by side, from left to right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps<'a>(pub Vec<Map<'a>>);
+
+impl Maps<'_> {
+    /// The figure as SVG text, with the fields as embedded PNG images.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        Ok(self.draw()?.svg())
+    }
+
+    /// The figure as PNG bytes.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        self.draw()?.png()
+    }
+
+    /// Writes `stem.svg` and `stem.png`.
+    pub fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
+        self.draw()?.save(stem)
+    }
+
+    fn draw(&self) -> Result<Drawing, PlotError> {
+        if self.0.is_empty() {
+            return Err(PlotError::Empty { what: "the figure has no maps" });
+        }
+        Ok(Drawing::row(self.0.iter().map(draw).collect::<Result<Vec<_>, _>>()?))
+    }
+}
+
 pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let [nx, ny] = map.shape;
     if nx < 2 || ny < 2 || nx.checked_mul(ny) != Some(map.values.len()) {

@@ -304,3 +304,15 @@ fn elements_of_a_page_have_ids_of_their_own() {
         both[0].contains("<title>bumps &amp; &lt;dips&gt;</title>") && both[1].contains("<title>url(#panel0)</title>")
     );
 }
+
+#[test]
+fn maps_side_by_side_keep_their_bars_apart() {
+    let values = bumps(16, 16);
+    let map = Map::new(&values, [16, 16], [1.0, 1.0], "bumps");
+    let maps = Maps(vec![map.clone(), Map { range: Some([0.0, 2.0]), ..map.clone() }]);
+    let svg = maps.svg().unwrap();
+    assert_eq!((svg.matches("<image").count(), svg.matches("id=\"part1-bar\"").count()), (2, 1));
+    let [(width, height, _), (both, same, _)] = [map.png().unwrap(), maps.png().unwrap()].map(|bytes| decode(&bytes));
+    assert_eq!((2 * width, height), (both, same));
+    assert!(matches!(Maps(vec![]).svg(), Err(PlotError::Empty { .. })));
+}

@@ -64,9 +64,11 @@ struct Watched<'a> {
     target: f64,
 }
 
-impl<S> Observer<S> for Watched<'_> {
-    fn observe(&mut self, now: &Status, _: &S) -> std::io::Result<ControlFlow<()>> {
-        Ok(self.watch.see(&Progress { iteration: now.step, residual: now.residual }))
+impl<Memory> Observer<State<Memory>> for Watched<'_> {
+    fn observe(&mut self, now: &Status, state: &State<Memory>) -> std::io::Result<ControlFlow<()>> {
+        let flow = self.watch.see(&Progress { iteration: now.step, residual: now.residual });
+        self.watch.layer(now.energy, &state.u);
+        Ok(flow)
     }
 
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {

@@ -30,6 +30,12 @@ pub trait Watch {
     /// Is called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
     fn see(&mut self, now: &Progress) -> ControlFlow<()>;
 
+    /// Is called after [`see`](Self::see) in every step of a dynamics, with the energy and the variables of the problem (the
+    /// displacement of the surface layer). Methods that seek something else do not call it.
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        let _ = (energy, u);
+    }
+
     /// Is called between two iterations with a function that visits all variables of the search. A watcher that keeps
     /// checkpoints passes it a visitor that writes; by default nothing happens.
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
@@ -57,6 +63,10 @@ pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
 impl<F: FnMut(&mut dyn Visit)> Watch for Onlooker<'_, F> {
     fn see(&mut self, now: &Progress) -> ControlFlow<()> {
         self.watch.see(&Progress { iteration: self.before + now.iteration, ..*now })
+    }
+
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        self.watch.layer(energy, u);
     }
 
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {

@@ -29,9 +29,15 @@ pub(super) const CAPTIONS: [(&str, &str); 10] = [
     ("wave-ux", "Figure 3.11: u_x below the wave of figure 3.10."),
     ("punch-ux", "u_x below a sticking punch a quarter of the cell wide, on the central plane y = L/2."),
     ("punch-uz", "u_z below the punch, on the central plane."),
-    ("punch-sxx", "Figure 4.10: σ_xx below the punch, on the central plane, in GPa."),
+    (
+        "punch-sxx",
+        "σ_xx below the punch, on the plane y = L/2, in GPa (figure 4.10 is captioned x = L/2: docs/source/README.md).",
+    ),
     ("punch-szz", "σ_zz below the punch, on the central plane, in GPa."),
-    ("punch-sxz", "Figure 4.11: σ_xz below the punch, on the central plane, in GPa."),
+    (
+        "punch-sxz",
+        "σ_xz below the punch, on the plane y = L/2, in GPa (it vanishes on x = L/2, which the caption of figure 4.11 names).",
+    ),
     ("punch-mises", "Von Mises stress below the punch, on the central plane, in GPa."),
 ];
 

@@ -11,8 +11,9 @@ use crate::session::Session;
 
 /// Computes the fields of a file again, with the output `out`, if the displacement of the surface is at hand.
 pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let input = reader.text("/input", "file").unwrap_or_default();
-    if !Path::new(&input).exists() {
+    let input = reader.text("/input", "file").ok();
+    // Waves have no file.
+    if let Some(input) = input.filter(|input| !Path::new(input).exists()) {
         let text = format!("the input {input} is not there, so that the fields cannot be computed again");
         session.warn("input-missing", text);
         return Ok(false);

@@ -3,7 +3,9 @@
 use gfmd_field::Grid;
 use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
 
+use super::wave::{self, Wave};
 use crate::failure::Failure;
+use crate::memory::Held;
 
 /// The components that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,13 +66,7 @@ impl Surface {
             (Kind::Full, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
             (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
         };
-        let [nx, ny] = points;
-        let lengths = match (length, found.lengths) {
-            ([], lengths) => lengths.unwrap_or([1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]),
-            // A single length is the length along x; the spacing along y is equal to that along x.
-            ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
-            ([x, y, ..], _) => [*x, *y],
-        };
+        let lengths = cell(length, found.lengths, points);
         let grid = Grid::new(points, lengths);
         let grid = grid.map_err(|error| Failure::input(if length.is_empty() { name } else { "--length" }, error))?;
         let displacement =
@@ -94,6 +90,46 @@ impl Surface {
             description,
             scan: found.scan,
         })
+    }
+}
+
+impl Surface {
+    /// Makes the displacement by waves on a grid of `n` points, [nx] or [nx, ny]; a line if ny is 1.
+    pub(super) fn of_waves(waves: &[Wave], n: &[usize], length: &[f64]) -> Result<Self, Failure> {
+        let points = match n {
+            [] => [POINTS; 2],
+            [n] => [*n; 2],
+            [nx, ny, ..] => [*nx, *ny],
+        };
+        if points[0] < 2 || points[1] == 0 {
+            return Err(Failure::value("--n", format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
+        }
+        let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input("--length", error))?;
+        Held::BODY.check("--n", points)?;
+        let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
+        Ok(Self {
+            grid,
+            kind: Kind::Full,
+            displacement: wave::displacement(waves, &grid)?,
+            record: toml::Table::new(),
+            load: None,
+            unit: "length".into(),
+            description: format!("waves {}", words.join(" + ")),
+            scan: None,
+        })
+    }
+}
+
+/// Points along each axis, if nothing is said.
+const POINTS: usize = 64;
+
+/// The sides of the cell: those that are given, those of the file, or 1 along x and equal spacings.
+fn cell(length: &[f64], of_file: Option<[f64; 2]>, [nx, ny]: [usize; 2]) -> [f64; 2] {
+    match length {
+        [] => of_file.unwrap_or([1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]),
+        // A single length is the length along x; the spacing along y is equal to that along x.
+        [x] => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
+        [x, y, ..] => [*x, *y],
     }
 }
 

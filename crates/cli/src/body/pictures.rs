@@ -1,89 +1,124 @@
-//! Maps of a section: values on a row of points, from the deepest level upwards.
+//! The values on a section, as maps and for a comparison: a row of points from the deepest level upwards, or one level.
 
 use std::path::{Path, PathBuf};
 
 use gfmd_body::Interior;
 use gfmd_field::Grid;
-use gfmd_plot::Map;
+use gfmd_plot::{Map, Maps, Mark, Series};
 
+use super::comparison::Compared;
+use super::component::Component;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use super::{Plane, evenly_spaced};
 use crate::failure::Failure;
-use crate::figures::named;
+use crate::figures::{Drawn, about_zero, field, named};
 
-/// The maps of one section, filled level by level.
+/// The values on one section, filled level by level.
 pub(super) struct Pictures {
-    rows: Rows,
+    pub(super) rows: Rows,
     levels: usize,
-    maps: Vec<(Picture, Vec<f64>)>,
+    maps: Vec<(Component, Vec<f64>)>,
     buffer: Vec<f64>,
 }
 
-/// A component of a quantity, with its name in the file and in the figure.
-#[derive(Clone, Copy)]
-struct Picture {
-    quantity: Quantity,
-    component: usize,
-    name: &'static str,
-    label: &'static str,
+/// Where the values of a section lie.
+pub(super) struct Place<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) deepest: f64,
+    pub(super) unit: &'a str,
 }
-
-const fn picture(quantity: Quantity, component: usize, name: &'static str, label: &'static str) -> Picture {
-    Picture { quantity, component, name, label }
-}
-
-const ALONG: [&[Picture]; 2] = [
-    &[
-        picture(Quantity::Displacement, 0, "ux", "displacement *u*_x"),
-        picture(Quantity::Displacement, 2, "uz", "displacement *u*_z"),
-        picture(Quantity::Stress, 0, "sxx", "stress *σ*_{xx}"),
-        picture(Quantity::Stress, 2, "szz", "stress *σ*_{zz}"),
-        picture(Quantity::Stress, 4, "sxz", "stress *σ*_{xz}"),
-        picture(Quantity::VonMises, 0, "mises", "von Mises stress"),
-        picture(Quantity::EnergyDensity, 0, "energy", "elastic energy density"),
-    ],
-    &[
-        picture(Quantity::Displacement, 1, "uy", "displacement *u*_y"),
-        picture(Quantity::Displacement, 2, "uz", "displacement *u*_z"),
-        picture(Quantity::Stress, 1, "syy", "stress *σ*_{yy}"),
-        picture(Quantity::Stress, 2, "szz", "stress *σ*_{zz}"),
-        picture(Quantity::Stress, 3, "syz", "stress *σ*_{yz}"),
-        picture(Quantity::VonMises, 0, "mises", "von Mises stress"),
-        picture(Quantity::EnergyDensity, 0, "energy", "elastic energy density"),
-    ],
-];
 
 impl Pictures {
-    /// Allocates the maps of the quantities on a row along one axis.
-    pub(super) fn new(quantities: &[Quantity], rows: Rows, levels: usize) -> Self {
-        let drawn = ALONG[rows.axes[0]].iter().filter(|picture| quantities.contains(&picture.quantity));
-        let maps = drawn.map(|picture| (*picture, vec![0.0; rows.points.len() * levels])).collect();
+    /// Allocates the values of the components on a row along one axis, or on one level.
+    pub(super) fn new(components: &[Component], rows: Rows, levels: usize) -> Self {
+        let maps = components.iter().map(|component| (*component, vec![0.0; rows.points.len() * levels])).collect();
         Self { rows, levels, maps, buffer: Vec::new() }
+    }
+
+    /// The points of a map along its two axes.
+    pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
+        if self.rows.is_level() { grid.points() } else { [self.rows.points.len(), self.levels] }
+    }
+
+    /// The components with their values, row-major in the order of [`shape`](Self::shape).
+    pub(super) fn values(&self) -> impl Iterator<Item = (Component, &[f64])> {
+        self.maps.iter().map(|(component, values)| (*component, &values[..]))
+    }
+
+    /// True if a component of this family is wanted.
+    pub(super) fn wants(&self, family: Family) -> bool {
+        self.maps.iter().any(|(component, _)| component.quantity.family() == family)
     }
 
     /// Takes the values at depth number `level`.
     pub(super) fn take(&mut self, family: Family, level: usize, fields: &Fields) {
-        for (picture, map) in self.maps.iter_mut().filter(|(picture, _)| picture.quantity.family() == family) {
-            fields.values(picture.quantity, &[picture.component], &self.rows.points, &mut self.buffer);
+        for (component, map) in self.maps.iter_mut().filter(|(component, _)| component.quantity.family() == family) {
+            fields.values(component.quantity, &[component.index], &self.rows.points, &mut self.buffer);
             for (column, value) in map.chunks_exact_mut(self.levels).zip(&self.buffer) {
                 column[self.levels - 1 - level] = *value;
             }
         }
     }
 
-    pub(super) fn draw(&self, prefix: &Path, grid: &Grid, deepest: f64, unit: &str) -> Result<Vec<PathBuf>, Failure> {
-        let axis = self.rows.axes[0];
-        let (shape, size) = ([self.rows.points.len(), self.levels], [grid.lengths()[axis], deepest]);
+    /// Draws every component: `PREFIX-name.svg`, `.png`; beside those that were `compared` the reference and the difference.
+    pub(super) fn draw(&self, prefix: &Path, place: &Place, compared: &[Compared]) -> Result<Vec<PathBuf>, Failure> {
+        let shape = self.shape(place.grid);
         let mut files = Vec::new();
-        for (picture, values) in &self.maps {
-            let mut map = Map::new(values, shape, size, picture.label);
-            map.x = format!("*{}* / {unit}", ["x", "y"][axis]);
-            map.y = format!("height above the lowest level / {unit}");
-            map.range = central(values);
-            files.extend(map.save(&named(prefix, picture.name))?);
+        for (component, values) in self.values() {
+            let stem = named(prefix, component.name);
+            let Some(compared) = compared.iter().find(|compared| compared.component == component) else {
+                let drawn = self.drawn(values, shape, component.label, central(values), place);
+                files.extend(drawn.save(&stem)?);
+                continue;
+            };
+            let both = [values, &compared.reference].concat();
+            let range = central(&both).or_else(|| whole(&both));
+            let ours = self.drawn(values, shape, component.label, range, place);
+            let labels = ["reference", "less the reference"].map(|what| format!("{}, {what}", component.label));
+            let theirs = self.drawn(&compared.reference, compared.shape, &labels[0], range, place);
+            let less = &compared.difference;
+            let difference = self.drawn(less, compared.common, &labels[1], about_zero(less), place);
+            files.extend(match (ours, theirs, difference) {
+                (Drawn::Map(ours), Drawn::Map(theirs), Drawn::Map(difference)) => {
+                    Maps(vec![ours, theirs, difference]).save(&stem)?.to_vec()
+                }
+                (Drawn::Chart(mut ours), Drawn::Chart(theirs), _) => {
+                    let reference = theirs.panels.into_iter().flat_map(|panel| panel.series);
+                    let dashed = |series| Series { mark: Mark::Dashes, hue: 1, label: "reference".into(), ..series };
+                    ours.panels[0].series.extend(reference.map(dashed));
+                    ours.save(&stem)?.to_vec()
+                }
+                (ours, ..) => ours.save(&stem)?,
+            });
         }
         Ok(files)
+    }
+
+    fn drawn<'v>(
+        &self,
+        values: &'v [f64],
+        shape: [usize; 2],
+        label: &str,
+        range: Option<[f64; 2]>,
+        place: &Place,
+    ) -> Drawn<'v> {
+        let Place { grid, deepest, unit } = place;
+        if self.rows.is_level() {
+            let drawn = Grid::new(shape, grid.lengths()).map(|grid| field(&grid, values, label, unit));
+            if let Ok(mut drawn) = drawn {
+                if let Drawn::Map(map) = &mut drawn {
+                    map.range = range;
+                }
+                return drawn;
+            }
+        }
+        let axis = self.rows.axes[0];
+        let mut map = Map::new(values, shape, [grid.lengths()[axis], *deepest], label);
+        map.x = format!("*{}* / {unit}", ["x", "y"][axis]);
+        map.y = format!("height above the lowest level / {unit}");
+        map.range = range;
+        Drawn::Map(map)
     }
 }
 
@@ -95,7 +130,8 @@ pub fn draw_middle(
     prefix: &Path,
     unit: &str,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let mut pictures = Pictures::new(quantities, Rows::middle(interior.grid()), levels);
+    let components = Component::in_plane(quantities, None);
+    let mut pictures = Pictures::new(&components, Rows::middle(interior.grid()), levels);
     let mut ws = interior.workspace();
     for (number, depth) in evenly_spaced(levels, deepest).enumerate() {
         for family in [Family::Displacement, Family::Deformation] {
@@ -103,7 +139,7 @@ pub fn draw_middle(
             pictures.take(family, number, &fields.map_err(|error| Failure::Computation(error.to_string()))?);
         }
     }
-    pictures.draw(prefix, interior.grid(), deepest, unit)
+    pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit }, &[])
 }
 
 /// The range of the values without two per mille at either end, if it is much narrower than the full range: near singular
@@ -114,4 +150,11 @@ fn central(values: &[f64]) -> Option<[f64; 2]> {
     let at = |per_mille: usize| sorted[(sorted.len() - 1) * per_mille / 1000];
     let (whole, most) = (at(1000) - at(0), at(998) - at(2));
     (most > 0.0 && whole > 1.5 * most).then(|| [at(2), at(998)])
+}
+
+/// The range of all values, unless they are equal.
+fn whole(values: &[f64]) -> Option<[f64; 2]> {
+    let (least, most) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));
+    (most > least).then_some([least, most])
 }

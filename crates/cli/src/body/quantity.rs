@@ -45,6 +45,11 @@ impl Quantity {
         if self == Self::Displacement { Family::Displacement } else { Family::Deformation }
     }
 
+    /// True if it has one component.
+    pub(super) fn is_scalar(self) -> bool {
+        matches!(self, Self::VonMises | Self::EnergyDensity)
+    }
+
     /// Name in a file.
     pub(super) fn name(self) -> &'static str {
         match self {

@@ -6,16 +6,27 @@ use std::str::FromStr;
 use gfmd_field::Grid;
 use serde::{Serialize, Serializer};
 
+use super::quantity::AXES;
 use crate::failure::Failure;
 
-/// A row of points: an axis (x is 0, y is 1) and the position across it.
+/// A plane across an axis (x is 0, y is 1, z is 2), and its position: x or y of a row of points, or the height z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     axis: usize,
     position: f64,
 }
 
-const AXES: [&str; 2] = ["x", "y"];
+impl Slice {
+    /// The axis across which the plane lies.
+    pub(super) fn axis(self) -> usize {
+        self.axis
+    }
+
+    /// The height of a plane z = const.
+    pub(super) fn height(self) -> Option<f64> {
+        (self.axis == 2).then_some(self.position)
+    }
+}
 
 impl FromStr for Slice {
     type Err = String;
@@ -25,7 +36,7 @@ impl FromStr for Slice {
             let axis = AXES.iter().position(|axis| *axis == name)?;
             Some(Self { axis, position: position.parse().ok()? })
         });
-        parts.ok_or_else(|| "it must be x=POSITION or y=POSITION".into())
+        parts.ok_or_else(|| "it must be x=POSITION, y=POSITION or z=HEIGHT".into())
     }
 }
 
@@ -44,7 +55,7 @@ impl Serialize for Slice {
 /// Some points of a plane, and the axes along which they lie.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// The row, with the position of its points; `None` for a whole plane, or a line.
+    /// The row, with the position of its points, or the plane; `None` for all points, or a line.
     pub(super) slice: Option<Slice>,
     /// The axes along which the points lie: 0 is x, 1 is y.
     pub(super) axes: Vec<usize>,
@@ -55,10 +66,14 @@ pub(super) struct Rows {
 impl Rows {
     /// Selects the row nearest to `slice`, or all points.
     pub(super) fn new(slice: Option<Slice>, grid: &Grid) -> Result<Self, Failure> {
-        let Some(slice) = slice else {
+        let all = |slice| {
             let axes = if grid.is_line() { vec![0] } else { vec![0, 1] };
-            return Ok(Self { slice, axes, points: (0..grid.len()).collect() });
+            Self { slice, axes, points: (0..grid.len()).collect() }
         };
+        let Some(slice) = slice else { return Ok(all(None)) };
+        if slice.height().is_some() {
+            return Ok(all(Some(slice)));
+        }
         let (name, length) = (AXES[slice.axis], grid.lengths()[slice.axis]);
         if grid.is_line() {
             return Err(Failure::Input(format!("--slice is {slice}; it must be left out for a line")));
@@ -83,6 +98,16 @@ impl Rows {
             _ => (0..nx).map(|i| i * ny + index).collect(),
         };
         Self { slice: Some(Slice { axis, position }), axes: vec![1 - axis], points }
+    }
+
+    /// The row on which `--slice` lies, if it selects one.
+    pub(super) fn selected(&self) -> Option<Slice> {
+        self.slice.filter(|slice| slice.height().is_none())
+    }
+
+    /// True if the points are those of one plane of constant height.
+    pub(super) fn is_level(&self) -> bool {
+        self.slice.is_some_and(|slice| slice.height().is_some())
     }
 
     /// The number of points kept along x and y.

@@ -42,7 +42,7 @@ impl<'a> Volume<'a> {
         planes: &Planes,
         quantities: &[Quantity],
         provenance: &Provenance,
-        origin: &(String, String),
+        origin: Option<&(String, String)>,
     ) -> Result<Self, Failure> {
         let extension = output.path().extension().map(|extension| extension.to_ascii_lowercase());
         let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
@@ -81,7 +81,7 @@ fn path(quantity: Quantity) -> String {
     format!("/fields/{}", quantity.name())
 }
 
-fn archive_components(quantity: Quantity, line: bool) -> &'static [usize] {
+pub(super) fn archive_components(quantity: Quantity, line: bool) -> &'static [usize] {
     match (quantity, line) {
         (Quantity::Displacement, false) => &[0, 1, 2],
         (Quantity::Displacement, true) => &AXES_OF_A_LINE,
@@ -97,12 +97,14 @@ fn archive<'a>(
     planes: &Planes,
     quantities: &[Quantity],
     provenance: &Provenance,
-    (input, checksum): &(String, String),
+    origin: Option<&(String, String)>,
 ) -> Result<Sink<'a>, Failure> {
     let (grid, unit) = (planes.grid, planes.unit);
     let mut archive = Archive::create(output, provenance)?;
-    archive.attribute("/input", "file", input.as_str())?;
-    archive.attribute("/input", "file_sha256", checksum.as_str())?;
+    if let Some((input, checksum)) = origin {
+        archive.attribute("/input", "file", input.as_str())?;
+        archive.attribute("/input", "file_sha256", checksum.as_str())?;
+    }
     let depths: Vec<f64> = planes.below.iter().map(|plane| plane.depth).collect();
     let depth = Dimension::values("depth", depths.clone(), unit, "depth below the surface");
     if planes.below.iter().any(|plane| plane.side.is_some()) {
@@ -135,7 +137,7 @@ fn archive<'a>(
         archive
             .define(&path(quantity), &Variable { dimensions: &dimensions, units, long_name: quantity.long_name() })?;
     }
-    if let Some(slice) = planes.rows.slice {
+    if let Some(slice) = planes.rows.selected() {
         archive.attribute("/fields", "slice", slice.to_string())?;
     }
     Ok(Sink::Archive(archive))

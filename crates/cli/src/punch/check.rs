@@ -18,7 +18,7 @@ const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];
 /// Recomputes displacement, residual and scalars from the stored traction.
 pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) -> Result<(), Failure> {
     // The file holds the coarsest grid.
-    let args: Args = parsed(&words(config, &["compare", "refine"])?)?;
+    let args: Args = parsed(&flags(reader, config, &["refine"])?)?;
     let prepared = Prepared::new(&args)?;
     let grid = &prepared.grids[0];
     let problem = prepared.problem(&args, grid)?;
@@ -31,7 +31,7 @@ pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) 
     let solution = problem.certify(&traction.as_standard_layout().into_owned()).map_err(refuse)?;
     let displacement: Vec<f64> = reader.values("/fields/displacement")?;
     comparison.values("/fields/displacement", &displacement, &by_point(&solution.displacement), 0.0);
-    let points = prepared.punch.points(grid);
+    let points = prepared.points(grid);
     let under: Vec<f64> = points.iter().map(|under| f64::from(u8::from(*under))).collect();
     comparison.values("/fields/under_punch", &reader.values::<f64>("/fields/under_punch")?, &under, 0.0);
     let report = prepared.measure(&args, grid, &points, &solution, f64::NAN);
@@ -48,9 +48,22 @@ pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) 
 }
 
 /// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(_: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let mut words = words(config, &["compare"])?;
+pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let mut words = flags(reader, config, &[])?;
     words.push(format!("--out={}", out.display()));
     super::run(&parsed::<Args>(&words)?, session)?;
     Ok(true)
+}
+
+/// The flags of the run. The points under the punch and the traction beside it are taken from the file, where they stand as they
+/// were used.
+fn flags(reader: &Reader, config: &str, except: &[&str]) -> Result<Vec<String>, Failure> {
+    let mut flags = words(config, &[&["compare", "mask", "traction"], except].concat())?;
+    let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
+    for (key, dataset) in [("mask", "/fields/under_punch"), ("traction", "/fields/traction")] {
+        if table.contains_key(key) {
+            flags.push(format!("--{key}={}:{dataset}", reader.path().display()));
+        }
+    }
+    Ok(flags)
 }

@@ -62,8 +62,8 @@ impl Reference {
         Ok(Self { displacement: displacement.map_err(|error| fail(error.to_string()))? })
     }
 
-    /// Compares on the points that both grids have.
-    pub(super) fn compare(&self, name: &str, solution: &MixedSolution, depth: f64) -> Comparison {
+    /// Ours less the reference on the points that both grids have, `[x, y, component]`.
+    pub(super) fn difference(&self, solution: &MixedSolution) -> Array3<f64> {
         let ours = solution.displacement.view().permuted_axes([1, 2, 0]);
         let (n, m) = (ours.len_of(Axis(0)), self.displacement.len_of(Axis(0)));
         let every = |step: usize| {
@@ -75,15 +75,21 @@ impl Reference {
         };
         let ours = ours.slice_each_axis(every(n.div_ceil(m)));
         let theirs = self.displacement.slice_each_axis(every(m.div_ceil(n)));
-        let squares = (&ours - &theirs).mapv(|difference| difference * difference);
-        let (nx, ny, _) = ours.dim();
+        &ours - &theirs
+    }
+
+    /// Compares on the points that both grids have.
+    pub(super) fn compare(&self, name: &str, solution: &MixedSolution, depth: f64) -> Comparison {
+        let squares = self.difference(solution).mapv(|difference| difference * difference);
+        let (nx, ny, _) = squares.dim();
         let of_component = |squares: ndarray::ArrayView2<f64>| (squares.sum() / (nx * ny) as f64).sqrt() / depth;
         let error = squares.axis_iter(Axis(2)).map(of_component).collect();
         Comparison { reference: name.into(), compared_points: [nx, ny], error }
     }
 }
 
-fn dataset(path: &str, name: &str) -> Result<ArrayD<f64>, String> {
+/// Reads a dataset of an HDF5 file.
+pub(super) fn dataset(path: &str, name: &str) -> Result<ArrayD<f64>, String> {
     let reader = Reader::open(path).map_err(|error| error.to_string())?;
     let shape = reader.shape(name).map_err(|error| error.to_string())?;
     let values = reader.values::<f64>(name).map_err(|error| error.to_string())?;

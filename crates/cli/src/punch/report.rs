@@ -10,6 +10,7 @@ use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::convergence::NotConverged;
 use crate::elastic::{OtherArgs, serialize_height};
 use crate::session::list_files;
+use crate::trace::Trace;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -26,8 +27,17 @@ pub struct Report {
     pub others: OtherArgs,
     pub contact: ContactName,
     pub nodes: Nodes,
-    pub punch_width: f64,
-    pub effective_width: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub punch_width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<String>,
+    /// The file of the traction beside the punch.
+    #[serde(rename = "traction", skip_serializing_if = "Option::is_none")]
+    pub prescribed_traction: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shift: Vec<f64>,
     pub depth: f64,
     pub contact_nodes: usize,
     pub components: Vec<&'static str>,
@@ -46,6 +56,8 @@ pub struct Report {
     pub refinement: Option<Refinement>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_converged: Option<NotConverged>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<Trace>,
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
@@ -75,7 +87,16 @@ impl fmt::Display for Report {
             "{nx} x {ny} points, cell {} x {}, {} points under the punch ({nodes})",
             self.length[0], self.length[1], self.contact_nodes
         )?;
-        writeln!(f, "width {:.6}, effective width of the points {:.6}\n", self.punch_width, self.effective_width)?;
+        match &self.mask {
+            Some(mask) => writeln!(f, "points of {mask}\n")?,
+            None => {
+                let [width, effective] = [self.punch_width, self.effective_width].map(|w| w.unwrap_or(f64::NAN));
+                writeln!(f, "width {width:.6}, effective width of the points {effective:.6}\n")?;
+            }
+        }
+        if !self.shift.is_empty() {
+            writeln!(f, "shift {:?}, mean traction {:?}", self.shift, self.mean_traction)?;
+        }
         writeln!(f, "depth          {:>15.8e}", self.depth)?;
         writeln!(f, "mean pressure  {:>15.8e}", self.mean_pressure)?;
         writeln!(f, "max pressure   {:>15.8e}", self.max_pressure)?;
@@ -110,12 +131,14 @@ impl fmt::Display for Report {
 
 /// The scalars of the file: name, units, meaning, value.
 pub(super) fn scalars(report: &Report) -> [(&'static str, &'static str, &'static str, f64); 12] {
+    // The points of a mask have no width.
+    let effective_width = report.effective_width.unwrap_or(f64::NAN);
     [
         ("mean_pressure", "stress", "mean pressure over the whole surface", report.mean_pressure),
         ("max_pressure", "stress", "largest pressure, at the edge of the punch", report.max_pressure),
         ("depth", "length", "depth to which the punch is pressed", report.depth),
-        ("punch_width", "length", "width of the punch", report.punch_width),
-        ("effective_width", "length", "width as which its points act, N - 1/3 spacings", report.effective_width),
+        ("punch_width", "length", "width of the punch", report.punch_width.unwrap_or(f64::NAN)),
+        ("effective_width", "length", "width as which its points act, N - 1/3 spacings", effective_width),
         ("contact_nodes", "1", "points under the punch", report.contact_nodes as f64),
         ("elastic_energy", "stress*length", "elastic energy per area of the surface", report.elastic_energy),
         ("residual", "1", "largest error of the prescribed displacement over the depth", report.residual),

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any, Optional, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
@@ -153,12 +154,15 @@ def punch(
     body: Optional[Body] = None,
     *,
     length: float = 1.27,
-    n: int = 128,
+    n: Optional[int] = None,
     dim: int = 3,
-    punch_fraction: float = 0.25,
+    punch_fraction: Optional[float] = None,
+    mask: Optional[npt.ArrayLike] = None,
     depth: float = 0.005,
     contact: str = "sticking",
-    nodes: str = "strict",
+    nodes: Optional[str] = None,
+    shift: Sequence[float] = (),
+    traction: Optional[npt.ArrayLike] = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -170,12 +174,15 @@ def punch(
     Args:
         body: the body; by default that of `gfmd punch` (E = 70, Poisson's ratio 0.33, height = length).
         length: side of the cell, length.
-        n: points along a side.
+        n: points along a side; 128, or those of the mask.
         dim: 3 for a square punch, 2 for a strip.
-        punch_fraction: width of the punch over that of the cell.
+        punch_fraction: width of the punch over that of the cell, 0.25 by default; or
+        mask: the points under a punch of any shape, [n, n], or [n] of a strip: those other than 0.
         depth: depth to which it is pressed, length.
         contact: "sticking" or "frictionless".
-        nodes: "strict" leaves out the points on its edge, "inclusive" takes them in.
+        nodes: "strict" (default) leaves out the points on its edge, "inclusive" takes them in.
+        shift: lateral displacement (x, y) of a sticking punch, length; (x,) of a strip.
+        traction: traction where the punch does not hold, stress, [n, n, 3], or [n, 2] of a strip.
         solver: "auto", "cg", "verlet", "verlet-critical" or "fire".
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
@@ -198,23 +205,30 @@ def punch(
         words += _command.other_flags(given, given.layers)
     words += flags(
         length=number("length", length),
-        n=integer("n", n),
+        n=None if n is None else integer("n", n),
         dim=integer("dim", dim, 2, 3),
-        punch_fraction=number("punch_fraction", punch_fraction),
+        punch_fraction=None if punch_fraction is None else number("punch_fraction", punch_fraction),
         depth=number("depth", depth),
         contact=word("contact", contact),
-        nodes=word("nodes", nodes),
+        nodes=None if nodes is None else word("nodes", nodes),
+        shift=numbers("shift", shift) if len(shift) else None,
         solver=word("solver", solver),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
-        refine=integer("refine", refine, 1, 8),
+        refine=None if refine == 1 else integer("refine", refine, 1, 8),
     )
     with tempfile.TemporaryDirectory() as folder:
+        for name, array in (("mask", mask), ("traction", traction)):
+            if array is not None:
+                np.save(os.path.join(folder, f"{name}.npy"), np.asarray(array))
+                words += flags(**{name: os.path.join(folder, f"{name}.npy")})
         file = os.path.join(folder, "punch.h5")
         values, failure = _command.run("punch", [*words, f"--out={file}"], threads)
         fields = _command.fields(file, ("displacement", "traction", "under_punch"))
     if values["height"] == "inf":
         values["height"] = math.inf
+    for name in ("mask", "traction"):  # files that are removed with their folder
+        values.pop(name, None)
     return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
 
 

@@ -1,0 +1,87 @@
+//! The points under a punch, the traction beside it and its lateral displacement.
+
+use gfmd_field::Grid;
+use gfmd_files::{npy, split_dataset};
+use gfmd_response::Components;
+use ndarray::{Array2, Array3, ArrayD};
+
+use super::comparison::dataset;
+use super::{Args, ContactName};
+use crate::failure::Failure;
+
+fn read(flag: &str, name: &str) -> Result<ArrayD<f64>, Failure> {
+    let found = match split_dataset(name) {
+        Some((_, "")) => Err("it must be FILE.npy or FILE.h5:/dataset".into()),
+        Some((path, name)) => dataset(path, name),
+        None => npy::read(name),
+    };
+    let found = found.map_err(|reason| Failure::input(flag, format!("{name}: {reason}")))?;
+    match found.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(Failure::input(flag, format!("{name}: a value is {value}; all values must be finite"))),
+        None => Ok(found),
+    }
+}
+
+/// Reads the points under the punch.
+pub(super) fn mask(name: &str, dim: u8) -> Result<Array2<bool>, Failure> {
+    let found = read("--mask", name)?;
+    let shape = match (dim, found.shape()) {
+        (2, &[n] | &[n, 1]) => Ok((n, 1)),
+        (3, &[n, m]) if n == m => Ok((n, n)),
+        (dim, shape) => {
+            let allowed = if dim == 2 { "[n] with --dim 2" } else { "[n, n]" };
+            Err(Failure::input("--mask", format!("{name}: the shape is {shape:?}; it must be {allowed}")))
+        }
+    }?;
+    let under: Vec<bool> = found.iter().map(|value| *value != 0.0).collect();
+    if !under.contains(&true) {
+        return Err(Failure::input("--mask", format!("{name}: no point is under the punch; at least one must be")));
+    }
+    Array2::from_shape_vec(shape, under).map_err(|error| Failure::input("--mask", error))
+}
+
+/// The points along an axis: those that are given, which must be those of the mask.
+pub(super) fn points(given: Option<usize>, mask: Option<&Array2<bool>>) -> Result<usize, Failure> {
+    match (given, mask.map(Array2::nrows)) {
+        (Some(given), Some(n)) if given != n => Err(Failure::value("--n", given, format!("{n}, as --mask has"))),
+        (given, of_mask) => Ok(of_mask.or(given).unwrap_or(DEFAULT)),
+    }
+}
+
+/// Points along an axis, if nothing is said.
+const DEFAULT: usize = 128;
+
+/// Reads the traction where the punch does not hold, as `[component, x, y]`.
+pub(super) fn traction(name: &str, grid: &Grid) -> Result<Array3<f64>, Failure> {
+    let found = read("--traction", name)?;
+    let [nx, ny] = grid.points();
+    let components = Components::of(grid).len();
+    let fits = found.shape() == [nx, ny, components] || (ny == 1 && found.shape() == [nx, components]);
+    if !fits {
+        let allowed = if ny == 1 { format!("[{nx}, 2]") } else { format!("[{nx}, {ny}, 3]") };
+        let found = found.shape();
+        return Err(Failure::input("--traction", format!("{name}: the shape is {found:?}; it must be {allowed}")));
+    }
+    let points = Array3::from_shape_vec((nx, ny, components), found.into_iter().collect());
+    let points = points.map_err(|error| Failure::input("--traction", error))?;
+    Ok(points.permuted_axes([2, 0, 1]).as_standard_layout().into_owned())
+}
+
+/// Checks the lateral displacement.
+pub(super) fn check_shift(args: &Args) -> Result<(), Failure> {
+    let Some(first) = args.shift.first() else { return Ok(()) };
+    if args.contact == ContactName::Frictionless {
+        return Err(Failure::value(
+            "--shift",
+            first,
+            "left out with --contact frictionless, which does not hold sideways",
+        ));
+    }
+    if args.dim == 2 && args.shift.len() == 2 {
+        return Err(Failure::value("--shift", format!("{:?}", args.shift), "X alone with --dim 2"));
+    }
+    match args.shift.iter().find(|shift| !shift.is_finite()) {
+        Some(shift) => Err(Failure::value("--shift", shift, "finite")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,213 @@
+//! The figures: what the source shows, and the commands that make them.
+
+/// A figure of the source.
+pub(super) struct Figure {
+    pub(super) number: &'static str,
+    /// What the source shows, in its caption's words where the caption is right.
+    pub(super) source: &'static str,
+    /// What is drawn here.
+    pub(super) here: &'static str,
+    /// What is wrong with the caption, or with the comparison, if anything.
+    pub(super) erratum: &'static str,
+    pub(super) work: Work,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Work {
+    /// Pictures of the public commands.
+    Commands(&'static [Picture]),
+    /// Charts of the histories of several dampings.
+    Dampings,
+}
+
+/// A picture that a command draws.
+pub(super) struct Picture {
+    pub(super) command: &'static str,
+    /// Its file, without the ending.
+    pub(super) file: &'static str,
+    /// What distinguishes it from other pictures of the figure.
+    pub(super) suffix: &'static str,
+}
+
+const fn picture(command: &'static str, file: &'static str, suffix: &'static str) -> Picture {
+    Picture { command, file, suffix }
+}
+
+impl Figure {
+    /// The name of the file of a picture.
+    pub(super) fn file(&self, suffix: &str) -> String {
+        format!("figure-{}{suffix}.svg", self.number)
+    }
+
+    /// True if its commands read the file of the punch.
+    pub(super) fn is_below_the_punch(&self) -> bool {
+        matches!(self.work, Work::Commands(pictures) if pictures.iter().any(|p| p.command.contains("punch.h5")))
+    }
+}
+
+/// The runs whose files others read.
+pub(super) const PREPARATION: [&str; 1] = ["punch --tol 1e-10 --out punch.h5"];
+
+/// The comparison on the surface: figures 4.3 to 4.6.
+pub(super) const SURFACE: &str = "punch --tol 1e-10 --compare data/reference/punch3d_elements/u_n128.npy --plots top";
+
+/// The comparison below the surface, on y = L/2 and on x = L/2: figures 4.7 to 4.11.
+pub(super) const ALONG_X: &str = "body --surface punch.h5 --levels 65 --slice y=0.635 --compare data/reference/punch3d_elements/section_y.npy \
+     --draw ux,sxx,sxz --plots along-x";
+pub(super) const ALONG_Y: &str = "body --surface punch.h5 --levels 65 --slice x=0.635 --compare data/reference/punch3d_elements/section_x.npy \
+     --draw ux,uy,uz,sxx,sxz --plots along-y";
+
+/// The wave of figure 3.2 on a slab.
+macro_rules! wave {
+    ($rest:literal) => {
+        concat!("body --wave 1,1,z,0.5 --wave 1,-1,z,0.5 --young 1 --poisson 0.33 --height 1 ", $rest)
+    };
+}
+
+const ABOVE_X: &str = wave!("--levels 65 --slice y=0 --draw ux,uz,exx,ezz,exz --plots y0");
+const ABOVE_Y: &str = wave!("--levels 65 --slice x=0 --draw uy,eyy,eyz --plots x0");
+const LEVEL: &str = wave!("--slice z=0.875 --draw ux,uy,uz,exx,eyy,ezz,exz,eyz,exy --plots level");
+
+pub(super) const SPACE: &str =
+    "body --wave 1,0,z,1 --young 1 --poisson 0.33 --height 1 --levels 65 --slice y=0.5 --draw ux,uz --plots space";
+pub(super) const PLANE: &str =
+    "body --wave 1,0,z,1 --n 64,1 --young 1 --poisson 0.33 --height 1 --levels 65 --draw ux,uz --plots plane";
+
+/// The figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics.
+pub(super) const FIGURES: [Figure; 19] = [
+    Figure {
+        number: "3.3",
+        source: "u_x(x, y, z) below the wave of figure 3.2, cos(2πx + 2πy) + cos(2πx − 2πy) of u_z, with u_x = u_y = 0 on the surface.",
+        here: "u_x on the plane y = 0, and on the level z = 7/8 of the height.",
+        erratum: "",
+        work: Work::Commands(&[picture(ABOVE_X, "y0-ux", ""), picture(LEVEL, "level-ux", "-level")]),
+    },
+    Figure {
+        number: "3.4",
+        source: "u_y(x, y, z) below the same wave.",
+        here: "u_y on the plane x = 0, and on the level z = 7/8: u_x turned by 90 degrees.",
+        erratum: "",
+        work: Work::Commands(&[picture(ABOVE_Y, "x0-uy", ""), picture(LEVEL, "level-uy", "-level")]),
+    },
+    Figure {
+        number: "3.5",
+        source: "u_z(x, y, z) below the same wave.",
+        here: "u_z on the plane y = 0, and on the level z = 7/8.",
+        erratum: "",
+        work: Work::Commands(&[picture(ABOVE_X, "y0-uz", ""), picture(LEVEL, "level-uz", "-level")]),
+    },
+    Figure {
+        number: "3.6",
+        source: "A strain below the same wave.",
+        here: "The normal strains ε_xx (y = 0) and ε_zz (y = 0).",
+        erratum: "The text names figures 3.6 to 3.8 as strains without saying which; all six are drawn here, two in each figure.",
+        work: Work::Commands(&[picture(ABOVE_X, "y0-exx", "-exx"), picture(ABOVE_X, "y0-ezz", "-ezz")]),
+    },
+    Figure {
+        number: "3.7",
+        source: "A strain below the same wave.",
+        here: "The shear strains γ_xz (y = 0) and γ_yz (x = 0), engineering strains.",
+        erratum: "",
+        work: Work::Commands(&[picture(ABOVE_X, "y0-exz", "-exz"), picture(ABOVE_Y, "x0-eyz", "-eyz")]),
+    },
+    Figure {
+        number: "3.8",
+        source: "A strain below the same wave.",
+        here: "The strains ε_yy and γ_xy on the level z = 7/8.",
+        erratum: "",
+        work: Work::Commands(&[picture(LEVEL, "level-eyy", "-eyy"), picture(LEVEL, "level-exy", "-exy")]),
+    },
+    Figure {
+        number: "3.10",
+        source: "u_z below cos(2πx) from (a) the three-dimensional and (b) the two-dimensional solution: equal.",
+        here: "(a) the section y = L/2 of the solution in space, (b) the solution in plane strain.",
+        erratum: "",
+        work: Work::Commands(&[picture(SPACE, "space-uz", "a"), picture(PLANE, "plane-uz", "b")]),
+    },
+    Figure {
+        number: "3.11",
+        source: "u_x below the same wave, (a) and (b) as in figure 3.10: equal.",
+        here: "The same sections.",
+        erratum: "",
+        work: Work::Commands(&[picture(SPACE, "space-ux", "a"), picture(PLANE, "plane-ux", "b")]),
+    },
+    Figure {
+        number: "4.1a",
+        source: "The amplitude ũ_x(0, 0) of the slowest mode against the iteration for several damping factors, for the punch; the critical one converges fastest.",
+        here: "The amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical damping of eq. 4.8, and the uniform \
+               mode (0, 0) of the free slab, pushed at one point, for the same factors (`gfmd damping`). For the free slab factor 1 is best; for the \
+               punch, whose held points stiffen the soft modes, more damping is: 1162 steps to 1e-8 with factor 1, 578 with 2, 1240 with 3 (docs/solvers.md).",
+        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle of the punch. Its first wave is shown in its place.",
+        work: Work::Dampings,
+    },
+    Figure {
+        number: "4.1b",
+        source: "u_x/z_m on the line y = L/2 of the surface after n_tot steps, for the same damping factors.",
+        here: "The same after 100 steps, and the converged state (broken).",
+        erratum: "",
+        work: Work::Dampings,
+    },
+    Figure {
+        number: "4.3",
+        source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes on the surface.",
+        here: "Ours, finite elements with the same nodes and held points, and the difference.",
+        erratum: "",
+        work: Work::Commands(&[picture(SURFACE, "top-u_x", "")]),
+    },
+    Figure {
+        number: "4.4",
+        source: "u_y of the surface, (a) and (b).",
+        here: "As figure 4.3.",
+        erratum: "",
+        work: Work::Commands(&[picture(SURFACE, "top-u_y", "")]),
+    },
+    Figure {
+        number: "4.5",
+        source: "u_z of the surface, (a) and (b).",
+        here: "As figure 4.3.",
+        erratum: "",
+        work: Work::Commands(&[picture(SURFACE, "top-u_z", "")]),
+    },
+    Figure {
+        number: "4.6",
+        source: "Displacements of GFMD and finite elements in one plot; eq. 4.13 of u_x is about 0.00196.",
+        here: "u_x and u_z of both along x through the middle of the surface, and our traction.",
+        erratum: "",
+        work: Work::Commands(&[picture(SURFACE, "top-cut", "")]),
+    },
+    Figure {
+        number: "4.7",
+        source: "u_x over the height, (a) and (b), on a plane captioned x/L = 0.5.",
+        here: "u_x on y = L/2: ours, finite elements, difference.",
+        erratum: "On x = L/2 u_x vanishes: it is odd about the middle. The source must have drawn y = L/2.",
+        work: Work::Commands(&[picture(ALONG_X, "along-x-ux", "")]),
+    },
+    Figure {
+        number: "4.8",
+        source: "u_y over the height, (a) and (b), on a plane captioned y/L = 0.5.",
+        here: "u_y on x = L/2: ours, finite elements, difference.",
+        erratum: "On y = L/2 u_y vanishes for the same reason.",
+        work: Work::Commands(&[picture(ALONG_Y, "along-y-uy", "")]),
+    },
+    Figure {
+        number: "4.9",
+        source: "u_z over the height, (a) and (b), on the plane x/L = 0.5.",
+        here: "u_z on x = L/2: ours, finite elements, difference.",
+        erratum: "",
+        work: Work::Commands(&[picture(ALONG_Y, "along-y-uz", "")]),
+    },
+    Figure {
+        number: "4.10",
+        source: "σ_xx on the plane captioned x/L = 0.5, (a) and (b).",
+        here: "σ_xx on x = L/2 as captioned, and on y = L/2: ours, finite elements, difference, in GPa.",
+        erratum: "The captions of the other figures name x = L/2 where y = L/2 is meant, so that either plane may be the one drawn.",
+        work: Work::Commands(&[picture(ALONG_Y, "along-y-sxx", ""), picture(ALONG_X, "along-x-sxx", "-y")]),
+    },
+    Figure {
+        number: "4.11",
+        source: "σ_xz on a plane captioned x/L = 0.5, (a) and (b).",
+        here: "σ_xz on y = L/2: ours, finite elements, difference, in GPa.",
+        erratum: "On x = L/2 σ_xz vanishes: it is odd about the middle. The source must have drawn y = L/2.",
+        work: Work::Commands(&[picture(ALONG_X, "along-x-sxz", "")]),
+    },
+];

@@ -1,0 +1,102 @@
+//! Figure 4.1: the punch with several damping factors, beside the free slab.
+
+use gfmd_cli::failure::Failure;
+use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
+use serde_json::Value;
+
+use super::Runs;
+
+/// The damping over the critical one.
+const FACTORS: [&str; 4] = ["0.1", "0.3", "1", "3"];
+
+/// Steps of figure 4.1a, and the one at which figure 4.1b is taken.
+const STEPS: usize = 400;
+const SNAPSHOT: usize = 100;
+
+/// Every so many points of the line y = L/2 are drawn.
+const EVERY: usize = 2;
+
+const LENGTH: f64 = 1.27;
+const POINTS: f64 = 128.0;
+
+/// The command of the punch with one factor, as it stands on the page.
+pub(super) fn command(factor: &str) -> String {
+    format!(
+        "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history --history-mode 1,0,x"
+    )
+}
+
+/// The command of the free slab.
+pub(super) fn free() -> String {
+    format!(
+        "damping --n 128 --height 1 --young 70 --poisson 0.33 --factors {} --steps {STEPS} --out free.h5",
+        FACTORS.join(",")
+    )
+}
+
+/// The pictures with what their file names end with.
+pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, String)>, Failure> {
+    let points: String = (0..POINTS as usize)
+        .step_by(EVERY)
+        .map(|i| format!(" --history-point {:.6},0.635,x", i as f64 * LENGTH / POINTS))
+        .collect();
+    let mut modes = Vec::new();
+    let mut profiles = Vec::new();
+    for (hue, factor) in FACTORS.into_iter().enumerate() {
+        let report = runs.run(&(command(factor) + &points))?;
+        let history = &report["history"];
+        let label = format!("factor {factor}");
+        let amplitude = numbers(&history["modes"][0]["im"])?;
+        modes.push(Series::line(&label, hue, amplitude.iter().enumerate().map(|(step, u)| (step as f64, u / LENGTH))));
+        let line = history["points"].as_array().map_or(&[][..], Vec::as_slice);
+        let profile = line.iter().map(|point| {
+            let x = point["point"][0].as_f64().unwrap_or(f64::NAN);
+            Ok((x / LENGTH, numbers(&point["u"])?.get(SNAPSHOT).copied().unwrap_or(f64::NAN) / LENGTH))
+        });
+        profiles.push(Series::line(&label, hue, profile.collect::<Result<Vec<_>, Failure>>()?));
+    }
+    let svg = |chart: Chart| chart.svg().map_err(Failure::from);
+    if number == "4.1b" {
+        // The displacement of the converged state, from the file that the figures below the punch read.
+        runs.run(super::PREPARATION[0])?;
+        let file = gfmd_files::Reader::open(runs.folder.path().join("punch.h5"));
+        let file = file.map_err(|error| Failure::Computation(error.to_string()))?;
+        let u: Vec<f64> =
+            file.values("/fields/displacement").map_err(|error| Failure::Computation(error.to_string()))?;
+        let n = POINTS as usize;
+        let exact = (0..n).map(|i| (i as f64 / POINTS, u[(i * n + n / 2) * 3] / LENGTH));
+        profiles.push(Series { mark: Mark::Dashes, ..Series::line("converged", 6, exact) });
+        let panel = Panel {
+            x: Axis::linear("*x*/*L*"),
+            y: Axis::linear(&format!("*u*_x/*z*_m after {SNAPSHOT} steps")),
+            series: profiles,
+            ..Panel::default()
+        };
+        return Ok(vec![("", svg(Chart::new(vec![panel]))?)]);
+    }
+    runs.run(&free())?;
+    let file = gfmd_files::Reader::open(runs.folder.path().join("free.h5"));
+    let file = file.map_err(|error| Failure::Computation(error.to_string()))?;
+    let slowest: Vec<f64> = file.values("/history/mode").map_err(|error| Failure::Computation(error.to_string()))?;
+    let length = slowest.len() / FACTORS.len();
+    let free = slowest.chunks_exact(length).zip(FACTORS).enumerate().map(|(hue, (run, factor))| {
+        Series::line(&format!("factor {factor}"), hue, run.iter().enumerate().map(|(step, u)| (step as f64, *u)))
+    });
+    let panel = |title: &str, label: &str, series| Panel {
+        title: title.into(),
+        x: Axis::linear("time step"),
+        y: Axis::linear(label),
+        series,
+        ..Panel::default()
+    };
+    let panels = vec![
+        panel("punch", "amplitude of *u*_x, mode (1, 0) / *z*_m", modes),
+        panel("free slab", "amplitude of *u*_x, mode (0, 0) / start", free.collect()),
+    ];
+    Ok(vec![("", svg(Chart { share_y: false, ..Chart::new(panels) })?)])
+}
+
+fn numbers(value: &Value) -> Result<Vec<f64>, Failure> {
+    let list: Option<Vec<f64>> = value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
+    list.ok_or_else(|| Failure::Computation("a history has no numbers".into()))
+}
