@@ -6,16 +6,15 @@ mod file;
 mod page;
 mod statistics;
 mod table;
+mod threshold;
+mod watching;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{
-    Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness, Visit, Watch,
-};
+use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness};
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
@@ -47,6 +46,8 @@ pub(crate) use check::{again, check};
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 use statistics::{Measured, through};
+use threshold::Threshold;
+use watching::Watching;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -83,6 +84,10 @@ pub struct Args {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
+    /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    flow_threshold: bool,
     #[command(flatten)]
     #[serde(flatten)]
     solver: SolverArgs,
@@ -162,6 +167,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
     pub loads: Vec<LoadRecord>,
+    /// Along x and along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flow_threshold: Option<[Option<Threshold>; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_converged: Option<NotConverged>,
     pub peak_bytes: u64,
@@ -227,7 +235,10 @@ impl Prepared {
             return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
         }
         let surface = args.source.bounded(args.boundary, session)?;
-        if args.flow && surface.grid.is_line() {
+        if args.flow_threshold {
+            threshold::check(args)?;
+        }
+        if (args.flow || args.flow_threshold) && surface.grid.is_line() {
             return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
         }
         let fields = match (args.law.law, args.boundary) {
@@ -326,6 +337,7 @@ impl Prepared {
             boundary: self.surface.boundary.name(),
             hardness: args.hardness,
             loads: Vec::new(),
+            flow_threshold: None,
             not_converged: None,
             peak_bytes: 0,
             out: None,
@@ -455,12 +467,18 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             }
             last = Some(state);
         }
+        if failure.is_none() && args.flow_threshold {
+            report.flow_threshold = Some(self.threshold(&scales, &progress)?);
+        }
         progress.finish();
         if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
             return Ok(failure);
         }
         if let Some(mut file) = file {
             file.write_statistics(surface, &gathered.loads)?;
+            if let Some(found) = &report.flow_threshold {
+                file.write_threshold(surface.unit(), found)?;
+            }
             report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
         }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
@@ -547,41 +565,5 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let Some(index) = kept.finished().checked_sub(1) else { return Ok(None) };
         let load = self.prepared.controls[index];
         kept.state().map(|mut stored| stored.restore(|visitor| self.contact.restore(load.into(), visitor))).transpose()
-    }
-}
-
-/// The watcher of one load: progress, history, interruption, and copies of the solve.
-struct Watching<'a, 'k> {
-    index: usize,
-    progress: &'a Progress,
-    session: &'a Session,
-    history: History,
-    kept: Option<&'a mut Kept<'k>>,
-    /// True after an interruption, which waits for the next copy.
-    closing: bool,
-    failed: Option<Failure>,
-}
-
-impl Watch for Watching<'_, '_> {
-    fn see(&mut self, now: &gfmd_contact::Progress) -> ControlFlow<()> {
-        let gfmd_contact::Progress { iteration, residual } = *now;
-        let note = format!("load {}, iteration {iteration}, residual {residual:.1e}", self.index);
-        self.progress.advance(0.0, &note);
-        self.history.see(iteration, residual);
-        if self.failed.is_some() || self.closing || (self.session.is_interrupted() && self.kept.is_none()) {
-            return ControlFlow::Break(());
-        }
-        self.closing = self.session.is_interrupted();
-        ControlFlow::Continue(())
-    }
-
-    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
-        let Some(kept) = self.kept.as_deref_mut().filter(|kept| self.closing || kept.is_due()) else { return };
-        self.failed = kept.checkpoint(variables).err();
-    }
-
-    fn recall(&mut self) -> Option<&mut dyn Visit> {
-        let running = self.kept.as_deref_mut()?.running()?;
-        Some(running)
     }
 }

@@ -412,7 +412,7 @@ pub const FLOW: &[Column<LoadRecord>] = &[
     Column::new(
         "flow_residual",
         "1",
-        "largest deviation of the flow through a section from the mean flow, and of the power from the flow, relative",
+        "largest of what is missing in a cell and the deviations of sections and power, over the mean flow",
         |r| r.flow.map_or(f64::NAN, |flow| flow.residual),
     ),
 ];

@@ -153,7 +153,7 @@ fn statistics_and_flow_agree_with_the_fields_of_the_file() {
         let through = flow["percolates"][0].as_bool().unwrap();
         let along = flow["conductivity"][0][0].as_f64().unwrap();
         assert_eq!(through, along > 0.0);
-        assert!(along < 1.0 && number(flow, "residual") <= 1e-4);
+        assert!(along < 1.0 && number(flow, "residual") <= 1e-8);
         assert_eq!(column("/loads/flow_xx")[load].to_bits(), along.to_bits());
     }
     let last = &report["loads"][3];
@@ -173,6 +173,37 @@ fn statistics_and_flow_agree_with_the_fields_of_the_file() {
     }
     let refused = gfmd(folder.path(), &["contact", "--dim", "2", "--n", "64", "--p-star", "0.1", "--flow"]);
     assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
+fn the_flow_stops_between_the_loads_of_the_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |words: &str| json(folder.path(), &words.split_whitespace().collect::<Vec<_>>());
+    let surface = "--n 64 --eps-f-inv 16 --hurst 0.8 --seed 4 --json";
+    let found = run(&format!("contact {surface} --p-star 0.05,1.2 --flow-threshold --out c.h5"));
+    for axis in 0..2 {
+        let threshold = &found["flow_threshold"][axis];
+        let sides = |key: &str| [0, 1].map(|side| threshold[key][side].as_f64().unwrap());
+        let [open, closed] = sides("p_star");
+        assert!(open < closed && closed < 1.0011 * open, "{threshold}");
+        assert!(sides("area_fraction")[0] > 0.3 && sides("area_fraction")[1] < 0.6);
+        let loads = run(&format!("contact {surface} --p-star {open:e},{closed:e} --flow"));
+        let percolates = [0, 1].map(|load| loads["loads"][load]["flow"]["percolates"][axis].as_bool().unwrap());
+        assert_eq!(percolates, [true, false]);
+    }
+    for words in [&["check", "c.h5"][..], &["check", "c.h5", "--rerun"]] {
+        let output = gfmd(folder.path(), words);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
+    // Open at all loads; one load; a law.
+    let open = run(&format!("contact {surface} --p-star 0.01,0.02 --flow-threshold"));
+    assert!(open["flow_threshold"][0].is_null() && open["flow_threshold"][1].is_null());
+    assert_eq!(open["warnings"][0]["code"], "flow-threshold");
+    for more in ["--p-star 0.1,0.1", "--p-star 0.01,0.1 --law exponential --param gamma=1e-5,range=1e-3"] {
+        let words = format!("contact --n 64 --flow-threshold {more}");
+        let refused = gfmd(folder.path(), &words.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(refused.status.code(), Some(2), "{more}");
+    }
 }
 
 #[test]

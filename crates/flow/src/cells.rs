@@ -3,8 +3,9 @@
 use gfmd_field::Grid;
 use gfmd_measure::{Patches, Surroundings};
 use ndarray::ArrayView2;
+use rayon::prelude::*;
 
-use crate::multigrid::Graph;
+use crate::graph::Graph;
 
 /// The number of a cell that takes no part.
 const CLOSED: u32 = u32::MAX;
@@ -23,18 +24,28 @@ struct Face {
 pub(crate) struct Balance {
     /// Mean flux along x and y.
     pub(crate) flux: [f64; 2],
-    /// Power per area, the conductivity along the axis: of all potentials the true one has the least, so that errors enter squared.
+    /// Power per area, which is the conductivity along the axis.
     pub(crate) power: f64,
-    /// The largest relative deviation of the flow through a section from their mean, and of the power from the flux.
+    /// What is missing in the balance of a cell over the mean flow through a face, the deviation of the flow through a section from their
+    /// mean, and of the power from the flux: the largest of all, relative.
     pub(crate) residual: f64,
 }
 
-impl Balance {
-    /// The balance with what is missing in the cells, of which `slope` is twice the power.
-    pub(crate) fn with(self, slope: f64, area: f64) -> Self {
-        let missing = (slope / (self.power * area)).abs().sqrt();
-        let residual = if missing > self.residual || missing.is_nan() { missing } else { self.residual };
-        Self { residual, ..self }
+/// The deviation of the potential from its mean gradient at a cell, as the sum of a number and a small one.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Potential([f64; 2]);
+
+impl Potential {
+    pub(crate) fn add(&mut self, correction: f64) {
+        let Self([high, low]) = *self;
+        let low = low + correction;
+        let sum = high + low;
+        *self = Self([sum, low - (sum - high)]);
+    }
+
+    /// The difference to another potential, and `drop`.
+    fn over(self, Self([high, low]): Self, drop: f64) -> f64 {
+        ((self.0[0] - high) + drop) + (self.0[1] - low)
     }
 }
 
@@ -68,6 +79,11 @@ impl<'a> Cells<'a> {
             }
         }
         Self { grid: *grid, conductivity, surroundings, axis, numbers, open }
+    }
+
+    /// The width of a face across the gradient.
+    pub(crate) fn width(&self) -> f64 {
+        self.grid.spacing()[1 - self.axis]
     }
 
     pub(crate) fn area(&self) -> f64 {
@@ -129,33 +145,40 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// What the mean gradient alone, −1 along the axis, brings into each cell.
-    pub(crate) fn source(&self) -> Vec<f64> {
-        let of_cell = |cell: &u32| {
-            let faces = self.faces(*cell as usize).filter(|(axis, ..)| *axis == self.axis);
-            faces.map(|(_, far, face)| face.conductance * face.distance * if far { -1.0 } else { 1.0 }).sum()
-        };
-        self.open.iter().map(of_cell).collect()
+    /// What flows out of a cell through one of its faces.
+    fn out(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
+        let beside = face.beside.map_or(Potential::default(), |beside| potential[self.numbers[beside] as usize]);
+        let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
+        face.conductance * potential[number].over(beside, drop)
     }
 
-    /// What flows out of a cell through one of its faces, with the deviations p of the potential from −x (or −y).
-    fn out(&self, potential: &[f64], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
-        let beside = face.beside.map_or(0.0, |beside| potential[self.numbers[beside] as usize]);
-        let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
-        face.conductance * (potential[number] - beside + drop)
+    /// What flows into each cell, if all is not in balance.
+    pub(crate) fn missing(&self, potential: &[Potential]) -> Vec<f64> {
+        let of = |(number, cell): (usize, &u32)| {
+            -self.faces(*cell as usize).map(|part| self.out(potential, number, &part)).sum::<f64>()
+        };
+        self.open.par_iter().enumerate().map(of).collect()
+    }
+
+    /// True if the other cells are the same, but for the gradient.
+    pub(crate) fn has_equations_of(&self, other: &Self) -> bool {
+        self.surroundings == Surroundings::Repeats && self.open == other.open
     }
 
     /// What flows with a potential, from each cell's faces anew.
-    pub(crate) fn balance(&self, potential: &[f64]) -> Balance {
+    pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
         let (lengths, points) = (self.grid.lengths(), self.grid.points());
         let stride = if self.axis == 0 { points[1] } else { 1 };
         let (mut flux, mut power) = ([0.0; 2], 0.0);
         let mut sections = vec![0.0; points[self.axis] + 1];
+        let mut missing = 0.0;
         for (number, cell) in self.open.iter().enumerate() {
             let index = *cell as usize / stride % points[self.axis];
+            let mut sum = 0.0;
             for part in self.faces(*cell as usize) {
                 let out = self.out(potential, number, &part);
                 let (axis, far, face) = part;
+                sum += out;
                 // Each inner face belongs to two cells, each with half of the way.
                 let share = if face.beside.is_some() { 0.5 } else { 1.0 };
                 flux[axis] += share * face.distance * if far { out } else { -out };
@@ -166,6 +189,7 @@ impl<'a> Cells<'a> {
                     _ => {}
                 }
             }
+            missing = larger(missing, sum.abs());
         }
         if self.surroundings == Surroundings::Repeats {
             sections[0] = sections[points[self.axis]];
@@ -173,16 +197,14 @@ impl<'a> Cells<'a> {
         let area = lengths[0] * lengths[1];
         let (flux, power) = (flux.map(|flux| flux / area), power / area);
         let through = flux[self.axis] * lengths[1 - self.axis];
-        let mut residual = (flux[self.axis] / power - 1.0).abs();
-        for section in sections {
-            let apart = (section / through - 1.0).abs();
-            residual = if apart > residual || apart.is_nan() { apart } else { residual };
-        }
+        let of_power = (flux[self.axis] / power - 1.0).abs();
+        let of_sections = sections.iter().map(|section| (section / through - 1.0).abs());
+        let residual = of_sections.fold(larger(missing / (flux[self.axis] * self.width()).abs(), of_power), larger);
         Balance { flux, power, residual }
     }
 
     /// The magnitude of the flux at every cell: flow per width, averaged over opposite faces.
-    pub(crate) fn flux(&self, potential: &[f64]) -> Vec<f64> {
+    pub(crate) fn flux(&self, potential: &[Potential]) -> Vec<f64> {
         let spacing = self.grid.spacing();
         let mut magnitudes = vec![0.0; self.numbers.len()];
         for (number, cell) in self.open.iter().enumerate() {
@@ -197,10 +219,15 @@ impl<'a> Cells<'a> {
     }
 
     /// The potential less its mean gradient at every cell, zero where nothing flows.
-    pub(crate) fn spread(&self, potential: &[f64]) -> Vec<f64> {
-        let of = |number: &u32| potential.get(*number as usize).copied().unwrap_or(0.0);
+    pub(crate) fn spread(&self, potential: &[Potential]) -> Vec<f64> {
+        let of = |number: &u32| potential.get(*number as usize).map_or(0.0, |Potential([high, low])| high + low);
         self.numbers.iter().map(of).collect()
     }
+}
+
+/// The larger of two numbers, NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
 }
 
 /// The harmonic mean, which is that of two layers in series.

@@ -2,20 +2,27 @@ use gfmd_field::Grid;
 use gfmd_measure::Surroundings;
 use ndarray::{Array2, ArrayView2};
 
-use crate::cells::{Balance, Cells, conducting};
-use crate::multigrid::{Multigrid, dot};
+use crate::cells::{Balance, Cells, Potential, conducting};
+use crate::elimination::Elimination;
+use crate::graph::{dot, largest, zip};
 
 /// The largest [residual](Flow::residual) of a flow.
-pub const TOLERANCE: f64 = 1e-4;
+pub const TOLERANCE: f64 = 1e-8;
 
-/// Largest number of iterations. Some 20 are usual.
+/// Largest number of iterations. Some 60 are usual.
 const ITERATIONS: usize = 1000;
 
-/// Iterations between two balances.
-const CHECKS: usize = 4;
+/// Rounds of iterations, each from balances that are computed anew.
+const ROUNDS: usize = 12;
 
-/// The residual at which iterations end.
-const ENOUGH: f64 = 0.5 * TOLERANCE;
+/// The largest reduction of the error in a round, beyond which rounding counts.
+const REDUCTION: f64 = 1e-10;
+
+/// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of it.
+const MARGIN: f64 = 0.3;
+
+/// Iterations between two looks at what is missing.
+const CHECKS: usize = 4;
 
 /// The flow under a unit mean gradient along one axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +43,9 @@ pub struct Flow {
     pub conductivity: [[f64; 2]; 2],
     /// True along x (y) if something flows.
     pub percolates: [bool; 2],
-    /// The largest relative deviation of the flow through a section x = const (of a gradient along y: y = const) from the mean flow,
-    /// of the dissipated power from the flow, and the size of what is missing in the balances of all cells, as the root of the power that it would
-    /// cost over the dissipated power, computed from the potential face by face. The conductivity along a gradient is that of the
-    /// power, of which the true potential has the least: this error enters squared.
+    /// The largest of three relative deviations, computed from the potential face by face: what is missing in the balance of a cell,
+    /// over the mean flow through a face of a section; the flow through a section x = const (of a gradient along y: y = const)
+    /// from the mean flow; the dissipated power from the flow.
     pub residual: f64,
     /// The flow along x and along y; none without percolation.
     pub paths: [Option<Path>; 2],
@@ -100,10 +106,25 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, surroundings: Surroundin
     let scaled_field = ArrayView2::from_shape(expected, &scaled).map_err(|_| FlowError::Shape { found, expected })?;
     let patches = conducting(scaled_field, surroundings);
     let percolates = patches.percolate();
-    let along = |axis: usize| {
-        percolates[axis].then(|| Solved::new(&Cells::new(grid, &scaled, surroundings, &patches, axis), expected, unit))
+    let cells = [0, 1].map(|axis| Cells::new(grid, &scaled, surroundings, &patches, axis));
+    let solved =
+        |cells: &Cells, potential: &[Potential], iterations| Solved::new(cells, potential, iterations, expected, unit);
+    let solved: [Option<Solved>; 2] = match &cells {
+        // The equations are the same; their factors, too.
+        [x, y] if percolates == [true; 2] && x.has_equations_of(y) => {
+            let ([of_x, of_y], iterations) = solve([x, y]);
+            rayon::join(|| Some(solved(x, &of_x, iterations)), || Some(solved(y, &of_y, iterations))).into()
+        }
+        [x, y] => {
+            let along = |cells: &Cells| {
+                percolates[cells.axis()].then(|| {
+                    let ([potential], iterations) = solve([cells]);
+                    solved(cells, &potential, iterations)
+                })
+            };
+            rayon::join(|| along(x), || along(y)).into()
+        }
     };
-    let solved: [Option<Solved>; 2] = rayon::join(|| along(0), || along(1)).into();
     let mut state = Flow { conductivity: [[0.0; 2]; 2], percolates, residual: 0.0, paths: [None, None] };
     let mut iterations = 0;
     for (axis, solved) in solved.into_iter().enumerate() {
@@ -128,45 +149,73 @@ struct Solved {
 }
 
 impl Solved {
-    /// Conjugate gradients, flexible since the preconditioner is not linear.
-    fn new(cells: &Cells, shape: [usize; 2], unit: f64) -> Self {
-        let n = cells.len();
-        let area = cells.area();
-        let mut multigrid = Multigrid::new(cells.graph());
-        let source = cells.source();
-        let mut residual = source.clone();
-        let [mut potential, mut direction, mut image, mut step, mut before] = std::array::from_fn(|_| vec![0.0; n]);
-        let (mut last, mut iterations) = (0.0, 0);
-        while iterations < ITERATIONS {
-            multigrid.precondition(&residual, &mut step);
-            let slope = dot(&residual, &step);
-            if iterations % CHECKS == 0 && cells.balance(&potential).with(slope, area).residual <= ENOUGH {
-                break;
-            }
-            let beta = if iterations == 0 { 0.0 } else { (slope - dot(&before, &step)) / last };
-            last = slope;
-            direction.iter_mut().zip(&step).for_each(|(d, z)| *d = z + beta * *d);
-            multigrid.graph().apply(&direction, &mut image);
-            let length = dot(&residual, &direction) / dot(&direction, &image);
-            if !length.is_finite() {
-                break;
-            }
-            before.copy_from_slice(&residual);
-            for (((p, r), d), image) in potential.iter_mut().zip(&mut residual).zip(&direction).zip(&image) {
-                *p += length * d;
-                *r -= length * image;
-            }
-            iterations += 1;
-        }
-        multigrid.graph().apply(&potential, &mut image);
-        residual.iter_mut().zip(&source).zip(&image).for_each(|((r, b), image)| *r = b - image);
-        multigrid.precondition(&residual, &mut step);
-        let slope = dot(&residual, &step);
-        let Balance { mut flux, power, residual } = cells.balance(&potential).with(slope, area);
+    fn new(cells: &Cells, potential: &[Potential], iterations: usize, shape: [usize; 2], unit: f64) -> Self {
+        let Balance { mut flux, power, residual } = cells.balance(potential);
         flux[cells.axis()] = power;
         let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).unwrap_or_default();
-        let fluxes = cells.flux(&potential).into_iter().map(|flux| flux * unit).collect();
-        let path = Path { potential: field(cells.spread(&potential)), flux: field(fluxes), iterations };
+        let fluxes = cells.flux(potential).into_iter().map(|flux| flux * unit).collect();
+        let path = Path { potential: field(cells.spread(potential)), flux: field(fluxes), iterations };
         Self { flux: flux.map(|flux| flux * unit), residual, path }
     }
+}
+
+/// The potentials of cells with the same equations under different gradients, and the number of iterations: conjugate gradients,
+/// started again from balances that are computed anew.
+fn solve<const N: usize>(cells: [&Cells; N]) -> ([Vec<Potential>; N], usize) {
+    let graph = cells[0].graph();
+    let factors = Elimination::of(&graph);
+    let (n, area) = (graph.len(), cells[0].area());
+    let mut potentials: [Vec<Potential>; N] = std::array::from_fn(|_| vec![Potential::default(); n]);
+    let [mut residual, mut step, mut direction, mut image, mut correction] = std::array::from_fn(|_| vec![[0.0; N]; n]);
+    let (mut work, mut iterations) = (Vec::new(), 0);
+    let mut balances: [Balance; N] = std::array::from_fn(|k| cells[k].balance(&potentials[k]));
+    let mut margin = MARGIN;
+    for _ in 0..ROUNDS {
+        for (k, (cells, potential)) in cells.iter().zip(&potentials).enumerate() {
+            let missing = cells.missing(potential);
+            residual.iter_mut().zip(missing).for_each(|(residual, missing)| residual[k] = missing);
+        }
+        correction.fill([0.0; N]);
+        let (mut first, mut last) = ([0.0; N], [0.0; N]);
+        // Each iteration lowers the power by a known amount; what remains gives the flow, and so what may be missing in a cell.
+        let mut power = balances.each_ref().map(|balance| balance.power);
+        while iterations < ITERATIONS {
+            factors.solve(&residual, &mut step, &mut work);
+            let slope = dot(&residual, &step);
+            if last == [0.0; N] {
+                (first, last) = (slope, slope);
+                direction.copy_from_slice(&step);
+            } else {
+                let beta: [f64; N] = std::array::from_fn(|k| if last[k] > 0.0 { slope[k] / last[k] } else { 0.0 });
+                zip(&mut direction, &step, |d, z| (0..N).for_each(|k| d[k] = z[k] + beta[k] * d[k]));
+                last = slope;
+            }
+            graph.apply(&direction, &mut image);
+            let work_done = dot(&direction, &image);
+            let length: [f64; N] =
+                std::array::from_fn(|k| if work_done[k] > 0.0 { slope[k] / work_done[k] } else { 0.0 });
+            zip(&mut correction, &direction, |p, d| (0..N).for_each(|k| p[k] += length[k] * d[k]));
+            zip(&mut residual, &image, |r, image| (0..N).for_each(|k| r[k] -= length[k] * image[k]));
+            iterations += 1;
+            (0..N).for_each(|k| power[k] -= length[k] * slope[k] / area);
+            let enough = |k: usize| {
+                let allowed = margin * TOLERANCE * power[k] * cells[k].width();
+                slope[k] <= REDUCTION * REDUCTION * first[k] || largest(&residual, k) <= allowed
+            };
+            if iterations % CHECKS == 0 && (0..N).all(enough) {
+                break;
+            }
+        }
+        let mut done = true;
+        for (k, (cells, potential)) in cells.iter().zip(&mut potentials).enumerate() {
+            potential.iter_mut().zip(&correction).for_each(|(potential, c)| potential.add(c[k]));
+            balances[k] = cells.balance(potential);
+            done &= balances[k].residual <= TOLERANCE;
+        }
+        margin *= MARGIN;
+        if done || iterations >= ITERATIONS {
+            break;
+        }
+    }
+    (potentials, iterations)
 }

@@ -3,8 +3,8 @@
 //! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The equation is
 //! balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face between two cells is
 //! the harmonic mean of their k, which is exact for layers in series and side by side (theory.md, section 9.1). Conjugate
-//! gradients are preconditioned by multigrid on aggregates of strongly connected cells, so that channels and dams of any shape
-//! and contrast are resolved on all levels.
+//! gradients are preconditioned by an approximate elimination of the cells, whose quality depends neither on the shape of channels and
+//! dams nor on their contrast.
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -23,8 +23,9 @@
 //! Not here: the gap itself (`gfmd-contact`), labels of patches (`gfmd-measure`).
 
 mod cells;
+mod elimination;
 mod flow;
-mod multigrid;
+mod graph;
 
 pub use flow::{Flow, FlowError, Path, TOLERANCE, flow};
 pub use gfmd_measure::Surroundings;

@@ -37,7 +37,7 @@ fn layers_in_series_and_side_by_side_are_exact() {
         let along_y = solved(&Array2::from_shape_fn((24, 20), |(i, _)| k(i)), surroundings);
         assert_relative_eq!(along_y.conductivity[0][0], harmonic, max_relative = 1e-8);
         assert_relative_eq!(along_y.conductivity[1][1], mean, max_relative = 1e-8);
-        assert!(along_y.conductivity[0][1].abs() < 1e-4 && along_y.conductivity[1][0].abs() < 1e-4);
+        assert!(along_y.conductivity[0][1].abs() < 1e-8 && along_y.conductivity[1][0].abs() < 1e-8);
         let uniform = solved(&Array2::from_elem((5, 8), 3.0), surroundings);
         assert_relative_eq!(uniform.conductivity[0][0], 3.0, max_relative = 1e-14);
         // Flux, times unit: everywhere the mean.
@@ -96,8 +96,8 @@ fn what_does_not_percolate_conducts_exactly_nothing() {
     let found = solved(&stairs, Surroundings::Repeats);
     assert_eq!(found.percolates, [true; 2]);
     let [[xx, xy], [yx, yy]] = found.conductivity;
-    assert_relative_eq!(xx, xy, max_relative = 1e-4);
-    assert_relative_eq!(yx, yy, max_relative = 1e-4);
+    assert_relative_eq!(xx, xy, max_relative = 1e-8);
+    assert_relative_eq!(yx, yy, max_relative = 1e-8);
     let nothing = solved(&Array2::zeros((8, 8)), Surroundings::Repeats);
     assert_eq!(nothing.conductivity, [[0.0; 2]; 2]);
 }
@@ -195,7 +195,7 @@ fn the_tensor_is_symmetric_and_turns_with_the_field() {
         (2.0 * (x - 2.0 * y).sin() + (3.0 * x + y + 1.0).cos()).exp()
     };
     let found = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(i, j)), Surroundings::Repeats).conductivity;
-    assert!((found[0][1] - found[1][0]).abs() < 1e-4 * found[0][0], "{found:?}");
+    assert!((found[0][1] - found[1][0]).abs() < 1e-10 * found[0][0], "{found:?}");
     assert!(found[0][1].abs() > 1e-2);
     let turned = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(j, i)), Surroundings::Repeats).conductivity;
     assert_relative_eq!(turned[0][0], found[1][1], max_relative = 1e-7);
@@ -219,11 +219,27 @@ fn contrasts_of_many_orders_take_few_iterations_and_units_do_not_matter() {
         let found = solved(&gap.mapv(|g| g.powi(3)), Surroundings::Repeats);
         assert_eq!(found.percolates, [true; 2]);
         for path in found.paths.iter().flatten() {
-            assert!(path.iterations <= 40, "{n}: {}", path.iterations);
+            assert!(path.iterations <= 80, "{n}: {}", path.iterations);
         }
         let small = solved(&gap.mapv(|g| 1e-280 * g.powi(3)), Surroundings::Repeats);
         assert_relative_eq!(small.conductivity[0][0], 1e-280 * found.conductivity[0][0], max_relative = 1e-12);
     }
+}
+
+#[test]
+fn a_basin_behind_the_weakest_dams_harms_nothing() {
+    // A channel, and beside it a basin of the largest conductivity in a ring of weak cells, which leaks into the channel.
+    let n = 96;
+    let k = Array2::from_shape_fn((n, n), |(i, j)| match (i, j) {
+        (_, 0..8) => 1e-4,
+        (20..80, 20..80) if (24..76).contains(&i) && (24..76).contains(&j) => 1.0,
+        (20..80, 20..80) => 1e-14,
+        (40, 8..20) => 1e-12,
+        _ => 0.0,
+    });
+    let found = solved(&k, Surroundings::Repeats);
+    assert_eq!(found.percolates, [true, false]);
+    assert_relative_eq!(found.conductivity[0][0], 1e-4 * 8.0 / n as f64, max_relative = 1e-10);
 }
 
 #[test]

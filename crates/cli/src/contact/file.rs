@@ -12,6 +12,7 @@ use ndarray::{CowArray, Ix2};
 use serde::{Serialize, Serializer};
 
 use super::statistics::{self, Measured};
+use super::threshold::{self, Threshold};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
@@ -172,6 +173,11 @@ impl<'a> ContactFile<'a> {
     /// Writes patches, distributions and spectra of the loads.
     pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
         statistics::write(&mut self.archive, surface, loads)
+    }
+
+    /// Writes the loads at which the flow stops.
+    pub(super) fn write_threshold(&mut self, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
+        threshold::write(&mut self.archive, unit, found)
     }
 
     /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name.

@@ -109,6 +109,21 @@ impl Report {
             let through = yes(flow.percolates);
             writeln!(f, "{:>11.4e} {xx:>11.4e} {yy:>11.4e} {xy:>11.4e} {through:>10}", load.p_star)?;
         }
+        for (axis, found) in ["x", "y"].iter().zip(self.flow_threshold.iter().flatten()) {
+            match found {
+                Some(found) => writeln!(
+                    f,
+                    "\nthe flow along {axis} stops between p* = {:.5e} and {:.5e}, area {:.4} and {:.4} (corrected {:.4} and {:.4})",
+                    found.p_star[0],
+                    found.p_star[1],
+                    found.area_fraction[0],
+                    found.area_fraction[1],
+                    found.area_fraction_corrected[0],
+                    found.area_fraction_corrected[1]
+                )?,
+                None => writeln!(f, "\nthe flow along {axis} does not stop between the lowest and the highest load")?,
+            }
+        }
         Ok(())
     }
 }

@@ -1,0 +1,165 @@
+//! The loads at which the gap closes for a flow, by bisection.
+
+use gfmd_contact::{Fields, Load, Resumable};
+use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_law::Kind;
+use gfmd_measure::{Patches, Scales};
+use serde::Serialize;
+
+use super::statistics::surroundings;
+use super::watching::Watching;
+use super::{Args, Series};
+use crate::convergence::History;
+use crate::failure::{Failure, reached};
+use crate::load::{LoadRecord, Recorded, Stiff};
+use crate::progress::Progress;
+
+/// The relative width of the interval at which the bisection ends.
+const WIDTH: f64 = 1e-3;
+
+/// The interval of loads in which the gap closes along one axis: the highest load at which it was open, and the lowest at
+/// which it was closed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Threshold {
+    pub mean_pressure: [f64; 2],
+    pub p_star: [f64; 2],
+    pub displacement: [f64; 2],
+    pub area_fraction: [f64; 2],
+    pub area_fraction_corrected: [f64; 2],
+    pub mean_gap: [f64; 2],
+}
+
+impl Threshold {
+    fn between(open: &Sample, closed: &Sample) -> Self {
+        let both = |of: fn(&LoadRecord) -> f64| [of(&open.record), of(&closed.record)];
+        Self {
+            mean_pressure: both(|r| r.mean_pressure),
+            p_star: both(|r| r.p_star),
+            displacement: both(|r| r.displacement),
+            area_fraction: both(|r| r.area_fraction),
+            area_fraction_corrected: both(|r| r.area_fraction_corrected),
+            mean_gap: both(|r| r.mean_gap),
+        }
+    }
+}
+
+/// A load of the bisection.
+struct Sample {
+    asked: f64,
+    record: LoadRecord,
+    /// True along x (y) if something can flow.
+    open: [bool; 2],
+}
+
+/// Checks that there is something to bisect.
+///
+/// # Errors
+/// A law; a single load.
+pub(super) fn check(args: &Args) -> Result<(), Failure> {
+    if args.law.law != Kind::HardWall {
+        return Err(Failure::Input("--flow-threshold: it needs a hard wall, without --law".into()));
+    }
+    let control = &args.control;
+    let given = [&control.pressure, &control.p_star, &control.displacement];
+    let mut loads: Vec<f64> = given.into_iter().flat_map(|values| crate::values::numbers(values)).collect();
+    loads.sort_by(f64::total_cmp);
+    loads.dedup();
+    if loads.len() < 2 {
+        let found =
+            format!("--flow-threshold: one load, {loads:?}; it needs two loads or more, between which the flow stops");
+        return Err(Failure::Input(found));
+    }
+    Ok(())
+}
+
+impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
+    /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the highest load.
+    pub(super) fn threshold(&self, scales: &Scales, progress: &Progress) -> Result<[Option<Threshold>; 2], Failure> {
+        let controls = &self.prepared.controls;
+        let asked = |load: &Load| match *load {
+            Load::MeanPressure(value) | Load::Approach(value) => value,
+        };
+        let values = controls.iter().map(asked);
+        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        let mut last = None;
+        let mut samples = Vec::new();
+        for value in [low, high] {
+            samples.push(self.sample(value, scales, progress, &mut last)?);
+        }
+        let mut found = [None, None];
+        for (axis, found) in found.iter_mut().enumerate() {
+            loop {
+                let Some(closed) = samples.iter().position(|sample| !sample.open[axis]).filter(|first| *first > 0)
+                else {
+                    let state = if samples[0].open[axis] { "open at the highest" } else { "closed at the lowest" };
+                    let name = ["x", "y"][axis];
+                    self.session.warn("flow-threshold", format!("the gap is {state} load for a flow along {name}"));
+                    break;
+                };
+                let (open, closed_load) = (&samples[closed - 1], &samples[closed]);
+                if closed_load.asked <= (1.0 + WIDTH) * open.asked {
+                    *found = Some(Threshold::between(open, closed_load));
+                    break;
+                }
+                let middle = (open.asked * closed_load.asked).sqrt();
+                let sample = self.sample(middle, scales, progress, &mut last)?;
+                samples.insert(closed, sample);
+            }
+        }
+        Ok(found)
+    }
+
+    fn sample(
+        &self,
+        asked: f64,
+        scales: &Scales,
+        progress: &Progress,
+        last: &mut Option<E::State>,
+    ) -> Result<Sample, Failure> {
+        let Self { prepared, contact, args, session } = self;
+        let surface = &prepared.surface;
+        let load = match prepared.controls.first() {
+            Some(Load::Approach(_)) => Load::Approach(asked),
+            _ => Load::MeanPressure(asked),
+        };
+        let budget = args.solver.budget();
+        let history = History::default();
+        let mut watch = Watching { index: 0, progress, session, history, kept: None, closing: false, failed: None };
+        let press = contact.press(load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
+        let (state, stopped) = reached(press.watch(&mut watch).solve())?;
+        if let Some(stopped) = stopped {
+            return Err(stopped.at(&format!("--flow-threshold, load {asked:e}")));
+        }
+        let record = LoadRecord::measure(&state, scales, budget.tolerance, 0.0);
+        let mut conducting = state.pressure().mapv(|p| p <= 0.0);
+        conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
+        let open = Patches::of(conducting.view(), surroundings(surface.boundary)).percolate();
+        progress.advance(
+            0.0,
+            &format!("threshold of the flow: p* {:.4e}, area {:.4}", record.p_star, record.area_fraction),
+        );
+        *last = Some(state);
+        Ok(Sample { asked, record, open })
+    }
+}
+
+/// Writes the loads at which the flow stops, NaN where it does not.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write(archive: &mut Archive, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
+    let axis = Dimension::index("axis", 2, "axis of the flow: x, y");
+    let side = Dimension::index("side", 2, "highest load at which the gap is open, lowest at which it is closed");
+    let mut column = |name: &str, units: &str, long_name: &str, of: fn(&Threshold) -> [f64; 2]| {
+        let values: Vec<f64> = found.iter().flat_map(|found| found.as_ref().map_or([f64::NAN; 2], of)).collect();
+        let variable = Variable { dimensions: &[&axis, &side], units, long_name };
+        archive.write(&format!("/flow_threshold/{name}"), &variable, &values)
+    };
+    column("mean_pressure", "stress", "mean pressure", |found| found.mean_pressure)?;
+    column("p_star", "1", "reduced pressure", |found| found.p_star)?;
+    column("displacement", unit, "approach", |found| found.displacement)?;
+    column("area_fraction", "1", "contact area fraction", |found| found.area_fraction)?;
+    column("area_fraction_corrected", "1", "contact area fraction, corrected", |found| found.area_fraction_corrected)?;
+    column("mean_gap", unit, "mean gap", |found| found.mean_gap)?;
+    Ok(())
+}
