@@ -20,7 +20,7 @@ use crate::load_search::LoadSearch;
 
 /// Time step of [`Motion::VerletCritical`], relative to its stability limit 2/√k_max. The source gives Δt = 0.25 without a unit
 /// (docs/solvers.md).
-const SOURCE_TIME_STEP: f64 = 0.25;
+pub(crate) const SOURCE_TIME_STEP: f64 = 0.25;
 
 /// Step length of the augmented Lagrangian; the stability limit is 2.
 const RELAXATION: f64 = 1.2;

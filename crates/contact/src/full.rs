@@ -6,14 +6,19 @@ use std::sync::Arc;
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Bounds, Budget, Landscape, Method, State, Verlet, Visit, Watch, relax_until, worst};
+use gfmd_relax::{
+    Bounds, Budget, Fire, Landscape, Method, State, Variables as _, Verlet, Visit, Watch, relax_until, worst,
+};
 use gfmd_response::{FullResponse, FullTransforms};
 use gfmd_vector::{pass, sum};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
+use crate::dynamics::SOURCE_TIME_STEP;
 use crate::layer::STIFFNESS_LENGTH;
 use crate::solution::field;
-use crate::{Drive, Effort, Equilibrium, Fields, Load, Refusal, RigidSurface, Solution, SolveError, Solver, judge};
+use crate::{
+    Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver, judge,
+};
 
 /// A rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion
 /// (hard wall), under a prescribed mean pressure. Its u_z is that of [`Contact`](crate::Contact), except in the Nyquist
@@ -58,6 +63,25 @@ impl FullContact {
         Ok(Self { response, surface: surface.into() })
     }
 
+    /// The state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of the dynamics, which
+    /// the pressure does not tell, is zero.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid; a load other than a mean pressure.
+    pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<FullSolution, Refusal> {
+        let Load::MeanPressure(push) = load else { return Err(Refusal::NoApproach) };
+        let [found, expected] = [pressure.dim().into(), self.response.grid().points()];
+        if found != expected {
+            return Err(Refusal::Shape { found, expected });
+        }
+        Ok(self.of_pressure(pressure.iter().copied().collect(), push, 0.0))
+    }
+
+    /// The rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        &self.surface
+    }
+
     /// The state of the pressure on the wall, from fresh transforms.
     fn certified<Memory>(&self, layer: &Layer, state: &State<Memory>) -> FullSolution {
         let points = self.surface.clearance().len();
@@ -70,19 +94,28 @@ impl FullContact {
             let factor = layer.push * points as f64 / total;
             pressure.iter_mut().for_each(|p| *p *= factor);
         }
-        let mut traction = vec![0.0; state.u.len()];
+        let left = worst(state.force[..lateral].iter().map(|f| f.abs()));
+        let mut solution = self.of_pressure(pressure, layer.push, left);
+        solution.normal.effort.iterations = state.step;
+        solution
+    }
+
+    /// The state of a pressure, where the dynamics leaves a lateral traction of up to `left`.
+    fn of_pressure(&self, pressure: Vec<f64>, push: f64, left: f64) -> FullSolution {
+        let points = pressure.len();
+        let lateral = (self.response.components().len() - 1) * points;
+        let mut traction = vec![0.0; lateral + points];
         traction[lateral..].iter_mut().zip(&pressure).for_each(|(t, p)| *t = -p);
-        let mut displacement = vec![0.0; state.u.len()];
+        let mut displacement = vec![0.0; lateral + points];
         let mut transforms = FullTransforms::of(&self.response);
         transforms.compliance(&traction, &mut displacement);
         let normal = displacement.split_off(lateral);
         let peak = pressure.iter().copied().fold(0.0, f64::max);
-        let left = worst(state.force[..lateral].iter().map(|f| f.abs()));
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
-        let load = Load::MeanPressure(layer.push);
+        let load = Load::MeanPressure(push);
         let modulus = self.response.contact_modulus();
         let mut normal = Solution::of(&self.surface, modulus, pressure, normal, 0.0, load, None);
-        normal.effort = Effort { iterations: state.step, transform_pairs: transforms.pairs() };
+        normal.effort = Effort { iterations: 0, transform_pairs: transforms.pairs() };
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }
 
@@ -100,7 +133,7 @@ impl Equilibrium for FullContact {
     type State = FullSolution;
 
     fn solvers(&self) -> &'static [Solver] {
-        &[Solver::Auto, Solver::Verlet]
+        &[Solver::Auto, Solver::Verlet, Solver::VerletCritical, Solver::Fire]
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -117,7 +150,7 @@ impl Equilibrium for FullContact {
         self.surface.check_resolution(drive.load, softest, tolerance)
     }
 
-    /// Damped dynamics of all components with optimal scalar damping.
+    /// Damped dynamics of all components, by default with optimal scalar damping.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -133,20 +166,64 @@ impl Equilibrium for FullContact {
             return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
         }
         let Load::MeanPressure(mean_pressure) = drive.load else { return Err(Refusal::NoApproach.into()) };
-        let mut layer = Layer::new(self, mean_pressure);
         let [softest, stiffest] = self.response.stiffness_range();
         let rigid = mean_pressure / (STIFFNESS_LENGTH * self.surface.rms_height());
-        let verlet = Verlet::optimal(softest.min(rigid), stiffest)?;
-        let mut state = verlet.start(&mut layer, self.starting_position(start)?)?;
+        let softest = softest.min(rigid);
+        let run = Run { contact: self, mean_pressure, budget, start, watch };
+        match solver {
+            Solver::Fire => run.relax(&Fire::bitzek(Fire::largest_dt(stiffest))),
+            Solver::VerletCritical => {
+                let dt = SOURCE_TIME_STEP * 2.0 / stiffest.sqrt();
+                run.relax(&Verlet::critical(softest, stiffest, dt)?)
+            }
+            _ => run.relax(&Verlet::optimal(softest, stiffest)?),
+        }
+    }
+}
+
+/// One solve.
+struct Run<'a> {
+    contact: &'a FullContact,
+    mean_pressure: f64,
+    budget: &'a Budget,
+    start: Option<&'a FullSolution>,
+    watch: &'a mut dyn Watch,
+}
+
+impl Run<'_> {
+    fn relax<M: Method>(self, method: &M) -> Result<FullSolution, SolveError<FullSolution>> {
+        let Self { contact, mean_pressure, budget, start, watch } = self;
+        let mut layer = Layer::new(contact, mean_pressure);
+        let mut state = method.start(&mut layer, contact.starting_position(start)?)?;
         let mut certify = |layer: &mut Layer, state: &State<_>| {
-            let solution = self.certified(layer, state);
+            let solution = contact.certified(layer, state);
             layer.certified += solution.effort().transform_pairs;
             solution.worst()
         };
-        let ending = relax_until(&mut layer, &verlet, &mut state, budget, &mut certify, watch)?;
-        let mut solution = self.certified(&layer, &state);
+        let ending = relax_until(&mut layer, method, &mut state, budget, &mut certify, watch)?;
+        let mut solution = contact.certified(&layer, &state);
         solution.normal.effort.transform_pairs += layer.certified + layer.transforms.pairs();
         judge(solution, ending, budget.tolerance)
+    }
+}
+
+/// The state follows from its pressure, but for the lateral traction that the dynamics left.
+impl Resumable for FullContact {
+    fn keep(&self, state: &mut FullSolution, visitor: &mut dyn Visit) {
+        state.normal.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        visitor.number(&mut state.lateral_traction);
+        state.normal.effort.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<FullSolution, Refusal> {
+        self.check(drive)?;
+        let Load::MeanPressure(push) = drive.load else { return Err(Refusal::NoApproach) };
+        let mut pressure = vec![0.0; self.surface.clearance().len()];
+        visitor.field(&mut pressure);
+        let mut state = self.of_pressure(pressure, push, 0.0);
+        visitor.number(&mut state.lateral_traction);
+        state.normal.effort.visit(visitor);
+        Ok(state)
     }
 }
 

@@ -76,8 +76,18 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let refused = press(-0.1).solve().unwrap_err();
     assert!(matches!(refused, SolveError::Refused(Refusal::MeanPressure { found: -0.1 })));
     assert!(matches!(press(0.1).tolerance(0.0).solve(), Err(SolveError::Refused(Refusal::Tolerance(_)))));
-    let refused = press(0.1).solver(Solver::Fire).solve().unwrap_err();
-    assert_eq!(refused.to_string(), "the solver is fire; it must be auto or verlet");
+    let refused = press(0.1).solver(Solver::PolonskyKeer).solve().unwrap_err();
+    assert!(refused.to_string().contains("cg") && refused.to_string().contains("verlet-critical"), "{refused}");
+    let expected = press(0.01).solve().unwrap();
+    for solver in [Solver::VerletCritical, Solver::Fire] {
+        let found = press(0.01).solver(solver).solve().unwrap();
+        let differences = found.normal.pressure.iter().zip(&expected.normal.pressure).map(|(a, b)| (a - b).abs());
+        assert!(differences.fold(0.0, f64::max) < 1e-6 * 0.2, "{solver}");
+    }
+    // A state follows from its pressure.
+    let again = contact.certify(&expected.normal.pressure, Load::MeanPressure(0.01)).unwrap();
+    assert_eq!((&again.normal.gap, &again.lateral), (&expected.normal.gap, &expected.lateral));
+    assert!(contact.certify(&Array2::zeros((9, 8)), Load::MeanPressure(0.01)).is_err());
     let refused = contact.press(Load::Approach(0.1)).solve().unwrap_err();
     assert!(matches!(refused, SolveError::Refused(Refusal::NoApproach)));
     match press(0.001).max_iterations(10).solve() {
