@@ -249,7 +249,10 @@ impl Prepared {
             return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
         }
         let fields = match (args.law.law, args.boundary) {
-            (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => Held::HARD_WALL,
+            (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
+                let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
+                if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
+            }
             (Kind::HardWall, _) => Held::FREE,
             _ => Held::LAW,
         };

@@ -11,6 +11,8 @@ impl Held {
     pub const SURFACE: Self = Self(5);
     /// A contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
+    /// A contact with a hard wall under one load, which starts from no other one.
+    pub const HARD_WALL_ONCE: Self = Self(10);
     /// A contact with a hard wall and free boundaries.
     pub const FREE: Self = Self(26);
     /// A contact with a law that acts across the gap.

@@ -38,19 +38,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         solvers.extend(GRADIENTS);
     }
     let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-    println!("{:>5} {:>4} {:>5}  pairs (time of the solution in pairs), {solvers:?}", "n", "H", "p*");
+    println!("{:>5} {:>4} {:>6}  pairs (time of the solution in pairs), {solvers:?}", "n", "H", "p*");
     for n in if sizes.is_empty() { vec![512] } else { sizes } {
         let grid = Grid::square(n, 1.0)?;
         let response = Arc::new(NormalResponse::new(grid, &body));
         let pair = time_of_a_pair(grid)?;
-        for hurst in [0.0, 0.8] {
+        println!("{n:5}: {:.1} ms for a pair", 1e3 * pair);
+        for hurst in [0.0, 0.3, 0.8] {
             let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
             let heights = numbers
                 .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(0.1) })
                 .heights(&grid, 1)?;
             let contact = Contact::on(Arc::clone(&response), &heights)?;
-            for reduced_pressure in [0.01, 0.05, 0.2] {
-                print!("{n:5} {hurst:4} {reduced_pressure:5} ");
+            for reduced_pressure in [1e-4, 1e-3, 0.01, 0.05, 0.2, 0.6] {
+                print!("{n:5} {hurst:4} {reduced_pressure:6} ");
                 for &solver in &solvers {
                     let load = Load::MeanPressure(reduced_pressure * 0.1);
                     let begin = Instant::now();

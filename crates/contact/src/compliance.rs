@@ -1,4 +1,5 @@
-use gfmd_response::{FreeTransforms, NormalTransforms};
+use gfmd_response::{FreeRounded, FreeTransforms, NormalTransforms, RoundedTransforms};
+use gfmd_vector::Split;
 
 use crate::Contact;
 
@@ -26,6 +27,20 @@ impl Compliance {
         }
     }
 
+    /// As [`apply`](Self::apply), row by row: `source` makes the pressure from the rows of `input`, and `sink` gets the
+    /// displacement with the rows of `output`.
+    pub(crate) fn apply_rows<I: Split, O: Split>(
+        &mut self,
+        table: &[f64],
+        (input, source): (I, impl Fn(usize, I, &mut [f64]) + Sync),
+        (output, sink): (O, impl Fn(usize, &mut [f64], O) + Sync),
+    ) {
+        match self {
+            Self::Periodic(transforms) => transforms.convolve_rows(table, input, source, output, sink),
+            Self::Free(transforms) => transforms.apply_rows(input, source, output, sink),
+        }
+    }
+
     /// ⟨p, G p⟩, summed over the points.
     pub(crate) fn quadratic_form(&mut self, table: &[f64], pressure: &[f64]) -> f64 {
         match self {
@@ -34,18 +49,77 @@ impl Compliance {
         }
     }
 
-    /// `out` ← K u for the displacement u, downwards, whose rows `source(i, row)` fills. The `table` has the stiffnesses of the
-    /// periodic modes. With free boundaries K is approximate, and a `floating` surface may move as a whole.
-    pub(crate) fn stiffness(
-        &mut self,
-        table: &[f64],
-        floating: bool,
-        source: impl Fn(usize, &mut [f64]) + Sync,
-        out: &mut [f64],
-    ) {
+    /// Transforms so far, in pairs.
+    pub(crate) fn pairs(&self) -> f64 {
         match self {
-            Self::Periodic(transforms) => transforms.convolve_rows(table, source, out),
+            Self::Periodic(transforms) => transforms.pairs(),
+            Self::Free(transforms) => transforms.pairs(),
+        }
+    }
+
+    /// The counter of transforms, for a solve that continues an earlier one.
+    pub(crate) fn counter(&mut self) -> &mut u64 {
+        match self {
+            Self::Periodic(transforms) => transforms.counter(),
+            Self::Free(transforms) => transforms.counter(),
+        }
+    }
+}
+
+/// Compliance and stiffness in single precision.
+pub(crate) enum Rounded {
+    Periodic(RoundedTransforms),
+    /// With free boundaries, where the stiffness is approximate.
+    Free(FreeRounded),
+}
+
+impl Rounded {
+    /// `uniform` are compliance and stiffness of the uniform mode of the periodic cell, if they are not zero.
+    pub(crate) fn of(contact: &Contact, uniform: Option<[f64; 2]>) -> Self {
+        match &contact.free {
+            Some(free) => Self::Free(FreeRounded::of(free)),
+            None => Self::Periodic(RoundedTransforms::of(&contact.response, uniform)),
+        }
+    }
+
+    /// The unit of compliances.
+    pub(crate) fn unit(&self) -> f64 {
+        match self {
+            Self::Periodic(transforms) => transforms.unit(),
+            Self::Free(transforms) => transforms.unit(),
+        }
+    }
+
+    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`.
+    pub(crate) fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
+        match self {
+            Self::Periodic(transforms) => transforms.compliance(input, source),
+            Self::Free(transforms) => transforms.compliance(input, source),
+        }
+    }
+
+    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    pub(crate) fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
+        match self {
+            Self::Periodic(transforms) => transforms.rows(output, sink),
+            Self::Free(transforms) => transforms.rows(output, sink),
+        }
+    }
+
+    /// `out` ← K u times the unit, of the field u whose rows `source(i, row)` fills. With free boundaries a `floating` surface
+    /// may move as a whole.
+    pub(crate) fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
+        match self {
+            Self::Periodic(transforms) => transforms.stiffness(source, out),
             Self::Free(transforms) => transforms.stiffness(floating, source, out),
+        }
+    }
+
+    /// ⟨v, G v⟩ over the unit, summed over the points.
+    pub(crate) fn quadratic_form(&mut self, field: &[f32]) -> f64 {
+        match self {
+            Self::Periodic(transforms) => transforms.quadratic_form(field),
+            Self::Free(transforms) => transforms.quadratic_form(field),
         }
     }
 

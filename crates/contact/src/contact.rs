@@ -152,7 +152,7 @@ impl Contact {
         compliance.apply(response.compliance(), &pressure, &mut displacement);
         let uniform = self.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
         // u_z = −G p.
-        for_each([&mut displacement], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
+        for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
         let mut solution = Solution::of(
             &self.scaled,
             response.contact_modulus(),

@@ -3,11 +3,12 @@
 
 use std::borrow::Cow;
 
-use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, Quadratic, RelaxError, Target};
-use gfmd_relax::{Variables, Visit};
+use gfmd_field::{Rows, Split};
+use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
+use gfmd_relax::{Preconditioned, Quadratic, Variables, Visit};
 
 use crate::attempt::{Attempt, Ended};
-use crate::compliance::Compliance;
+use crate::compliance::{Compliance, Rounded};
 use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Contact, Load};
 
@@ -27,16 +28,17 @@ const LONGER_PATIENCE: u64 = 5000;
 
 /// The quadratic function whose minimum is the pressure.
 pub(crate) struct Dual<'a> {
-    /// Of the periodic modes, as the stiffness; both have no use with free boundaries.
+    /// Of the periodic modes; it has no use with free boundaries.
     compliance: Cow<'a, [f64]>,
-    /// Inverse of `compliance`, but finite at q = 0.
-    stiffness: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
     /// True if the approach is free, because the mean pressure is prescribed.
     floating: bool,
     /// The hardness, infinite without one.
     upper: f64,
+    /// The number of points in a row.
+    row: usize,
     transforms: Compliance,
+    rounded: Rounded,
     extension: PullPush,
 }
 
@@ -50,44 +52,55 @@ const LEVEL: f64 = 4.0;
 /// without it is faster.
 const PATIENCE: u64 = 100;
 
+/// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
+const MARGIN: f64 = 0.95;
+
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, .. } = contact;
-        let (mut compliance, mut stiffness) = (Cow::from(response.compliance()), Cow::from(response.stiffness()));
+        let mut compliance = Cow::from(response.compliance());
         let linear = match load {
             Load::MeanPressure(_) => Cow::from(surface.clearance()),
             Load::Approach(approach) => surface.clearance().iter().map(|c| c - approach).collect(),
         };
+        let mut level = None;
         if let (Load::Approach(_), None) = (load, &contact.free) {
             let uniform = response.uniform_compliance();
             compliance.to_mut()[0] = uniform;
-            stiffness.to_mut()[0] = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
+            let stiffness = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
+            level = Some([uniform, stiffness]);
         }
         let points = response.grid().points();
         // The waves along the longer side.
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
-        let extension = PullPush::new(points, floating, edges, |periods| response.stiffness()[periods * stride]);
+        let extension = PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]);
         let upper = contact.hardness.unwrap_or(f64::INFINITY);
-        Self { compliance, stiffness, linear, floating, upper, transforms: Compliance::of(contact), extension }
+        let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
+        Self { compliance, linear, floating, upper, row: response.row(), transforms, rounded, extension }
     }
 
-    /// `out` ← G `pressure`.
-    pub(crate) fn displace(&mut self, pressure: &[f64], out: &mut [f64]) {
-        self.transforms.apply(&self.compliance, pressure, out);
+    /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement
+    /// with those of `output`, and its results are put into `sums`.
+    pub(crate) fn displace<I: Split, O: Split, R: Send>(
+        &mut self,
+        (input, source): (I, impl Fn(I, &mut [f64]) + Sync),
+        (output, sink): (O, impl Fn(&mut [f64], O) -> R + Sync),
+        sums: &mut [R],
+    ) {
+        let Self { compliance, row, transforms, .. } = self;
+        let input = (Rows(input, *row), |_: usize, Rows(input, _): Rows<I>, row: &mut [f64]| source(input, row));
+        let sink = |_: usize, row: &mut [f64], (Rows(output, _), sum): (Rows<O>, &mut [R])| sum[0] = sink(row, output);
+        transforms.apply_rows(compliance, input, ((Rows(output, *row), sums), sink));
     }
 
-    /// `out` ← about G⁻¹ (`displacement` − `level`) on the points where `touching` is positive, zero elsewhere.
-    pub(crate) fn press(&mut self, touching: &[f64], displacement: &[f64], level: f64, out: &mut [f64]) {
-        self.extend(Known { x: touching, gradient: displacement, level, upper: f64::INFINITY }, out);
-    }
-
-    /// `out` ← Eᵀ K E with E the extension of the known values.
-    fn extend(&mut self, known: Known, out: &mut [f64]) {
-        let Self { stiffness, floating, transforms, extension, .. } = self;
+    /// `out` ← Eᵀ K E with E the extension of the known values: about G⁻¹ of a displacement on the contact, times
+    /// [`unit`](Preconditioned::unit), zero elsewhere.
+    pub(crate) fn press(&mut self, known: Known, out: &mut [f32]) {
+        let Self { floating, rounded, extension, .. } = self;
         extension.prepare(known);
-        transforms.stiffness(stiffness, *floating, |i, row| extension.row(known, i, row), out);
+        rounded.stiffness(*floating, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
     }
 
@@ -98,7 +111,12 @@ impl<'a> Dual<'a> {
 
     /// Transforms so far, in pairs.
     pub(crate) fn pairs(&self) -> f64 {
-        self.transforms.pairs()
+        self.transforms.pairs() + self.rounded.pairs()
+    }
+
+    fn count(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+        visitor.count(self.rounded.counter());
     }
 }
 
@@ -107,27 +125,74 @@ impl Quadratic for Dual<'_> {
         &self.linear
     }
 
-    fn upper(&self) -> f64 {
-        self.upper
-    }
-
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.displace(x, out);
+        self.transforms.apply(&self.compliance, x, out);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
         self.transforms.quadratic_form(&self.compliance, direction)
     }
 
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        self.count(visitor);
+    }
+}
+
+impl Preconditioned for Dual<'_> {
+    fn length(&self) -> usize {
+        self.linear.len()
+    }
+
+    fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    fn stretch(&self) -> usize {
+        self.row
+    }
+
+    fn unit(&self) -> f64 {
+        self.rounded.unit()
+    }
+
+    fn gradient<O: Split, R: Send>(
+        &mut self,
+        x: &[f64],
+        output: O,
+        sink: impl Fn(&[f64], O) -> R + Sync,
+        sums: &mut [R],
+    ) {
+        let linear = std::mem::take(&mut self.linear);
+        let input = (x, |x: &[f64], row: &mut [f64]| row.copy_from_slice(x));
+        let with_linear = |row: &mut [f64], (linear, output): (&[f64], O)| {
+            row.iter_mut().zip(linear).for_each(|(g, b)| *g += b);
+            sink(row, output)
+        };
+        self.displace(input, ((&linear[..], output), with_linear), sums);
+        self.linear = linear;
+    }
+
+    fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
+        self.rounded.compliance(Rows(input, self.row), |_, Rows(input, _), row| source(input, row));
+    }
+
+    fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
+        self.rounded.rows((Rows(output, self.row), sums), |_, row, (Rows(output, _), sum)| sum[0] = sink(row, output));
+    }
+
+    fn curvature(&mut self, direction: &[f32]) -> f64 {
+        self.rounded.quadratic_form(direction)
+    }
+
     /// Applies Eᵀ K E with E the extension from the contact to the whole surface. The quadratic form of (G on the
     /// contact)⁻¹ is the minimum of ⟨u, K u⟩ over all displacements u with given values on the contact, and E
     /// approximates the u of this minimum.
-    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
-        self.extend(Known { x, gradient, level: multiplier, upper: self.upper }, out);
+    fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
+        self.press(Known { x, gradient, level, upper: self.upper }, out);
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        visitor.count(self.transforms.counter());
+        self.count(visitor);
     }
 }
 
@@ -144,7 +209,8 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         pressure.iter_mut().for_each(|p| *p = p.min(hardness));
     }
     let x = &mut pressure;
-    let target = Target { mean, gradient_scale: attempt.length_scale(), budget: attempt.budget };
+    let within = |budget: Budget| Budget { tolerance: MARGIN * budget.tolerance, ..budget };
+    let target = Target { mean, gradient_scale: attempt.length_scale(), budget: within(attempt.budget) };
     let minimum = match gradients {
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
@@ -163,7 +229,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
             loop {
                 let Budget { tolerance, max_iterations } = attempt.budget_left();
                 let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
-                let budget = Budget { tolerance, max_iterations: max_iterations.min(limit) };
+                let budget = within(Budget { tolerance, max_iterations: max_iterations.min(limit) });
                 let target = Target { budget, ..target };
                 let plain = part == 1;
                 let minimum = {
@@ -184,7 +250,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         }
     };
     attempt.effort.iterations += minimum.reached.iteration;
-    attempt.effort.transform_pairs += dual.transforms.pairs();
+    attempt.effort.transform_pairs += dual.pairs();
     Ok(Ended { pressure, effort: attempt.effort, ending: minimum.ending })
 }
 
@@ -220,13 +286,15 @@ mod tests {
                 p.iter_mut().zip(&x).for_each(|(p, x)| *p -= mean * x);
                 let mut gradient = vec![0.0; x.len()];
                 dual.apply(&p, &mut gradient);
-                let exact: f64 = gradient.iter().zip(&p).map(|(g, p)| g * p).sum();
+                let exact: f64 = gradient.iter().zip(&p).map(|(g, p)| g * p).sum::<f64>() / dual.unit();
                 // No point is about to enter the contact.
                 gradient.iter_mut().zip(&x).filter(|(_, x)| **x == 0.0).for_each(|(g, _)| *g = 1e9);
+                let gradient: Vec<f32> = gradient.iter().map(|g| (g / dual.unit()) as f32).collect();
                 let mut z = vec![0.0; x.len()];
                 dual.precondition(&x, &gradient, 0.0, &mut z);
-                assert!(z.iter().sum::<f64>().abs() < 1e-9 * z.iter().map(|z| z.abs()).sum::<f64>(), "keeps the load");
-                gradient.iter().zip(&z).map(|(g, z)| g * z).sum::<f64>() / exact
+                let z: Vec<f64> = z.into_iter().map(f64::from).collect();
+                assert!(z.iter().sum::<f64>().abs() < 1e-5 * z.iter().map(|z| z.abs()).sum::<f64>(), "keeps the load");
+                gradient.iter().zip(&z).map(|(g, z)| f64::from(*g) * z).sum::<f64>() / exact
             })
             .collect()
     }
@@ -236,7 +304,7 @@ mod tests {
         let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
         for share in [0.02, 0.1, 0.4, 0.8, 0.99] {
             let quotients = quotients(&body, share);
-            assert!(quotients.iter().all(|q| (1.0 - 1e-9..1.5).contains(q)), "{share}: {quotients:?}");
+            assert!(quotients.iter().all(|q| (1.0 - 1e-5..1.5).contains(q)), "{share}: {quotients:?}");
         }
     }
 }

@@ -199,7 +199,7 @@ impl Proximal for Sprung<'_> {
         let leaf = |start: usize, [pull]: [&mut [f64]; 1]| {
             pull.iter_mut().zip(&anchor[start..]).for_each(|(pull, anchor)| *pull = layer.push + *penalty * anchor);
         };
-        for_each([pull], &leaf);
+        for_each([&mut pull[..]], &leaf);
         layer.transforms.convolve(mobility, pull, u);
     }
 

@@ -177,7 +177,7 @@ impl Solution {
             &add,
         );
         let mean_pressure = sum / n as f64;
-        let sink = |u: &mut Vec<f64>| for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
+        let sink = |u: &mut [f64]| for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
         // Under a prescribed load the rigid surface sinks with the body. The gap does not depend on it, and is computed
         // without it: on a soft or high slab the sinking is much larger than the roughness.
         let above = match load {
@@ -199,7 +199,7 @@ impl Solution {
         };
         let mut gap = vec![0.0; n];
         let mut sums = pass(
-            [&mut gap],
+            [&mut gap[..]],
             &|start, [gap]| {
                 let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
                 let others = clearance[start..].iter().zip(&displacement[start..]).zip(&pressure[start..]);
@@ -265,7 +265,7 @@ impl Plastic {
         let n = gap.len();
         let mut depth = vec![0.0; n];
         let (count, sum, saturation, p_gap, lowest) = pass(
-            [gap, &mut depth],
+            [gap, &mut depth[..]],
             &|start, [gap, depth]| {
                 let mut sums = (0.0, 0.0, 0.0, 0.0, f64::INFINITY);
                 for ((gap, depth), p) in gap.iter_mut().zip(depth).zip(&pressure[start..]) {

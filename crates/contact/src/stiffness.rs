@@ -1,11 +1,14 @@
 //! The stiffness of a contact whose points of contact stay: conjugate gradients for the pressure of a uniform displacement
 //! of these points (theory.md, section 7.3).
 
-use gfmd_relax::Why;
-use gfmd_vector::{dot, for_each, reduce};
+use std::borrow::Cow;
+
+use gfmd_relax::{Preconditioned as _, Why};
+use gfmd_vector::for_each;
 
 use crate::dual::Dual;
-use crate::{Contact, Effort, Fields as _, Load, Solution};
+use crate::pull_push::Known;
+use crate::{Contact, Effort, Load, Solution};
 
 /// The stiffness of a contact, d(mean pressure)/d(approach) with the points in contact kept. Points at the hardness keep their
 /// pressure.
@@ -29,7 +32,7 @@ const ITERATIONS: u64 = 2000;
 
 /// The residual of points that are not in contact, so large that the preconditioner does not take them for points about to
 /// enter it.
-const APART: f64 = 1e100;
+const APART: f32 = 1e30;
 
 impl Contact {
     /// The stiffness in the state `solution`.
@@ -38,30 +41,30 @@ impl Contact {
     /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
         let hardness = self.hardness().unwrap_or(f64::INFINITY);
-        let touching: Vec<f64> =
-            solution.pressure().iter().map(|p| f64::from(u8::from(*p > 0.0 && *p < hardness))).collect();
-        let count = touching.iter().sum::<f64>();
+        let n = solution.pressure.len();
+        let touches = |p: f64| (p > 0.0) & (p < hardness);
+        let count = solution.pressure.iter().filter(|p| touches(**p)).count();
         let exact = |value| Ok(Stiffness { value, error: 0.0, effort: Effort::default() });
-        let is_full = count == touching.len() as f64;
         if self.free.is_some() && self.surface().grid().is_line() {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
-        } else if count == 0.0 {
+        } else if count == 0 {
             return exact(0.0);
-        } else if is_full && self.free.is_none() {
+        } else if count == n && self.free.is_none() {
             return exact(self.units().stiffness() / self.uniform_compliance());
         }
-        let mut unit = Unit::new(self, &touching, count);
+        let rows = solution.pressure.as_slice();
+        let pressure = rows.map_or_else(|| solution.pressure.iter().copied().collect(), Cow::from);
+        let mut unit = Unit::new(self, &pressure, hardness, count);
         if !unit.dual.keeps_constants() {
             unit.keep_sums();
         }
         let ended = unit.solve();
-        let n = touching.len() as f64;
         // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement, whose lowest value is the one sought.
-        let [work, excess] = unit.certify();
-        let compliance = work / n + self.uniform_compliance();
+        let [work, excess] = unit.certify().map(|sum| sum / n as f64);
+        let compliance = work + self.uniform_compliance();
         let stiffness = Stiffness {
             value: self.units().stiffness() / compliance,
-            error: excess / n / compliance,
+            error: excess / compliance,
             effort: Effort { iterations: unit.iterations, transform_pairs: unit.dual.pairs() },
         };
         match ended {
@@ -72,49 +75,56 @@ impl Contact {
     }
 }
 
-/// The pressure with mean 1 that displaces all points in contact by the same amount.
+/// The pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the error of
+/// the stiffness is quadratic in that of the pressure. Displacements are in the [unit](Preconditioned::unit) of the compliance.
 struct Unit<'a> {
     dual: Dual<'a>,
-    /// 1 in contact, else 0.
-    touching: &'a [f64],
-    pressure: Vec<f64>,
+    /// The pressure of the contact, and the hardness: points between zero and this one are in contact.
+    contact: &'a [f64],
+    hardness: f64,
+    /// The number of points in contact.
+    count: f64,
+    /// The pressure less its mean over the contact.
+    variation: Vec<f32>,
     /// G q on the contact, with any constant added.
-    residual: Vec<f64>,
-    image: Vec<f64>,
+    residual: Vec<f32>,
+    image: Vec<f32>,
     /// M 1 over its sum, if this does not vanish.
-    constant: Option<Vec<f64>>,
+    constant: Option<Vec<f32>>,
     iterations: u64,
 }
 
 impl<'a> Unit<'a> {
     /// Starts from a uniform pressure on the contact.
-    fn new(contact: &'a Contact, touching: &'a [f64], count: f64) -> Self {
-        let n = touching.len();
-        let pressure = touching.iter().map(|touches| touches * n as f64 / count).collect();
-        let dual = Dual::new(contact, Load::MeanPressure(1.0));
-        Self { dual, touching, pressure, residual: vec![0.0; n], image: vec![0.0; n], constant: None, iterations: 0 }
+    fn new(contact: &'a Contact, pressure: &'a [f64], hardness: f64, count: usize) -> Self {
+        let n = pressure.len();
+        Self {
+            dual: Dual::new(contact, Load::MeanPressure(1.0)),
+            contact: pressure,
+            hardness,
+            count: count as f64,
+            variation: vec![0.0; n],
+            residual: vec![0.0; n],
+            image: vec![0.0; n],
+            constant: None,
+            iterations: 0,
+        }
     }
 
     /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M has this
     /// property; of layers displacements are not continued to distant points, not even constant ones.
     fn keep_sums(&mut self) {
-        let touching = self.touching;
-        for_each([&mut self.residual], &|start, [residual]| {
-            for (r, touches) in residual.iter_mut().zip(&touching[start..]) {
-                *r = if *touches > 0.0 { 1.0 } else { APART };
-            }
-        });
-        self.dual.press(touching, &self.residual, 0.0, &mut self.image);
-        let image = &self.image;
-        let sum = gfmd_vector::sum(image.len(), &|range| image[range].iter().sum());
-        self.constant = Some(image.iter().map(|z| z / sum).collect());
+        self.residual.fill(1.0);
+        self.press(0.0);
+        let sum = total(&self.image);
+        self.constant = Some(self.image.iter().map(|z| (f64::from(*z) / sum) as f32).collect());
     }
 
     fn solve(&mut self) -> Result<(), Why> {
-        let n = self.touching.len();
+        let n = self.contact.len();
         let mut direction = vec![0.0; n];
         let mut slope = f64::INFINITY;
-        let work = self.refresh();
+        let work = self.refresh() / self.dual.unit();
         loop {
             let last = std::mem::replace(&mut slope, self.precondition());
             if slope <= TOLERANCE * work {
@@ -124,69 +134,109 @@ impl<'a> Unit<'a> {
             } else if self.iterations >= ITERATIONS {
                 return Err(Why::Iterations);
             }
-            let beta = slope / last;
-            let image = &self.image;
-            for_each([&mut direction], &|start, [direction]| {
-                direction.iter_mut().zip(&image[start..]).for_each(|(d, z)| *d = z + beta * *d);
-            });
-            self.dual.displace(&direction, &mut self.image);
-            let step = slope / dot(&direction, &self.image);
-            let (image, touching) = (&self.image, self.touching);
-            for_each([&mut self.pressure, &mut self.residual], &|start, [pressure, residual]| {
-                let along = direction[start..].iter().zip(&image[start..]).zip(&touching[start..]);
-                for ((q, r), ((d, g), touches)) in pressure.iter_mut().zip(residual).zip(along) {
-                    *q -= step * d;
-                    *r -= step * g * touches;
+            let beta = (slope / last) as f32;
+            // Rounding errors must not change the sum of the pressure.
+            let excess = (total(&self.image) / self.count) as f32;
+            let hardness = self.hardness;
+            for_each((&mut direction[..], &self.image[..], self.contact), &|_, (direction, image, contact)| {
+                for (d, (z, p)) in direction.iter_mut().zip(image.iter().zip(contact)) {
+                    *d = if (*p > 0.0) & (*p < hardness) { z - excess + beta * *d } else { 0.0 };
                 }
+            });
+            self.displace(&direction);
+            let step = (slope / dot(&direction, &self.image)) as f32;
+            let vectors = (&mut self.variation[..], &mut self.residual[..], &direction[..], &self.image[..]);
+            for_each(vectors, &|_, (variation, residual, direction, image)| {
+                variation.iter_mut().zip(direction).for_each(|(q, d)| *q -= step * d);
+                residual.iter_mut().zip(image).for_each(|(r, g)| *r -= step * g);
             });
             self.iterations += 1;
         }
     }
 
-    /// Computes the residual from the pressure; returns ⟨q, G q⟩.
-    fn refresh(&mut self) -> f64 {
-        self.dual.displace(&self.pressure, &mut self.residual);
-        let work = dot(&self.pressure, &self.residual);
-        let touching = self.touching;
-        for_each([&mut self.residual], &|start, [residual]| {
-            for (r, touches) in residual.iter_mut().zip(&touching[start..]) {
-                *r = if *touches > 0.0 { *r } else { APART };
-            }
-        });
-        work
+    /// `image` ← G `pressure`.
+    fn displace(&mut self, pressure: &[f32]) {
+        let Self { dual, image, .. } = self;
+        let mut none = vec![(); pressure.len() / dual.stretch()];
+        dual.image(pressure, |pressure: &[f32], row| row.copy_from_slice(pressure));
+        dual.collect(&mut image[..], |row, image: &mut [f32]| image.copy_from_slice(row), &mut none);
     }
 
-    /// `image` ← M r; returns ⟨r, M r⟩.
+    /// `image` ← M (`residual` − `level`), from the residual of the points in contact.
+    fn press(&mut self, level: f32) {
+        let Self { dual, contact, hardness, residual, image, .. } = self;
+        for_each((&mut residual[..], *contact), &|_, (residual, contact)| {
+            for (r, p) in residual.iter_mut().zip(contact) {
+                *r = if *p >= *hardness {
+                    -APART
+                } else if *p > 0.0 {
+                    *r
+                } else {
+                    APART
+                };
+            }
+        });
+        dual.press(Known { x: contact, gradient: residual, level, upper: *hardness }, image);
+    }
+
+    /// Computes M r; returns ⟨r, M r⟩.
     fn precondition(&mut self) -> f64 {
-        let Self { touching, residual, .. } = &*self;
-        let [sum, count] = reduce(
-            touching.len(),
-            &|range| {
-                let inside =
-                    residual[range.clone()].iter().zip(&touching[range]).filter(|(_, touches)| **touches > 0.0);
-                inside.fold([0.0; 2], |sums, (r, _)| gfmd_vector::add(sums, [*r, 1.0]))
-            },
-            &gfmd_vector::add,
-        );
-        let level = sum / count;
-        self.dual.press(self.touching, &self.residual, level, &mut self.image);
+        let Self { contact, hardness, residual, .. } = &*self;
+        let sum = gfmd_vector::sum(contact.len(), &|range| {
+            let pairs = contact[range.clone()].iter().zip(&residual[range]);
+            pairs.filter(|(p, _)| (**p > 0.0) & (**p < *hardness)).map(|(_, r)| f64::from(*r)).sum()
+        });
+        let level = sum / self.count;
+        self.press(level as f32);
         if let Some(constant) = &self.constant {
-            let image = &self.image;
-            let sum = gfmd_vector::sum(image.len(), &|range| image[range].iter().sum());
-            for_each([&mut self.image], &|start, [image]| {
-                image.iter_mut().zip(&constant[start..]).for_each(|(z, c)| *z -= sum * c);
+            let sum = total(&self.image) as f32;
+            for_each((&mut self.image[..], &constant[..]), &|_, (image, constant)| {
+                image.iter_mut().zip(constant).for_each(|(z, c)| *z -= sum * c);
             });
         }
         let (residual, image) = (&self.residual, &self.image);
         gfmd_vector::sum(residual.len(), &|range| {
             let pairs = residual[range.clone()].iter().zip(&image[range]).filter(|(_, z)| **z != 0.0);
-            pairs.map(|(r, z)| (r - level) * z).sum()
+            pairs.map(|(r, z)| (f64::from(*r) - level) * f64::from(*z)).sum()
         })
     }
 
-    /// ⟨q, G q⟩ and ⟨r, M r⟩, from fresh transforms.
+    /// Computes the residual from the pressure in double precision; returns ⟨q, G q⟩.
+    fn refresh(&mut self) -> f64 {
+        let Self { dual, contact, hardness, count, variation, residual, .. } = self;
+        let (n, unit) = (contact.len() as f64, dual.unit());
+        // Rounding errors have changed the sum.
+        let mean = 1.0 + total(variation) / n;
+        let pressure = |p: f64, variation: f32| {
+            if (p > 0.0) & (p < *hardness) { (n / *count + f64::from(variation)) / mean } else { 0.0 }
+        };
+        let source = |(contact, variation): (&[f64], &[f32]), row: &mut [f64]| {
+            let all = row.iter_mut().zip(contact.iter().zip(variation));
+            all.for_each(|(q, (p, v))| *q = pressure(*p, *v));
+        };
+        let mut works = vec![0.0; contact.len() / dual.stretch()];
+        let sink = |row: &mut [f64], (contact, variation, residual): (&[f64], &[f32], &mut [f32])| {
+            residual.iter_mut().zip(&*row).for_each(|(r, u)| *r = (u / unit) as f32);
+            row.iter().zip(contact.iter().zip(variation)).map(|(u, (p, v))| u * pressure(*p, *v)).sum::<f64>()
+        };
+        let output = (*contact, &variation[..], &mut residual[..]);
+        dual.displace(((*contact, &variation[..]), source), (output, sink), &mut works);
+        works.iter().sum()
+    }
+
+    /// ⟨q, G q⟩ and ⟨r, M r⟩, from fresh transforms in double precision.
     fn certify(&mut self) -> [f64; 2] {
         let work = self.refresh();
-        [work, self.precondition()]
+        [work, self.precondition() * self.dual.unit()]
     }
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f64 {
+    gfmd_vector::sum(a.len(), &|range| {
+        a[range.clone()].iter().zip(&b[range]).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+    })
+}
+
+fn total(field: &[f32]) -> f64 {
+    gfmd_vector::sum(field.len(), &|range| field[range].iter().map(|value| f64::from(*value)).sum())
 }

@@ -13,28 +13,29 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fftw::Pair;
-use gfmd_field::{Grid, Transform, Workspace};
+use gfmd_field::{Grid, Real, Transform, Workspace};
 use ndarray::Array2;
 use ndrustfft::{Complex, FftHandler, R2cFftHandler, ndfft, ndfft_r2c, ndifft, ndifft_r2c};
 
 const SIZES: [usize; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 
-struct Ours {
-    transform: Transform,
-    kernel: Vec<f64>,
-    field: Vec<f64>,
-    out: Vec<f64>,
-    ws: Workspace,
+struct Ours<T> {
+    transform: Transform<T>,
+    kernel: Vec<T>,
+    field: Vec<T>,
+    out: Vec<T>,
+    ws: Workspace<T>,
 }
 
-impl Ours {
+impl<T: Real> Ours<T> {
     /// With one thread the work stays on the calling thread, otherwise it uses the pool of all threads.
     fn new(n: usize, threads: usize) -> Self {
         let grid = Grid::square(n, 1.0).expect("sizes are positive");
         let transform = Transform::new(grid);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
         let ws = pool.install(|| transform.workspace());
-        Self { transform, kernel: vec![1.0; grid.spectrum_len()], field: field(n), out: vec![0.0; n * n], ws }
+        let field = field(n).into_iter().map(T::nearest).collect();
+        Self { transform, kernel: vec![T::nearest(1.0); grid.spectrum_len()], field, out: vec![T::ZERO; n * n], ws }
     }
 
     fn run(&mut self) {
@@ -86,8 +87,10 @@ fn times(criterion: &mut Criterion) {
         group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
         for n in SIZES {
             group.throughput(Throughput::Elements((n * n) as u64));
-            let mut ours = Ours::new(n, threads);
+            let mut ours = Ours::<f64>::new(n, threads);
             group.bench_function(BenchmarkId::new("ours", n), |bench| bench.iter(|| ours.run()));
+            let mut single = Ours::<f32>::new(n, threads);
+            group.bench_function(BenchmarkId::new("ours, f32", n), |bench| bench.iter(|| single.run()));
             if threads == 1 {
                 let mut other = AxisByAxis::new(n);
                 group.bench_function(BenchmarkId::new("ndrustfft", n), |bench| bench.iter(|| other.run()));
@@ -117,16 +120,17 @@ fn in_turn<const K: usize>(n: usize, mut runs: [&mut dyn FnMut(); K]) -> [f64; K
 }
 
 fn ratios(_: &mut Criterion) {
-    println!("threads     n   ours, ms   ours/FFTW   ours/ndrustfft on one thread");
+    println!("threads     n   ours, ms   ours/FFTW   ours/ndrustfft on one thread   f32/f64");
     for threads in threads() {
         for n in SIZES {
             let (mut ours, mut other, mut pair) =
-                (Ours::new(n, threads), AxisByAxis::new(n), Pair::new([n, n], threads));
+                (Ours::<f64>::new(n, threads), AxisByAxis::new(n), Pair::new([n, n], threads));
+            let mut single = Ours::<f32>::new(n, threads);
             let present = pair.is_some();
             let mut fftw = || pair.iter_mut().for_each(Pair::run);
-            let [a, b, c] = in_turn(n, [&mut || ours.run(), &mut || other.run(), &mut fftw]);
+            let [a, b, c, d] = in_turn(n, [&mut || ours.run(), &mut || other.run(), &mut fftw, &mut || single.run()]);
             let to_fftw = if present { format!("{:.2}", a / c) } else { "-".into() };
-            println!("{threads:7} {n:5} {:10.3} {to_fftw:>11} {:16.2}", 1e3 * a, a / b);
+            println!("{threads:7} {n:5} {:10.3} {to_fftw:>11} {:16.2} {:23.2}", 1e3 * a, a / b, d / a);
         }
     }
 }

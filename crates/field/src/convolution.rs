@@ -1,9 +1,12 @@
 use std::fmt;
 
+use gfmd_vector::{Rows, Split};
+
 use crate::line::Line;
 use crate::plane::Plane;
-use crate::transform::{Plan, check, rows_of};
-use crate::{Grid, ShapeError, Workspace};
+use crate::real::copy;
+use crate::transform::{Plan, check, check_rows, rows_of};
+use crate::{Grid, Real, ShapeError, Workspace};
 
 /// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with
 /// a kernel that is even in both directions. It is built once and shared between threads.
@@ -17,20 +20,20 @@ use crate::{Grid, ShapeError, Workspace};
 ///
 /// let grid = Grid::line(4, 1.0)?;
 /// let distance = Convolution::new(grid, |[i, _]| i as f64);
-/// let mut out = vec![0.0; 4];
+/// let mut out = [0.0_f64; 4];
 /// distance.apply(&[1.0, 0.0, 0.0, 2.0], &mut out, &mut distance.workspace())?;
 /// assert!(out.iter().zip([6.0, 5.0, 4.0, 3.0]).all(|(out, exact)| (out - exact).abs() < 1e-14));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Convolution {
+pub struct Convolution<T = f64> {
     grid: Grid,
     /// The points of the transforms.
     padded: [usize; 2],
-    plan: Plan,
-    kernel: Vec<f64>,
+    plan: Plan<T>,
+    kernel: Vec<T>,
 }
 
-impl Convolution {
+impl<T: Real> Convolution<T> {
     /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along y.
     pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
         let [nx, ny] = grid.points();
@@ -44,9 +47,9 @@ impl Convolution {
         };
         let mut memory = plan.workspace(padded);
         let along_x = is_row && ny == 1;
-        let row = |i: usize, row: &mut [f64]| {
+        let row = |i: usize, row: &mut [T]| {
             for (j, value) in row.iter_mut().enumerate() {
-                *value = kernel(if along_x { [j, 0] } else { [i, j] });
+                *value = T::nearest(kernel(if along_x { [j, 0] } else { [i, j] }));
             }
         };
         let kernel = match &plan {
@@ -62,7 +65,7 @@ impl Convolution {
     }
 
     /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
-    pub fn workspace(&self) -> Workspace {
+    pub fn workspace(&self) -> Workspace<T> {
         self.plan.workspace(self.padded)
     }
 
@@ -70,23 +73,65 @@ impl Convolution {
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
-    pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+    pub fn apply(&self, field: &[T], out: &mut [T], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
         check("output", out.len(), self.grid.len())?;
-        self.check(field, ws)?;
-        let Self { kernel, .. } = self;
+        check("field", field.len(), self.grid.len())?;
+        let source = rows_of(field);
+        self.apply_ahead((), |i, (), row| source(i, row), ws)?;
+        self.apply_back(Rows(out, self.row()), copy, ws)
+    }
+
+    /// The first half of [`apply`](Self::apply), of a field that is made row by row, as by
+    /// [`Transform::convolve_ahead`](crate::Transform::convolve_ahead).
+    ///
+    /// # Errors
+    /// A slice or a workspace that does not fit the grid.
+    pub fn apply_ahead<I: Split>(
+        &self,
+        input: I,
+        source: impl Fn(usize, I, &mut [T]) + Sync,
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        check_rows(&input, self.grid.len() / self.row())?;
+        self.check_workspace(ws)?;
         match &self.plan {
-            Plan::Line(line) => line.convolve(kernel, &rows_of(field), out, &|_, _| {}, &mut ws.line),
-            Plan::Plane(plane) => plane.convolve(kernel, &rows_of(field), out, &|_, _| {}, &mut ws.plane),
+            Plan::Line(line) => line.convolve(&self.kernel, input, &source, &mut ws.line),
+            Plan::Plane(plane) => plane.convolve(&self.kernel, input, &source, &mut ws.plane),
         }
         Ok(())
+    }
+
+    /// The second half, as by [`Transform::convolve_back`](crate::Transform::convolve_back).
+    ///
+    /// # Errors
+    /// Outputs or a workspace that do not fit the grid.
+    pub fn apply_back<O: Split>(
+        &self,
+        output: O,
+        sink: impl Fn(usize, &mut [T], O) + Sync,
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        check_rows(&output, self.grid.len() / self.row())?;
+        self.check_workspace(ws)?;
+        self.plan.back(output, &sink, ws);
+        Ok(())
+    }
+
+    /// The number of points in a row.
+    fn row(&self) -> usize {
+        match self.plan {
+            Plan::Line(_) => self.grid.len(),
+            Plan::Plane(_) => self.grid.points()[1],
+        }
     }
 
     /// Returns Σ_r f(r) Σ_s k(r − s) f(s). It takes about half the work of [`apply`](Self::apply).
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
-    pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
-        self.check(field, ws)?;
+    pub fn quadratic_form(&self, field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
+        check("field", field.len(), self.grid.len())?;
+        self.check_workspace(ws)?;
         let mean = match &self.plan {
             Plan::Line(line) => line.quadratic_form(&self.kernel, &rows_of(field), &mut ws.line),
             Plan::Plane(plane) => plane.quadratic_form(&self.kernel, &rows_of(field), &mut ws.plane),
@@ -94,14 +139,30 @@ impl Convolution {
         Ok(mean * (self.padded[0] * self.padded[1]) as f64)
     }
 
-    fn check(&self, field: &[f64], ws: &Workspace) -> Result<(), ShapeError> {
-        check("field", field.len(), self.grid.len())?;
+    fn check_workspace(&self, ws: &Workspace<T>) -> Result<(), ShapeError> {
         check("workspace along x", ws.points[0], self.padded[0])?;
         check("workspace along y", ws.points[1], self.padded[1])
     }
 }
 
-impl fmt::Debug for Convolution {
+impl Convolution {
+    /// The largest magnitude in the spectrum of the kernel: how much the convolution amplifies a wave, at most.
+    pub fn largest(&self) -> f64 {
+        self.kernel.iter().fold(0.0, |largest, k| k.abs().max(largest))
+    }
+
+    /// The convolution with `factor` times the kernel, in single precision.
+    pub fn rounded(&self, factor: f64) -> Convolution<f32> {
+        let Self { grid, padded, plan, kernel } = self;
+        let plan = match plan {
+            Plan::Line(_) => Plan::Line(Line::padded(padded[0], grid.len())),
+            Plan::Plane(_) => Plan::Plane(Plane::padded(*padded, grid.points())),
+        };
+        Convolution { grid: *grid, padded: *padded, plan, kernel: kernel.iter().map(|k| (k * factor) as f32).collect() }
+    }
+}
+
+impl<T> fmt::Debug for Convolution<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Convolution").field("grid", &self.grid).finish_non_exhaustive()
     }

@@ -1,13 +1,14 @@
 use std::fmt;
 use std::sync::Arc;
 
+use gfmd_vector::Split;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::FftPlanner;
 
-use crate::transform::check;
-use crate::{Grid, ShapeError};
+use crate::transform::{check, check_rows};
+use crate::{Grid, Real, ShapeError};
 
 /// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny): those of fields that
 /// are continued beyond the edges by mirroring. They are planned once and shared between threads.
@@ -16,29 +17,36 @@ use crate::{Grid, ShapeError};
 /// single row. The result has the same bits for any number of threads.
 ///
 /// ```
-/// use gfmd_field::{Cosines, Grid};
+/// use gfmd_field::{Cosines, Grid, Rows};
 ///
 /// let grid = Grid::line(8, 1.0)?;
 /// let cosines = Cosines::new(grid);
 /// let wave: Vec<f64> = (0..8).map(|i| (std::f64::consts::PI * 3.0 * (i as f64 + 0.5) / 8.0).cos()).collect();
 /// let kernel: Vec<f64> = (0..8).map(|m| f64::from(m) * 0.5).collect();
 /// let mut out = vec![0.0; 8];
-/// cosines.apply(&kernel, |_, row| row.copy_from_slice(&wave), &mut out, |_, _| {}, &mut cosines.workspace())?;
+/// cosines.apply(
+///     &kernel,
+///     (),
+///     |_, (), row| row.copy_from_slice(&wave),
+///     Rows(&mut out[..], 8),
+///     |_, row, Rows(out, _)| out.copy_from_slice(row),
+///     &mut cosines.workspace(),
+/// )?;
 /// assert!(out.iter().zip(&wave).all(|(out, wave)| (out - 1.5 * wave).abs() < 1e-14));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Cosines {
+pub struct Cosines<T = f64> {
     grid: Grid,
     /// The number of rows, and of points in each.
     shape: [usize; 2],
-    along_x: Arc<dyn TransformType2And3<f64>>,
-    along_y: Arc<dyn TransformType2And3<f64>>,
+    along_x: Arc<dyn TransformType2And3<T>>,
+    along_y: Arc<dyn TransformType2And3<T>>,
 }
 
 /// The working memory of one caller of [`Cosines`]: two fields.
-pub struct CosineWorkspace {
-    rows: Vec<f64>,
-    columns: Vec<f64>,
+pub struct CosineWorkspace<T = f64> {
+    rows: Vec<T>,
+    columns: Vec<T>,
 }
 
 /// The least number of values in the rows that a thread takes at a time.
@@ -46,7 +54,7 @@ const PORTION: usize = 1 << 13;
 /// The side of the squares in which a field is transposed: two of them fit the first-level cache.
 const TILE: usize = 32;
 
-impl Cosines {
+impl<T: Real> Cosines<T> {
     /// Plans the transforms of `grid`.
     pub fn new(grid: Grid) -> Self {
         let shape = if grid.points().contains(&1) { [1, grid.len()] } else { grid.points() };
@@ -55,48 +63,53 @@ impl Cosines {
     }
 
     /// Allocates the memory that a call needs.
-    pub fn workspace(&self) -> CosineWorkspace {
-        CosineWorkspace { rows: vec![0.0; self.grid.len()], columns: vec![0.0; self.grid.len()] }
+    pub fn workspace(&self) -> CosineWorkspace<T> {
+        CosineWorkspace { rows: vec![T::ZERO; self.grid.len()], columns: vec![T::ZERO; self.grid.len()] }
     }
 
-    /// Computes `out`: the field whose rows `source(i, row)` fills, with every wave multiplied by its value of the `kernel`;
-    /// `sink(i, row)` gets each finished row and may change it. Each row is visited once, on any thread.
+    /// Multiplies every wave of the field whose rows `source(i, input, row)` fills by its value of the `kernel`;
+    /// `sink(i, row, output)` gets each row of the result. Inputs and outputs are those of
+    /// [`Transform::convolve_rows`](crate::Transform::convolve_rows).
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
-    pub fn apply(
+    pub fn apply<I: Split, O: Split>(
         &self,
-        kernel: &[f64],
-        source: impl Fn(usize, &mut [f64]) + Sync,
-        out: &mut [f64],
-        sink: impl Fn(usize, &mut [f64]) + Sync,
-        ws: &mut CosineWorkspace,
+        kernel: &[T],
+        input: I,
+        source: impl Fn(usize, I, &mut [T]) + Sync,
+        output: O,
+        sink: impl Fn(usize, &mut [T], O) + Sync,
+        ws: &mut CosineWorkspace<T>,
     ) -> Result<(), ShapeError> {
         check("kernel", kernel.len(), self.grid.len())?;
-        check("output", out.len(), self.grid.len())?;
         check("workspace", ws.rows.len(), self.grid.len())?;
         let [nx, ny] = self.shape;
+        check_rows(&input, nx)?;
+        check_rows(&output, nx)?;
         let CosineWorkspace { rows, columns } = ws;
-        each_row(rows, &*self.along_y, |i, row, plan, scratch| {
-            source(i, row);
+        each_row(rows, input, &*self.along_y, |i, row, input, plan, scratch| {
+            source(i, input, row);
             plan.process_dct2_with_scratch(row, scratch);
         });
         transpose(rows, ny, columns);
         // A pair of transforms multiplies by half the number of points.
-        let scale = 4.0 / (nx * ny) as f64;
-        each_row(columns, &*self.along_x, |n, column, plan, scratch| {
+        let scale = T::nearest(4.0 / (nx * ny) as f64);
+        each_row(columns, (), &*self.along_x, |n, column, (), plan, scratch| {
             plan.process_dct2_with_scratch(column, scratch);
-            column.iter_mut().zip(&kernel[n * nx..]).for_each(|(wave, k)| *wave *= k * scale);
+            column.iter_mut().zip(&kernel[n * nx..]).for_each(|(wave, k)| *wave *= *k * scale);
             plan.process_dct3_with_scratch(column, scratch);
         });
-        transpose(columns, nx, out);
-        each_row(out, &*self.along_y, |i, row, plan, scratch| {
+        transpose(columns, nx, rows);
+        each_row(rows, output, &*self.along_y, |i, row, output, plan, scratch| {
             plan.process_dct3_with_scratch(row, scratch);
-            sink(i, row);
+            sink(i, row, output);
         });
         Ok(())
     }
+}
 
+impl Cosines {
     /// The quotients ⟨c, K c⟩/⟨c, c⟩ of every cosine wave c, laid out as a kernel, for the convolution K on the patch with
     /// the even kernel `kernel([i, j])` (see [`Convolution`](crate::Convolution)). Of all operators that are diagonal in the
     /// cosines, the one with these values is nearest to K, and it is positive definite if K is (Chan, Chan and Wong 1999).
@@ -138,18 +151,24 @@ fn quotients_along(rows: &mut [f64], length: usize) {
     });
 }
 
-/// Applies `work` to all rows in parallel, each thread with its own scratch.
-fn each_row(
-    field: &mut [f64],
-    plan: &dyn TransformType2And3<f64>,
-    work: impl Fn(usize, &mut [f64], &dyn TransformType2And3<f64>, &mut [f64]) + Sync,
+/// Applies `work` to all rows in parallel, each with its part of `others` and each thread with its own scratch.
+fn each_row<T: Real, V: Split>(
+    field: &mut [T],
+    others: V,
+    plan: &dyn TransformType2And3<T>,
+    work: impl Fn(usize, &mut [T], V, &dyn TransformType2And3<T>, &mut [T]) + Sync,
 ) {
     let length = rustdct::rustfft::Length::len(plan);
-    field
-        .par_chunks_mut(length)
-        .enumerate()
-        .with_min_len(portion(length))
-        .for_each_init(|| vec![0.0; plan.get_scratch_len()], |scratch, (i, row)| work(i, row, plan, scratch));
+    let rows = portion(length);
+    let portions = field.chunks_mut(rows * length).zip(others.parts(rows)).enumerate();
+    portions.par_bridge().for_each_init(
+        || vec![T::ZERO; plan.get_scratch_len()],
+        |scratch, (number, (portion, others))| {
+            for (i, (row, others)) in portion.chunks_exact_mut(length).zip(others.parts(1)).enumerate() {
+                work(number * rows + i, row, others, plan, scratch);
+            }
+        },
+    );
 }
 
 /// The least number of rows that a thread takes at a time.
@@ -158,7 +177,7 @@ fn portion(length: usize) -> usize {
 }
 
 /// `out` ← the transpose of `field`, which has rows of `length` values.
-fn transpose(field: &[f64], length: usize, out: &mut [f64]) {
+fn transpose<T: Real>(field: &[T], length: usize, out: &mut [T]) {
     let rows = field.len() / length;
     out.par_chunks_mut(TILE * rows).enumerate().for_each(|(strip, out)| {
         for first in (0..rows).step_by(TILE) {
@@ -172,13 +191,13 @@ fn transpose(field: &[f64], length: usize, out: &mut [f64]) {
     });
 }
 
-impl fmt::Debug for Cosines {
+impl<T> fmt::Debug for Cosines<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Cosines").field("grid", &self.grid).finish_non_exhaustive()
     }
 }
 
-impl fmt::Debug for CosineWorkspace {
+impl<T> fmt::Debug for CosineWorkspace<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("CosineWorkspace").finish_non_exhaustive()
     }
@@ -186,8 +205,11 @@ impl fmt::Debug for CosineWorkspace {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_vector::Rows;
+
     use super::*;
     use crate::Convolution;
+    use crate::real::copy;
 
     fn wave(n: usize, m: usize) -> Vec<f64> {
         (0..n).map(|i| (std::f64::consts::PI * m as f64 * (i as f64 + 0.5) / n as f64).cos()).collect()
@@ -204,8 +226,9 @@ mod tests {
             for [m, n] in [[0, 0], [nx - 1, ny - 1], [nx / 2, 0], [0, ny / 2], [nx / 2, ny / 3]] {
                 let (x, y) = (wave(nx, m), wave(ny, n));
                 let mut out = vec![f64::NAN; grid.len()];
-                let source = |i: usize, row: &mut [f64]| row.iter_mut().zip(&y).for_each(|(r, y)| *r = x[i] * y);
-                cosines.apply(&kernel, source, &mut out, |_, _| {}, &mut ws).unwrap();
+                let source =
+                    |i: usize, (): (), row: &mut [f64]| row.iter_mut().zip(&y).for_each(|(r, y)| *r = x[i] * y);
+                cosines.apply(&kernel, (), source, Rows(&mut out[..], ny), copy, &mut ws).unwrap();
                 for (index, out) in out.iter().enumerate() {
                     let exact = kernel[n * nx + m] * x[index / ny] * y[index % ny];
                     assert!((out - exact).abs() < 1e-13, "{points:?} {m} {n}: {out} {exact}");
@@ -240,10 +263,10 @@ mod tests {
     fn wrong_sizes_are_refused() {
         let cosines = Cosines::new(Grid::square(4, 1.0).unwrap());
         let mut ws = cosines.workspace();
-        let mut out = vec![0.0; 16];
-        assert!(cosines.apply(&[1.0; 15], |_, _| {}, &mut out, |_, _| {}, &mut ws).is_err());
-        assert!(cosines.apply(&[1.0; 16], |_, _| {}, &mut out[..9], |_, _| {}, &mut ws).is_err());
+        let mut out = [0.0; 16];
+        assert!(cosines.apply(&[1.0; 15], (), |_, (), _| {}, Rows(&mut out[..], 4), copy, &mut ws).is_err());
+        assert!(cosines.apply(&[1.0; 16], (), |_, (), _| {}, Rows(&mut out[..9], 4), copy, &mut ws).is_err());
         let mut other = Cosines::new(Grid::square(6, 1.0).unwrap()).workspace();
-        assert!(cosines.apply(&[1.0; 16], |_, _| {}, &mut out, |_, _| {}, &mut other).is_err());
+        assert!(cosines.apply(&[1.0; 16], (), |_, (), _| {}, Rows(&mut out[..], 4), copy, &mut other).is_err());
     }
 }

@@ -56,10 +56,13 @@ mod grid;
 mod line;
 mod plane;
 mod prefetch;
+mod real;
 mod share;
 mod transform;
 
 pub use convolution::Convolution;
 pub use cosines::{CosineWorkspace, Cosines};
+pub use gfmd_vector::{Rows, Split};
 pub use grid::{Grid, GridError, Mode};
+pub use real::Real;
 pub use transform::{ShapeError, Transform, Workspace};

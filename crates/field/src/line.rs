@@ -2,31 +2,34 @@
 
 use std::sync::Arc;
 
-use num_complex::Complex64;
+use gfmd_vector::Split;
+use num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
+use crate::Real;
 use crate::plane::energy;
+use crate::real::square;
 
 /// The number of modes in one partial sum of an energy.
 const STRETCH: usize = 1 << 10;
 
 /// Plans for one row. A field may fill its first points only, and is zero on the others.
-pub(crate) struct Line {
+pub(crate) struct Line<T> {
     points: usize,
     shown: usize,
-    to_half: Arc<dyn RealToComplex<f64>>,
-    from_half: Arc<dyn ComplexToReal<f64>>,
+    to_half: Arc<dyn RealToComplex<T>>,
+    from_half: Arc<dyn ComplexToReal<T>>,
 }
 
 /// Working memory: a field and its spectrum.
 #[derive(Default)]
-pub(crate) struct Memory {
-    field: Vec<f64>,
-    half: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+pub(crate) struct Memory<T> {
+    field: Vec<T>,
+    half: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
 }
 
-impl Line {
+impl<T: Real> Line<T> {
     pub(crate) fn new(points: usize) -> Self {
         Self::padded(points, points)
     }
@@ -37,17 +40,22 @@ impl Line {
         Self { points, shown, to_half: planner.plan_fft_forward(points), from_half: planner.plan_fft_inverse(points) }
     }
 
-    pub(crate) fn memory(&self) -> Memory {
+    pub(crate) fn memory(&self) -> Memory<T> {
         let scratch = self.to_half.get_scratch_len().max(self.from_half.get_scratch_len());
         Memory {
-            field: vec![0.0; self.points],
-            half: vec![Complex64::ZERO; self.points / 2 + 1],
-            scratch: vec![Complex64::ZERO; scratch],
+            field: vec![T::ZERO; self.points],
+            half: vec![Complex::ZERO; self.points / 2 + 1],
+            scratch: vec![Complex::ZERO; scratch],
         }
     }
 
     /// Writes the spectrum f̃ of the row that `source` fills.
-    pub(crate) fn forward(&self, source: &impl Fn(usize, &mut [f64]), spectrum: &mut [Complex64], memory: &mut Memory) {
+    pub(crate) fn forward(
+        &self,
+        source: &impl Fn(usize, &mut [T]),
+        spectrum: &mut [Complex<T>],
+        memory: &mut Memory<T>,
+    ) {
         self.ahead(source, memory);
         let scale = self.scale();
         for (to, from) in spectrum.iter_mut().zip(&memory.half) {
@@ -56,83 +64,82 @@ impl Line {
     }
 
     /// Writes the field of the spectrum.
-    pub(crate) fn inverse(&self, spectrum: &[Complex64], field: &mut [f64], memory: &mut Memory) {
+    pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         memory.half.copy_from_slice(spectrum);
-        self.back(field, memory);
+        self.back(memory);
+        field.copy_from_slice(&memory.field);
     }
 
-    /// Writes K f of the row that `source` fills; `sink` gets the result.
-    pub(crate) fn convolve(
+    /// Computes the half spectrum of K f, of the row f that `source` fills from `input`.
+    pub(crate) fn convolve<I: Split>(
         &self,
-        kernel: &[f64],
-        source: &impl Fn(usize, &mut [f64]),
-        out: &mut [f64],
-        sink: &impl Fn(usize, &mut [f64]),
-        memory: &mut Memory,
+        kernel: &[T],
+        input: I,
+        source: &impl Fn(usize, I, &mut [T]),
+        memory: &mut Memory<T>,
     ) {
-        self.ahead(source, memory);
+        self.ahead(|i, row: &mut [T]| source(i, input, row), memory);
         let scale = self.scale();
         for (mode, k) in memory.half.iter_mut().zip(kernel) {
-            *mode *= k * scale;
+            *mode *= *k * scale;
         }
-        self.back(out, memory);
-        sink(0, out);
+    }
+
+    /// Transforms the half spectrum back into the row, which `sink` gets with `output`.
+    pub(crate) fn row_back<O: Split>(&self, output: O, sink: &impl Fn(usize, &mut [T], O), memory: &mut Memory<T>) {
+        self.back(memory);
+        sink(0, &mut memory.field[..self.shown], output);
     }
 
     /// Returns Σ_q w k |f̃|² of the row that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
-        kernel: &[f64],
-        source: &impl Fn(usize, &mut [f64]),
-        memory: &mut Memory,
+        kernel: &[T],
+        source: &impl Fn(usize, &mut [T]),
+        memory: &mut Memory<T>,
     ) -> f64 {
         self.ahead(source, memory);
         let stretches = memory.half.chunks(STRETCH).zip(kernel.chunks(STRETCH));
         let all: f64 = stretches.map(|(modes, kernel)| energy(modes, kernel)).sum();
         let last = self.points / 2;
-        let alone = |number: usize| kernel[number] * memory.half[number].norm_sqr();
+        let alone = |number: usize| kernel[number].widened() * square(&memory.half[number]);
         let once = alone(0) + if last > 0 && self.points.is_multiple_of(2) { alone(last) } else { 0.0 };
-        (2.0 * all - once) * self.scale().powi(2)
+        (2.0 * all - once) * (1.0 / self.points as f64).powi(2)
     }
 
     /// The spectrum of an even kernel, for fields on the first points. `source` fills the values at the distances 0, 1, …;
     /// beyond these the kernel is zero.
-    pub(crate) fn even(&self, source: &impl Fn(usize, &mut [f64]), memory: &mut Memory) -> Vec<f64> {
+    pub(crate) fn even(&self, source: &impl Fn(usize, &mut [T]), memory: &mut Memory<T>) -> Vec<T> {
         let (near, far) = memory.field.split_at_mut(self.shown);
         source(0, near);
-        far.fill(0.0);
+        far.fill(T::ZERO);
         far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
         self.transform(memory);
         memory.half.iter().map(|mode| mode.re).collect()
     }
 
-    fn ahead(&self, source: &impl Fn(usize, &mut [f64]), memory: &mut Memory) {
+    fn ahead(&self, source: impl FnOnce(usize, &mut [T]), memory: &mut Memory<T>) {
         let (own, padding) = memory.field.split_at_mut(self.shown);
         source(0, own);
-        padding.fill(0.0);
+        padding.fill(T::ZERO);
         self.transform(memory);
     }
 
-    fn transform(&self, memory: &mut Memory) {
+    fn transform(&self, memory: &mut Memory<T>) {
         let done = self.to_half.process_with_scratch(&mut memory.field, &mut memory.half, &mut memory.scratch);
         done.expect("lengths are those of the plan");
     }
 
-    fn back(&self, field: &mut [f64], memory: &mut Memory) {
-        memory.half[0].im = 0.0;
+    fn back(&self, memory: &mut Memory<T>) {
+        memory.half[0].im = T::ZERO;
         if self.points.is_multiple_of(2) {
-            memory.half[self.points / 2].im = 0.0;
+            memory.half[self.points / 2].im = T::ZERO;
         }
-        let is_whole = field.len() == self.points;
-        let whole = if is_whole { &mut *field } else { &mut memory.field[..] };
-        let done = self.from_half.process_with_scratch(&mut memory.half, whole, &mut memory.scratch);
+        let done = self.from_half.process_with_scratch(&mut memory.half, &mut memory.field, &mut memory.scratch);
         done.expect("lengths are those of the plan, edges are real");
-        if !is_whole {
-            field.copy_from_slice(&memory.field[..field.len()]);
-        }
     }
 
-    fn scale(&self) -> f64 {
-        1.0 / self.points as f64
+    fn scale(&self) -> T {
+        T::nearest(1.0 / self.points as f64)
     }
 }

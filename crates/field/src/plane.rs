@@ -8,64 +8,68 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use num_complex::Complex64;
+use gfmd_vector::{Rows, Split};
+use num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
+use crate::Real;
 use crate::prefetch::{LINE, prefetch};
+use crate::real::{copy, square};
 use crate::share::{lock, share};
 
 /// The number of rows in a block: the part of a block that belongs to a panel fits the first-level cache.
 const BLOCK: usize = 64;
-/// The number of columns in a panel: four cache lines of every row. Fewer, down to one line, if the columns are so long
-/// that the panel would have more than [`PANEL`] values.
-const WIDTH: usize = 16;
-/// The largest number of complex values in a panel: 2 MB, twice a second-level cache; half of it measured no better.
-const PANEL: usize = 1 << 17;
+/// The number of cache lines of every row in a panel of columns. Fewer, down to one line, if the columns are so long that the
+/// panel would be larger than [`PANEL`].
+const WIDTH: usize = 4;
+/// The largest number of bytes in a panel: twice a second-level cache; half of it measured no better.
+const PANEL: usize = 1 << 21;
 /// The least number of values in the rows that a thread takes at a time.
 const PORTION: usize = 1 << 14;
 /// The number of values below which a transform ends before a second thread has woken up.
 const SHARED: usize = 1 << 15;
 /// The number of values above which a field no longer stays in the cache between two passes.
 pub(crate) const LARGE: usize = 1 << 19;
-/// The number of unused complex values between neighbouring columns of a panel: columns that lie a power of two apart
-/// would evict each other from the cache.
-const GAP: usize = LINE / size_of::<Complex64>();
 
 /// Plans for nx rows of ny points. A field may fill a corner of them only, and is zero on the rest, which is not stored.
-pub(crate) struct Plane {
+pub(crate) struct Plane<T> {
     rows: usize,
     points: usize,
     /// The rows of the field, and the points of each.
     corner: [usize; 2],
     width: usize,
-    to_half: Arc<dyn RealToComplex<f64>>,
-    from_half: Arc<dyn ComplexToReal<f64>>,
-    ahead: Arc<dyn Fft<f64>>,
-    back: Arc<dyn Fft<f64>>,
+    to_half: Arc<dyn RealToComplex<T>>,
+    from_half: Arc<dyn ComplexToReal<T>>,
+    ahead: Arc<dyn Fft<T>>,
+    back: Arc<dyn Fft<T>>,
 }
 
 /// Working memory: the half spectra of the rows, about as large as one field, and a panel for each thread.
 #[derive(Default)]
-pub(crate) struct Memory {
-    blocks: Vec<Block>,
-    seats: Vec<Seat>,
+pub(crate) struct Memory<T> {
+    blocks: Vec<Block<T>>,
+    seats: Vec<Seat<T>>,
     sums: Vec<f64>,
 }
 
 /// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's part
 /// in or out.
-type Block = Mutex<Vec<Complex64>>;
+type Block<T> = Mutex<Vec<Complex<T>>>;
 
 /// The working memory of one thread.
-struct Seat {
-    row: Vec<f64>,
-    tile: Vec<Complex64>,
-    columns: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+struct Seat<T> {
+    row: Vec<T>,
+    tile: Vec<Complex<T>>,
+    columns: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
 }
 
-impl Plane {
+impl<T: Real> Plane<T> {
+    /// The number of complex values in a cache line, which is also the number of unused values between neighbouring columns
+    /// of a panel: columns that lie a power of two apart would evict each other from the cache.
+    const GAP: usize = LINE / size_of::<Complex<T>>();
+
     pub(crate) fn new(points: [usize; 2]) -> Self {
         Self::padded(points, points)
     }
@@ -74,7 +78,7 @@ impl Plane {
     pub(crate) fn padded([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
-        let width = (PANEL / rows).clamp(LINE / size_of::<Complex64>(), WIDTH);
+        let width = (PANEL / size_of::<Complex<T>>() / rows).clamp(Self::GAP, WIDTH * Self::GAP);
         Self {
             rows,
             points,
@@ -88,9 +92,9 @@ impl Plane {
     }
 
     /// Allocates memory for this plan, with a seat for each of `threads`.
-    pub(crate) fn memory(&self, threads: usize) -> Memory {
+    pub(crate) fn memory(&self, threads: usize) -> Memory<T> {
         let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
-        let block = |first| Mutex::new(vec![Complex64::ZERO; BLOCK.min(self.corner[0] - first) * self.stride()]);
+        let block = |first| Mutex::new(vec![Complex::ZERO; BLOCK.min(self.corner[0] - first) * self.stride()]);
         Memory {
             blocks: (0..self.corner[0]).step_by(BLOCK).map(block).collect(),
             seats: (0..threads).map(|_| self.seat()).collect(),
@@ -98,7 +102,7 @@ impl Plane {
         }
     }
 
-    fn seat(&self) -> Seat {
+    fn seat(&self) -> Seat<T> {
         let scratch = [
             self.to_half.get_scratch_len(),
             self.from_half.get_scratch_len(),
@@ -106,21 +110,21 @@ impl Plane {
             self.back.get_inplace_scratch_len(),
         ];
         Seat {
-            row: vec![0.0; self.points],
-            tile: vec![Complex64::ZERO; BLOCK.min(self.corner[0]) * self.width],
-            columns: vec![Complex64::ZERO; self.width * self.column()],
-            scratch: vec![Complex64::ZERO; scratch.into_iter().max().unwrap_or(0)],
+            row: vec![T::ZERO; self.points],
+            tile: vec![Complex::ZERO; BLOCK.min(self.corner[0]) * self.width],
+            columns: vec![Complex::ZERO; self.width * self.column()],
+            scratch: vec![Complex::ZERO; scratch.into_iter().max().unwrap_or(0)],
         }
     }
 
     /// Writes the spectrum f̃ of the rows that `source` fills.
     pub(crate) fn forward(
         &self,
-        source: &(impl Fn(usize, &mut [f64]) + Sync),
-        spectrum: &mut [Complex64],
-        memory: &mut Memory,
+        source: &(impl Fn(usize, &mut [T]) + Sync),
+        spectrum: &mut [Complex<T>],
+        memory: &mut Memory<T>,
     ) {
-        self.rows_ahead(source, self.points, memory);
+        self.rows_ahead((), &|i, (), row| source(i, row), self.points, memory);
         let Memory { blocks, seats, .. } = memory;
         let scale = self.scale();
         share(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
@@ -131,7 +135,7 @@ impl Plane {
     }
 
     /// Writes the field of the spectrum.
-    pub(crate) fn inverse(&self, spectrum: &[Complex64], field: &mut [f64], memory: &mut Memory) {
+    pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         let Memory { blocks, seats, .. } = memory;
         share(seats, self.panels(), |panel, seat| {
             let columns = &mut seat.columns[..panel.len() * self.rows];
@@ -139,52 +143,51 @@ impl Plane {
             self.back.process_with_scratch(columns, &mut seat.scratch);
             self.store(columns, self.rows, blocks, &panel, &mut seat.tile);
         });
-        self.rows_back(field, &|_, _| {}, memory);
+        self.rows_back(Rows(field, self.corner[1]), &copy, memory);
     }
 
-    /// Writes K f of the rows that `source` fills; `sink` gets each row of the result.
-    pub(crate) fn convolve(
+    /// Computes the half spectra of the rows of K f, for the rows f that `source` fills from those of `input`, which has one
+    /// entry for each row.
+    pub(crate) fn convolve<I: Split>(
         &self,
-        kernel: &[f64],
-        source: &(impl Fn(usize, &mut [f64]) + Sync),
-        out: &mut [f64],
-        sink: &(impl Fn(usize, &mut [f64]) + Sync),
-        memory: &mut Memory,
+        kernel: &[T],
+        input: I,
+        source: &(impl Fn(usize, I, &mut [T]) + Sync),
+        memory: &mut Memory<T>,
     ) {
-        self.rows_ahead(source, self.corner[1], memory);
+        self.rows_ahead(input, source, self.corner[1], memory);
         let Memory { blocks, seats, .. } = memory;
-        let (scale, line) = (self.scale(), self.line());
+        let (scale, line) = (self.scale(), kernel.len() / self.half());
         share(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
             self.load(blocks, &panel, columns, self.column(), tile);
             let kernels = kernel[panel.start * line..panel.end * line].chunks_exact(line);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels) {
                 let column = &mut column[..self.rows];
-                column[self.corner[0]..].fill(Complex64::ZERO);
+                column[self.corner[0]..].fill(Complex::ZERO);
                 self.ahead.process_with_scratch(column, scratch);
                 let (stored, mirrored) = column.split_at_mut(line);
                 for (mode, k) in stored.iter_mut().zip(kernel) {
-                    *mode *= k * scale;
+                    *mode *= *k * scale;
                 }
                 for (mode, k) in mirrored.iter_mut().rev().zip(&kernel[1..]) {
-                    *mode *= k * scale;
+                    *mode *= *k * scale;
                 }
                 self.back.process_with_scratch(column, scratch);
             }
             self.store(columns, self.column(), blocks, &panel, tile);
         });
-        self.rows_back(out, sink, memory);
     }
 
     /// Returns Σ_q w k |f̃|² of the rows that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
-        kernel: &[f64],
-        source: &(impl Fn(usize, &mut [f64]) + Sync),
-        memory: &mut Memory,
+        kernel: &[T],
+        source: &(impl Fn(usize, &mut [T]) + Sync),
+        memory: &mut Memory<T>,
     ) -> f64 {
-        self.rows_ahead(source, self.corner[1], memory);
+        self.rows_ahead((), &|i, (), row| source(i, row), self.corner[1], memory);
         let Memory { blocks, seats, sums } = memory;
-        let line = self.line();
+        let line = kernel.len() / self.half();
         share(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
             let Seat { tile, columns, scratch, .. } = seat;
             self.load(blocks, &panel, columns, self.column(), tile);
@@ -192,38 +195,39 @@ impl Plane {
             let columns = columns.chunks_exact_mut(self.column());
             for ((sum, number), (column, kernel)) in sums.iter_mut().zip(panel).zip(columns.zip(kernels)) {
                 let column = &mut column[..self.rows];
-                column[self.corner[0]..].fill(Complex64::ZERO);
+                column[self.corner[0]..].fill(Complex::ZERO);
                 self.ahead.process_with_scratch(column, scratch);
                 let alone = number == 0 || 2 * number == self.points;
                 let (stored, mirrored) = column.split_at(line);
-                let mirrored: f64 = mirrored.iter().rev().zip(&kernel[1..]).map(|(mode, k)| k * mode.norm_sqr()).sum();
+                let mirrored: f64 =
+                    mirrored.iter().rev().zip(&kernel[1..]).map(|(mode, k)| k.widened() * square(mode)).sum();
                 *sum = if alone { 1.0 } else { 2.0 } * (energy(stored, kernel) + mirrored);
             }
         });
-        sums.iter().sum::<f64>() * self.scale().powi(2)
+        sums.iter().sum::<f64>() * (1.0 / (self.rows * self.points) as f64).powi(2)
     }
 
     /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is real.
     /// `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is zero.
-    pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) -> Vec<f64> {
+    pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) -> Vec<T> {
         let [held, shown] = self.corner;
-        let both_sides = |i: usize, row: &mut [f64]| {
-            row[shown..].fill(0.0);
+        let both_sides = |i: usize, (): (), row: &mut [T]| {
+            row[shown..].fill(T::ZERO);
             source(i, &mut row[..shown]);
             let (near, far) = row.split_at_mut(shown);
             far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
         };
-        self.rows_ahead(&both_sides, self.points, memory);
+        self.rows_ahead((), &both_sides, self.points, memory);
         let Memory { blocks, seats, .. } = memory;
         let line = self.line();
-        let mut kernel = vec![0.0; self.half() * line];
+        let mut kernel = vec![T::ZERO; self.half() * line];
         share(seats, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), seat| {
             let Seat { tile, columns, scratch, .. } = seat;
             self.load(blocks, &panel, columns, self.column(), tile);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels.chunks_exact_mut(line)) {
                 let column = &mut column[..self.rows];
                 let (near, far) = column.split_at_mut(held);
-                far.fill(Complex64::ZERO);
+                far.fill(Complex::ZERO);
                 far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
                 self.ahead.process_with_scratch(column, scratch);
                 kernel.iter_mut().zip(column).for_each(|(k, mode)| *k = mode.re);
@@ -233,45 +237,51 @@ impl Plane {
     }
 
     /// Transforms the rows of the field, of which `source` fills the first `filled` points, into half spectra.
-    fn rows_ahead(&self, source: &(impl Fn(usize, &mut [f64]) + Sync), filled: usize, memory: &mut Memory) {
+    fn rows_ahead<I: Split>(
+        &self,
+        input: I,
+        source: &(impl Fn(usize, I, &mut [T]) + Sync),
+        filled: usize,
+        memory: &mut Memory<T>,
+    ) {
         let rows = self.portion();
-        let portions = portions(&mut memory.blocks, rows * self.stride());
-        share(&mut memory.seats, portions.enumerate(), |(number, portion), Seat { row, scratch, .. }| {
-            for (i, half) in portion.chunks_exact_mut(self.stride()).enumerate() {
+        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(input.parts(rows)).enumerate();
+        share(&mut memory.seats, portions, |(number, (portion, input)), Seat { row, scratch, .. }| {
+            for (i, (half, input)) in portion.chunks_exact_mut(self.stride()).zip(input.parts(1)).enumerate() {
                 let (own, padding) = row.split_at_mut(filled);
-                source(number * rows + i, own);
-                padding.fill(0.0);
+                source(number * rows + i, input, own);
+                padding.fill(T::ZERO);
                 let done = self.to_half.process_with_scratch(row, &mut half[..self.half()], scratch);
                 done.expect("lengths are those of the plan");
             }
         });
     }
 
-    /// Transforms half spectra back into the rows of the field.
-    fn rows_back(&self, field: &mut [f64], sink: &(impl Fn(usize, &mut [f64]) + Sync), memory: &mut Memory) {
+    /// Transforms half spectra back into the rows of the field, which `sink` gets with those of `output`.
+    pub(crate) fn rows_back<O: Split>(
+        &self,
+        output: O,
+        sink: &(impl Fn(usize, &mut [T], O) + Sync),
+        memory: &mut Memory<T>,
+    ) {
         let rows = self.portion();
-        let large = field.len() > LARGE;
-        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(field.chunks_mut(rows * self.corner[1]));
-        share(&mut memory.seats, portions.enumerate(), |(number, (mut portion, field)), seat| {
-            for (i, row) in field.chunks_exact_mut(self.corner[1]).enumerate() {
+        let large = self.corner[0] * self.corner[1] > LARGE;
+        let portions = portions(&mut memory.blocks, rows * self.stride()).zip(output.parts(rows)).enumerate();
+        share(&mut memory.seats, portions, |(number, (mut portion, output)), seat| {
+            for (i, output) in output.parts(1).enumerate().take(portion.len() / self.stride()) {
                 let (half, rest) = std::mem::take(&mut portion).split_at_mut(self.stride());
                 portion = rest;
                 if large && !portion.is_empty() {
                     prefetch(&portion[..self.stride()]);
                 }
                 let half = &mut half[..self.half()];
-                half[0].im = 0.0;
+                half[0].im = T::ZERO;
                 if self.points.is_multiple_of(2) {
-                    half[self.points / 2].im = 0.0;
+                    half[self.points / 2].im = T::ZERO;
                 }
-                let is_whole = row.len() == self.points;
-                let whole = if is_whole { &mut *row } else { &mut seat.row[..] };
-                let done = self.from_half.process_with_scratch(half, whole, &mut seat.scratch);
+                let done = self.from_half.process_with_scratch(half, &mut seat.row, &mut seat.scratch);
                 done.expect("lengths are those of the plan, edges are real");
-                if !is_whole {
-                    row.copy_from_slice(&seat.row[..row.len()]);
-                }
-                sink(number * rows + i, row);
+                sink(number * rows + i, &mut seat.row[..self.corner[1]], output);
             }
         });
     }
@@ -279,11 +289,11 @@ impl Plane {
     /// Copies a panel out of the blocks into columns, `stride` apart.
     fn load(
         &self,
-        blocks: &[Block],
+        blocks: &[Block<T>],
         panel: &Range<usize>,
-        columns: &mut [Complex64],
+        columns: &mut [Complex<T>],
         stride: usize,
-        tile: &mut [Complex64],
+        tile: &mut [Complex<T>],
     ) {
         for (number, block) in blocks.iter().enumerate() {
             let rows = number * BLOCK..self.corner[0].min((number + 1) * BLOCK);
@@ -301,11 +311,11 @@ impl Plane {
     /// Copies columns, `stride` apart, to the place of their panel in the blocks.
     fn store(
         &self,
-        columns: &[Complex64],
+        columns: &[Complex<T>],
         stride: usize,
-        blocks: &[Block],
+        blocks: &[Block<T>],
         panel: &Range<usize>,
-        tile: &mut [Complex64],
+        tile: &mut [Complex<T>],
     ) {
         for (number, block) in blocks.iter().enumerate() {
             let rows = number * BLOCK..self.corner[0].min((number + 1) * BLOCK);
@@ -327,12 +337,12 @@ impl Plane {
 
     /// The distance between rows of a block, a whole number of cache lines.
     fn stride(&self) -> usize {
-        self.half().next_multiple_of(LINE / size_of::<Complex64>())
+        self.half().next_multiple_of(Self::GAP)
     }
 
     /// The distance between columns of a panel.
     fn column(&self) -> usize {
-        self.rows + GAP
+        self.rows + Self::GAP
     }
 
     /// The number of values of a column of the kernel: for fields in a corner it is even, and half of it is stored.
@@ -345,30 +355,30 @@ impl Plane {
         (PORTION / self.points).clamp(1, BLOCK).next_power_of_two()
     }
 
-    fn scale(&self) -> f64 {
-        1.0 / (self.rows * self.points) as f64
+    fn scale(&self) -> T {
+        T::nearest(1.0 / (self.rows * self.points) as f64)
     }
 
-    fn panels(&self) -> impl Iterator<Item = Range<usize>> + Send + use<> {
+    fn panels(&self) -> impl Iterator<Item = Range<usize>> + Send + use<T> {
         let (half, width) = (self.half(), self.width);
         (0..half).step_by(width).map(move |first| first..half.min(first + width))
     }
 }
 
 /// The pieces of `length` of all blocks, without locking: the caller has them exclusively.
-fn portions(blocks: &mut [Block], length: usize) -> impl Iterator<Item = &mut [Complex64]> + Send {
+fn portions<T: Real>(blocks: &mut [Block<T>], length: usize) -> impl Iterator<Item = &mut [Complex<T>]> + Send {
     blocks.iter_mut().flat_map(move |block| block.get_mut().unwrap_or_else(PoisonError::into_inner).chunks_mut(length))
 }
 
 /// The sum Σ k |f̃|², in an order that depends on the length alone.
-pub(crate) fn energy(modes: &[Complex64], kernel: &[f64]) -> f64 {
+pub(crate) fn energy<T: Real>(modes: &[Complex<T>], kernel: &[T]) -> f64 {
     let (modes, kernel) = (modes.as_chunks::<8>(), kernel.as_chunks::<8>());
     let mut sums = [0.0; 8];
     for (modes, kernel) in modes.0.iter().zip(kernel.0) {
         for (sum, (mode, k)) in sums.iter_mut().zip(modes.iter().zip(kernel)) {
-            *sum += k * mode.norm_sqr();
+            *sum += k.widened() * square(mode);
         }
     }
-    let rest: f64 = modes.1.iter().zip(kernel.1).map(|(mode, k)| k * mode.norm_sqr()).sum();
+    let rest: f64 = modes.1.iter().zip(kernel.1).map(|(mode, k)| k.widened() * square(mode)).sum();
     sums.iter().sum::<f64>() + rest
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_field::{Grid, ShapeError, Transform, Workspace};
+use gfmd_field::{Grid, Rows, ShapeError, Transform, Workspace};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -176,24 +176,45 @@ proptest! {
     }
 
     #[test]
-    fn rows_made_and_handed_on_are_those_of_the_field((transform, f, _) in case()) {
+    fn rows_made_and_handed_on_are_those_of_the_field((transform, f, g) in case()) {
         let kernel = kernel(transform.grid());
-        let mut out = vec![f64::NAN; f.len()];
-        let start = |i: usize, row: &[f64]| i * row.len();
+        let [mut out, mut changed] = [vec![f64::NAN; f.len()], g.clone()];
+        let columns = if transform.grid().points().contains(&1) { f.len() } else { transform.grid().points()[1] };
+        let mut numbers = vec![usize::MAX; f.len() / columns];
         transform
             .convolve_rows(
                 &kernel,
-                |i, row| row.copy_from_slice(&f[start(i, row)..][..row.len()]),
-                &mut out,
-                |i, row| {
-                    let first = start(i, row);
-                    row.iter_mut().zip(&f[first..]).for_each(|(out, f)| *out += 2.0 * f);
+                (Rows(&f[..], columns), Rows(&mut changed[..], columns)),
+                |i, (Rows(f, _), Rows(changed, _)), row| {
+                    row.copy_from_slice(f);
+                    changed.iter_mut().for_each(|g| *g += i as f64);
+                },
+                (Rows(&mut out[..], columns), &mut numbers[..]),
+                |i, row, (Rows(out, _), number)| {
+                    out.copy_from_slice(row);
+                    number[0] = i;
                 },
                 &mut transform.workspace(),
             )
             .unwrap();
-        let expected: Vec<f64> = convolved(&transform, &kernel, &f).iter().zip(&f).map(|(u, f)| u + 2.0 * f).collect();
-        prop_assert_eq!(out, expected);
+        prop_assert_eq!(out, convolved(&transform, &kernel, &f));
+        prop_assert!(numbers.iter().enumerate().all(|(i, number)| i == *number));
+        prop_assert!(changed.iter().zip(&g).enumerate().all(|(at, (new, g))| *new == g + (at / columns) as f64));
+    }
+
+    #[test]
+    fn single_precision_is_that_of_seven_digits((transform, f, _) in case()) {
+        let kernel = kernel(transform.grid());
+        let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
+        let exact = convolved(&transform, &kernel, &f);
+        let short = Transform::<f32>::new(*transform.grid());
+        let (mut out, mut ws) = (vec![f32::NAN; f.len()], short.workspace());
+        short.convolve(&single(&kernel), &single(&f), &mut out, &mut ws).unwrap();
+        let largest = exact.iter().chain(&f).fold(0.0, |most: f64, u| most.max(u.abs()));
+        prop_assert!(out.iter().zip(&exact).all(|(a, b)| (f64::from(*a) - b).abs() < 3e-6 * largest.max(1e-30)));
+        let form = short.quadratic_form(&single(&kernel), &single(&f), &mut ws).unwrap();
+        let expected = transform.quadratic_form(&kernel, &f, &mut transform.workspace()).unwrap();
+        prop_assert!((form - expected).abs() < 3e-6 * largest * largest, "{} {}", form, expected);
     }
 }
 

@@ -117,7 +117,7 @@ impl Certificate<'_> {
     fn separations(&mut self) -> f64 {
         let Self { frame, position, gap, .. } = self;
         pass(
-            [gap],
+            [&mut gap[..]],
             &|start, [gap]| {
                 gap.iter_mut().enumerate().fold(f64::INFINITY, |least, (k, gap)| {
                     (*gap, _) = frame.separation(position, start + k);
@@ -173,7 +173,7 @@ impl Certificate<'_> {
                     *pressure = (law(start + k) - traction[start + k]).max(0.0);
                 }
             };
-            for_each([wall_pressure], &press);
+            for_each([&mut wall_pressure[..]], &press);
         }
         Balance { unbalanced, tension, largest, law_mean: law_total / points as f64 }
     }

@@ -43,7 +43,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
         restrict(held, &mut image);
         let last = std::mem::replace(&mut slope, dot(&residual, &image));
         let beta = slope / last;
-        for_each([&mut direction], &|start, [direction]| {
+        for_each([&mut direction[..]], &|start, [direction]| {
             for (d, z) in direction.iter_mut().zip(&image[start..]) {
                 *d = z + beta * *d;
             }
@@ -51,7 +51,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
         surface.transforms.compliance(&direction, &mut image);
         restrict(held, &mut image);
         let step = slope / dot(&direction, &image);
-        for_each([&mut surface.traction, &mut residual], &|start, [traction, residual]| {
+        for_each([&mut surface.traction[..], &mut residual[..]], &|start, [traction, residual]| {
             let along = direction[start..].iter().zip(&image[start..]);
             for ((t, r), (d, g)) in traction.iter_mut().zip(residual).zip(along) {
                 *t += step * d;

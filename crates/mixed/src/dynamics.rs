@@ -213,7 +213,7 @@ impl<'s, 'p> Layer<'s, 'p> {
     /// Takes the traction that keeps the held points in place, and computes its displacement.
     fn take_traction(&mut self, force: &[f64]) {
         let held = &self.surface.problem.prescribed.held;
-        for_each([&mut self.surface.traction], &|start, [traction]| {
+        for_each([&mut self.surface.traction[..]], &|start, [traction]| {
             for ((t, held), f) in traction.iter_mut().zip(&held[start..]).zip(&force[start..]) {
                 if *held {
                     *t = -f;

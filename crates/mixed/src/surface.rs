@@ -40,7 +40,7 @@ impl<'a> Surface<'a> {
     pub(crate) fn certify(&mut self) {
         self.transforms.compliance(&self.traction, &mut self.displacement);
         let (displacement, Prescribed { held, values, .. }) = (&self.displacement, &self.problem.prescribed);
-        for_each([&mut self.misfit], &|start, [misfit]| {
+        for_each([&mut self.misfit[..]], &|start, [misfit]| {
             let known = held[start..].iter().zip(&values[start..]);
             for ((misfit, u), (held, value)) in misfit.iter_mut().zip(&displacement[start..]).zip(known) {
                 *misfit = if *held { value - u } else { 0.0 };

@@ -44,7 +44,7 @@ impl<B: Fn(&mut [f64])> Method for ModeDamped<B> {
         let State { u, force, memory, .. } = state;
         let motion = &mut memory.previous;
         RelaxError::check_length("previous displacements", motion.len(), u.len())?;
-        for_each([motion], &|start, [d]| d.iter_mut().zip(&u[start..]).for_each(|(d, u)| *d = u - *d));
+        for_each([&mut motion[..]], &|start, [d]| d.iter_mut().zip(&u[start..]).for_each(|(d, u)| *d = u - *d));
         (self.retain)(motion);
         let changes = within!(problem.bounds(), wall => advance(wall, self.tau, u, force, motion, |_, d| d));
         std::mem::swap(u, motion);

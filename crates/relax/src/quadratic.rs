@@ -7,20 +7,10 @@ use crate::{Budget, Divergence, Ending, Progress, RelaxError, Visit, Watch, Why,
 pub trait Quadratic {
     /// b, one value for each variable.
     fn linear(&self) -> &[f64];
-    /// The largest value of every variable, infinite by default. Only [`PreconditionedCg`](crate::PreconditionedCg) heeds
-    /// it; the other searches refuse a finite one.
-    fn upper(&self) -> f64 {
-        f64::INFINITY
-    }
     /// `out ← A x`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
     /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
-    /// `out ← M (gradient − multiplier)` on the free variables, zero elsewhere: approximately the step to the point
-    /// where the gradient of the free variables equals the multiplier. Variables are free if x > 0, or if they are at
-    /// zero with a gradient below the multiplier. M depends on the free set; it is symmetric positive definite and
-    /// approximates A⁻¹ on this set. Overestimating A⁻¹ is safer than underestimating it.
-    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]);
     /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
@@ -39,7 +29,7 @@ pub struct Target {
     pub budget: Budget,
 }
 
-/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (with an [upper](Quadratic::upper) bound: `g ≤ 0`
+/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (with an [upper](crate::Preconditioned::upper) bound: `g ≤ 0`
 /// and nothing else on it), with `g = A x + b − λ` and λ the
 /// multiplier of the prescribed mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,14 +72,12 @@ pub struct Minimum {
 impl Target {
     /// As [`check_between`](Self::check_between), for methods without an upper bound.
     pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
-        let upper = problem.upper();
-        RelaxError::check_parameter("the upper bound", upper, upper == f64::INFINITY, "infinite for this method")?;
-        self.check_between(x, problem)
+        self.check_between(x, problem.linear().len(), f64::INFINITY)
     }
 
-    pub(crate) fn check_between(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
-        RelaxError::check_length("variables", x.len(), problem.linear().len())?;
-        let upper = problem.upper();
+    /// Checks the start of a problem with so many variables.
+    pub(crate) fn check_between(&self, x: &[f64], variables: usize, upper: f64) -> Result<(), RelaxError> {
+        RelaxError::check_length("variables", x.len(), variables)?;
         if let Some(index) = x.iter().position(|x| !(x.is_finite() && *x >= 0.0 && *x <= upper)) {
             return Err(RelaxError::Start { index, found: x[index] });
         }

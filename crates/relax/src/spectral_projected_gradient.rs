@@ -58,12 +58,12 @@ impl SpectralProjectedGradient {
                 return Descended { steps, ending: Ending::GaveUp(Why::Iterations) };
             }
             steps += 1;
-            for_each([&mut direction], &|start, [d]| {
+            for_each([&mut direction[..]], &|start, [d]| {
                 let here = x[start..].iter().zip(&gradient[start..]);
                 d.iter_mut().zip(here).for_each(|(d, (x, g))| *d = x - length * g);
             });
             problem.project(&mut direction);
-            for_each([&mut direction], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+            for_each([&mut direction[..]], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
             problem.apply(&direction, &mut image);
             let [slope, curvature, square, images] = reduce(
                 x.len(),

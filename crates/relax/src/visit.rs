@@ -28,6 +28,15 @@ pub trait Visit {
     /// Visits an array, whose length stays as it is.
     fn field(&mut self, x: &mut [f64]);
 
+    /// Visits an array of single precision.
+    fn single(&mut self, x: &mut [f32]) {
+        for x in x {
+            let mut number = f64::from(*x);
+            self.number(&mut number);
+            *x = number as f32;
+        }
+    }
+
     /// Visits several real numbers.
     fn numbers(&mut self, numbers: &mut [&mut f64]) {
         numbers.iter_mut().for_each(|x| self.number(x));

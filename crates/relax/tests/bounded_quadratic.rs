@@ -3,10 +3,14 @@
 
 use std::ops::ControlFlow;
 
+#[path = "relax/stretches.rs"]
+mod stretches;
+
 use gfmd_relax::{
-    Budget, Divergence, Ending, Iterate, Minimum, PolonskyKeer, PreconditionedCg, Progress, ProjectedCg, Quadratic,
-    RelaxError, Target, Why,
+    Budget, Divergence, Ending, Iterate, Minimum, PolonskyKeer, Preconditioned, PreconditionedCg, Progress,
+    ProjectedCg, Quadratic, RelaxError, Target, Why,
 };
+use gfmd_vector::Split;
 use proptest::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +49,7 @@ struct Dense {
     a: Vec<Vec<f64>>,
     b: Vec<f64>,
     preconditioner: Preconditioner,
+    image: Vec<f32>,
 }
 
 impl Quadratic for Dense {
@@ -61,11 +66,51 @@ impl Quadratic for Dense {
     fn curvature(&mut self, direction: &[f64]) -> f64 {
         self.a.iter().zip(direction).map(|(row, d)| d * dot(row, direction)).sum()
     }
+}
 
-    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
+impl Preconditioned for Dense {
+    fn length(&self) -> usize {
+        self.b.len()
+    }
+
+    /// Half of the variables, if their number is even.
+    fn stretch(&self) -> usize {
+        let n = self.b.len();
+        if n.is_multiple_of(2) { n / 2 } else { n }
+    }
+
+    fn unit(&self) -> f64 {
+        2.0
+    }
+
+    fn gradient<O: Split, R: Send>(
+        &mut self,
+        x: &[f64],
+        output: O,
+        sink: impl Fn(&[f64], O) -> R + Sync,
+        sums: &mut [R],
+    ) {
+        stretches::hand_on(self.stretch(), &Dense::gradient(self, x), output, sink, sums);
+    }
+
+    fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
+        let vector = stretches::made(self.stretch(), self.b.len(), input, source);
+        self.image = self.a.iter().map(|row| (dot(row, &vector) / self.unit()) as f32).collect();
+    }
+
+    fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
+        stretches::hand_on(self.stretch(), &self.image, output, sink, sums);
+    }
+
+    fn curvature(&mut self, direction: &[f32]) -> f64 {
+        let direction: Vec<f64> = direction.iter().map(|d| f64::from(*d)).collect();
+        Quadratic::curvature(self, &direction) / self.unit()
+    }
+
+    fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
         let closed = self.preconditioner == Preconditioner::Closed;
-        let free: Vec<usize> = (0..x.len()).filter(|&i| x[i] > 0.0 || (!closed && gradient[i] < multiplier)).collect();
-        let residual: Vec<f64> = free.iter().map(|&i| gradient[i] - multiplier).collect();
+        let free: Vec<usize> = (0..x.len()).filter(|&i| x[i] > 0.0 || (!closed && gradient[i] < level)).collect();
+        let residual: Vec<f64> = free.iter().map(|&i| f64::from(gradient[i] - level) * self.unit()).collect();
         let step = match self.preconditioner {
             Preconditioner::Inverse => {
                 solve(free.iter().map(|&i| free.iter().map(|&j| self.a[i][j]).collect()).collect(), residual)
@@ -76,7 +121,7 @@ impl Quadratic for Dense {
         };
         out.fill(0.0);
         for (i, step) in free.into_iter().zip(step) {
-            out[i] = step;
+            out[i] = step as f32;
         }
     }
 }
@@ -203,7 +248,7 @@ proptest! {
         mean in prop::option::of(0.01..2.0),
     ) {
         let dense = Dense {
-            a: matrix(&entries[..n * n], n, 0.1), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0),
+            a: matrix(&entries[..n * n], n, 0.1), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0), image: Vec::new(),
         };
         let exact = dense.exact(mean);
         for method in METHODS {
@@ -225,7 +270,7 @@ proptest! {
         let a = matrix(&entries[..n * n], n, 0.1);
         for (mean, multiplier) in [(None, 0.0), (Some(exact.iter().sum::<f64>() / n as f64), multiplier)] {
             let b = a.iter().zip(&slack).map(|(row, slack)| slack + multiplier - dot(row, &exact)).collect();
-            let dense = Dense { a: a.clone(), b, preconditioner: Preconditioner::Scale(1.0) };
+            let dense = Dense { a: a.clone(), b, preconditioner: Preconditioner::Scale(1.0), image: Vec::new() };
             for method in METHODS {
                 let (x, reached) = dense.minimum(method, &start[..n], &target(mean));
                 let error = error(&x, &exact);
@@ -246,7 +291,7 @@ proptest! {
     ) {
         let mut half = entries[..n * n].to_vec();
         half[n * n / 2..].fill(0.0);
-        let dense = Dense { a: matrix(&half, n, 0.0), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0) };
+        let dense = Dense { a: matrix(&half, n, 0.0), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0), image: Vec::new() };
         let target = Target { budget: Budget { tolerance: 1e-7, ..Budget::default() }, ..target(Some(mean)) };
         let methods = [1.0, 1e-3, 1e3].map(|scale| Method::Preconditioned(Preconditioner::Scale(scale)));
         for method in methods {
@@ -269,7 +314,7 @@ fn ring(n: usize) -> Dense {
         })
         .collect();
     let b = (0..n).map(|i| (7.3 * i as f64).sin()).collect();
-    Dense { a, b, preconditioner: Preconditioner::Inverse }
+    Dense { a, b, preconditioner: Preconditioner::Inverse, image: Vec::new() }
 }
 
 #[test]
@@ -335,6 +380,7 @@ fn what_has_no_minimum_breaks_down() {
         a: vec![vec![1.0, 0.0], vec![0.0, 0.0]],
         b: vec![1.0, -1.0],
         preconditioner: Preconditioner::Scale(1.0),
+        image: Vec::new(),
     };
     let target = Target { budget: Budget { tolerance: 1e-12, max_iterations: 200 }, ..target(None) };
     for method in METHODS {

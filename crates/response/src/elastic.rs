@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Split};
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
@@ -177,11 +177,18 @@ impl NormalTransforms {
         fits(self.response.transform().convolve(kernel, field, out, &mut self.workspace));
     }
 
-    /// As [`convolve`](Self::convolve), for a field that is computed row by row, while the row is in the cache:
-    /// `source(i, row)` fills row i. A grid with one point along an axis has a single row.
-    pub fn convolve_rows(&mut self, kernel: &[f64], source: impl Fn(usize, &mut [f64]) + Sync, out: &mut [f64]) {
+    /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
+    pub fn convolve_rows<I: Split, O: Split>(
+        &mut self,
+        kernel: &[f64],
+        input: I,
+        source: impl Fn(usize, I, &mut [f64]) + Sync,
+        output: O,
+        sink: impl Fn(usize, &mut [f64], O) + Sync,
+    ) {
         self.singles += 2;
-        fits(self.response.transform().convolve_rows(kernel, source, out, |_, _| {}, &mut self.workspace));
+        let Self { response, workspace, .. } = self;
+        fits(response.transform().convolve_rows(kernel, input, source, output, sink, workspace));
     }
 
     /// (1/N) Σ_r f (K f) with K the convolution with `kernel`, from one transform.

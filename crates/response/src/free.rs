@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid};
+use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Split};
 use gfmd_green::{Body, GreenError, patch_compliance};
 use gfmd_vector::for_each;
 
 use crate::elastic::fits;
+use crate::rounded::power_of_two;
 
 /// The compliance of a patch of a half-space that does not repeat: the pressure is constant on the cell around every point
 /// of the grid and zero outside of the patch, and the displacement is that of the points, zero far away (theory.md,
@@ -16,13 +17,16 @@ use crate::elastic::fits;
 #[derive(Debug)]
 pub struct FreeCompliance {
     convolution: Convolution,
-    cosines: Cosines,
-    /// One value for each cosine wave.
-    stiffness: Vec<f64>,
+    /// The convolution over the unit, in single precision.
+    rounded: Convolution<f32>,
+    unit: f64,
+    cosines: Cosines<f32>,
+    /// One value for each cosine wave, times the unit.
+    stiffness: Vec<f32>,
     /// For each row, and for each point of a row.
-    weights: [Vec<f64>; 2],
+    weights: [Vec<f32>; 2],
     /// The pressure of a uniform displacement over its sum.
-    uniform: Vec<f64>,
+    uniform: Vec<f32>,
 }
 
 /// The excess of the weight one cell from the edge, and the power with which it falls with the distance. The eigenvalues of
@@ -40,17 +44,19 @@ impl FreeCompliance {
     /// A body other than a half-space.
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
         let compliance = patch_compliance(body, &grid)?;
+        let convolution = Convolution::new(grid, &compliance);
+        let unit = power_of_two(convolution.largest());
+        let rounded = convolution.rounded(1.0 / unit);
+        let quotients = Cosines::<f64>::new(grid).quotients(&compliance);
+        let stiffness = quotients.into_iter().map(|quotient| (FACTOR * unit / quotient) as f32).collect();
         let cosines = Cosines::new(grid);
-        let mut stiffness = cosines.quotients(&compliance);
-        stiffness.iter_mut().for_each(|k| *k = FACTOR / *k);
-        let convolution = Convolution::new(grid, compliance);
-        let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points)).collect());
+        let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points) as f32).collect());
         let weights = if grid.is_line() { swapped(weights) } else { weights };
         let mut uniform = vec![0.0; grid.len()];
-        let free = Self { convolution, cosines, stiffness, weights, uniform: Vec::new() };
+        let free = Self { convolution, rounded, unit, cosines, stiffness, weights, uniform: Vec::new() };
         free.weighted(|_, row| row.fill(1.0), &mut uniform, &mut free.cosines.workspace());
         let sum = total(&uniform);
-        uniform.iter_mut().for_each(|p| *p /= sum);
+        uniform.iter_mut().for_each(|p| *p = (f64::from(*p) / sum) as f32);
         Ok(Self { uniform, ..free })
     }
 
@@ -59,17 +65,27 @@ impl FreeCompliance {
         self.convolution.grid()
     }
 
-    /// `out` ← the approximate stiffness times the displacement whose rows `source(i, row)` fills.
-    fn weighted(&self, source: impl Fn(usize, &mut [f64]) + Sync, out: &mut [f64], ws: &mut CosineWorkspace) {
+    /// The number of points in a row of a field; a line is one row.
+    fn row(&self) -> usize {
+        let [nx, ny] = self.grid().points();
+        if nx.min(ny) == 1 { nx * ny } else { ny }
+    }
+
+    /// `out` ← the approximate stiffness, times the unit, of the displacement whose rows `source(i, row)` fills.
+    fn weighted(&self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32], ws: &mut CosineWorkspace<f32>) {
         let [along_x, along_y] = &self.weights;
-        let weigh = |i: usize, row: &mut [f64]| {
+        let weigh = |i: usize, row: &mut [f32]| {
             row.iter_mut().zip(along_y).for_each(|(value, weight)| *value *= along_x[i] * weight);
         };
-        let weighted = |i: usize, row: &mut [f64]| {
+        let source = |i: usize, (): (), row: &mut [f32]| {
             source(i, row);
             weigh(i, row);
         };
-        fits(self.cosines.apply(&self.stiffness, weighted, out, weigh, ws));
+        let sink = |i: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| {
+            weigh(i, row);
+            out.copy_from_slice(row);
+        };
+        fits(self.cosines.apply(&self.stiffness, (), source, Rows(out, self.row()), sink, ws));
     }
 }
 
@@ -84,8 +100,8 @@ fn swapped<T>([x, y]: [T; 2]) -> [T; 2] {
     [y, x]
 }
 
-fn total(field: &[f64]) -> f64 {
-    gfmd_vector::sum(field.len(), &|range| field[range].iter().sum())
+fn total(field: &[f32]) -> f64 {
+    gfmd_vector::sum(field.len(), &|range| field[range].iter().map(|value| f64::from(*value)).sum())
 }
 
 /// The transforms of a [`FreeCompliance`], with their memory and a counter.
@@ -96,7 +112,6 @@ fn total(field: &[f64]) -> f64 {
 pub struct FreeTransforms {
     compliance: Arc<FreeCompliance>,
     workspace: gfmd_field::Workspace,
-    cosines: CosineWorkspace,
     /// Number of single transforms.
     singles: u64,
 }
@@ -104,8 +119,8 @@ pub struct FreeTransforms {
 impl FreeTransforms {
     /// Memory for transforms on the grid of `compliance`; none is counted yet.
     pub fn of(compliance: &Arc<FreeCompliance>) -> Self {
-        let (workspace, cosines) = (compliance.convolution.workspace(), compliance.cosines.workspace());
-        Self { compliance: Arc::clone(compliance), workspace, cosines, singles: 0 }
+        let workspace = compliance.convolution.workspace();
+        Self { compliance: Arc::clone(compliance), workspace, singles: 0 }
     }
 
     /// `out` ← G `pressure`, the displacement downwards.
@@ -114,25 +129,95 @@ impl FreeTransforms {
         fits(self.compliance.convolution.apply(pressure, out, &mut self.workspace));
     }
 
+    /// As [`apply`](Self::apply), row by row: `source` makes the pressure from the rows of `input`, and `sink` gets the
+    /// displacement with the rows of `output`.
+    pub fn apply_rows<I: Split, O: Split>(
+        &mut self,
+        input: I,
+        source: impl Fn(usize, I, &mut [f64]) + Sync,
+        output: O,
+        sink: impl Fn(usize, &mut [f64], O) + Sync,
+    ) {
+        self.singles += 2;
+        let Self { compliance, workspace, .. } = self;
+        fits(compliance.convolution.apply_ahead(input, source, workspace));
+        fits(compliance.convolution.apply_back(output, sink, workspace));
+    }
+
     /// ⟨p, G p⟩, summed over the points, from one transform.
     pub fn quadratic_form(&mut self, pressure: &[f64]) -> f64 {
         self.singles += 1;
         fits(self.compliance.convolution.quadratic_form(pressure, &mut self.workspace))
     }
 
-    /// `out` ← about K u, for the displacement u, downwards, whose rows `source(i, row)` fills. If the surface is `floating`,
-    /// it may also move as a whole, so that the pressure has no sum: it is that of u and of the uniform displacement that
-    /// goes with it.
-    pub fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f64]) + Sync, out: &mut [f64]) {
+    /// Forward and inverse transforms so far, in pairs, of padded fields.
+    pub fn pairs(&self) -> f64 {
+        self.singles as f64 / 2.0
+    }
+
+    /// The counter of single transforms, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        &mut self.singles
+    }
+}
+
+/// The transforms of a [`FreeCompliance`] in single precision, and the approximate stiffness; the counterpart of
+/// [`RoundedTransforms`](crate::RoundedTransforms).
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid.
+#[derive(Debug)]
+pub struct FreeRounded {
+    compliance: Arc<FreeCompliance>,
+    workspace: gfmd_field::Workspace<f32>,
+    cosines: CosineWorkspace<f32>,
+    /// Number of single transforms.
+    singles: u64,
+}
+
+impl FreeRounded {
+    /// Memory for transforms on the grid of `compliance`; none is counted yet.
+    pub fn of(compliance: &Arc<FreeCompliance>) -> Self {
+        let (workspace, cosines) = (compliance.rounded.workspace(), compliance.cosines.workspace());
+        Self { compliance: Arc::clone(compliance), workspace, cosines, singles: 0 }
+    }
+
+    /// The unit of compliances, a power of two, in length/stress.
+    pub fn unit(&self) -> f64 {
+        self.compliance.unit
+    }
+
+    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`.
+    pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
+        self.singles += 1;
+        fits(self.compliance.rounded.apply_ahead(input, source, &mut self.workspace));
+    }
+
+    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
+        self.singles += 1;
+        fits(self.compliance.rounded.apply_back(output, sink, &mut self.workspace));
+    }
+
+    /// `out` ← about K u times the unit, for the displacement u, downwards, whose rows `source(i, row)` fills. If the surface
+    /// is `floating`, it may also move as a whole, so that the pressure has no sum: it is that of u and of the uniform
+    /// displacement that goes with it.
+    pub fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         self.singles += 2;
         let Self { compliance, cosines, .. } = self;
         compliance.weighted(source, out, cosines);
         if floating {
-            let sum = total(out);
-            for_each([out], &|start, [out]| {
-                out.iter_mut().zip(&compliance.uniform[start..]).for_each(|(p, uniform)| *p -= sum * uniform);
+            let sum = total(out) as f32;
+            for_each((out, &compliance.uniform[..]), &|_, (out, uniform)| {
+                out.iter_mut().zip(uniform).for_each(|(p, uniform)| *p -= sum * uniform);
             });
         }
+    }
+
+    /// Σ_r v G v over the unit, from one transform.
+    pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
+        self.singles += 1;
+        fits(self.compliance.rounded.quadratic_form(field, &mut self.workspace))
     }
 
     /// Forward and inverse transforms so far, in pairs, whether of padded fields or of cosines.

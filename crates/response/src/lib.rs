@@ -51,13 +51,15 @@ mod full;
 mod hermitian;
 mod normal;
 mod operator;
+mod rounded;
 mod units;
 
 pub use components::Components;
 pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
-pub use free::{FreeCompliance, FreeTransforms};
+pub use free::{FreeCompliance, FreeRounded, FreeTransforms};
 pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;
 pub use operator::{Operator, Workspace};
+pub use rounded::RoundedTransforms;
 pub use units::unit_of;

@@ -1,5 +1,9 @@
+use std::sync::OnceLock;
+
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, normal_stiffness_table, restricted_normal_stiffness_table};
+
+use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
 /// problems with u_z and the pressure only. It is built once and shared between problems and threads.
@@ -7,38 +11,46 @@ use gfmd_green::{Body, normal_stiffness_table, restricted_normal_stiffness_table
 pub struct NormalResponse {
     transform: Transform,
     compliance: Vec<f64>,
-    stiffness: Vec<f64>,
+    /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
+    stiffness: OnceLock<Vec<f64>>,
+    tabulate: fn(&Body, &Grid, f64) -> Vec<f64>,
+    body: Body,
     uniform_compliance: f64,
     stiffness_range: [f64; 2],
     contact_modulus: f64,
+    rounded: OnceLock<Rounded>,
 }
 
 impl NormalResponse {
     /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
-        Self::from_stiffness(grid, body, normal_stiffness_table(body, &grid, 0.0))
+        Self::tabulated(grid, body, normal_stiffness_table)
     }
 
     /// As [`new`](Self::new), without lateral displacement of the surface: the stiffness is K_N in place of 1/G_zz
     /// (theory.md, section 3, restricted lateral displacement).
     pub fn held_sideways(grid: Grid, body: &Body) -> Self {
-        Self::from_stiffness(grid, body, restricted_normal_stiffness_table(body, &grid, 0.0))
+        Self::tabulated(grid, body, restricted_normal_stiffness_table)
     }
 
-    fn from_stiffness(grid: Grid, body: &Body, mut stiffness: Vec<f64>) -> Self {
-        let mut compliance: Vec<f64> = stiffness.iter().map(|k| 1.0 / k).collect();
-        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
-        (compliance[0], stiffness[0]) = (0.0, 0.0);
-        let [_, uniform] = body.level_compliance();
+    fn tabulated(grid: Grid, body: &Body, tabulate: fn(&Body, &Grid, f64) -> Vec<f64>) -> Self {
+        let mut compliance = tabulate(body, &grid, 0.0);
         let (softest, stiffest) =
-            stiffness[1..].iter().fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
+            compliance[1..].iter().fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
+        compliance.iter_mut().for_each(|k| *k = 1.0 / *k);
+        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
+        compliance[0] = 0.0;
+        let [_, uniform] = body.level_compliance();
         Self {
             transform: Transform::new(grid),
             compliance,
-            stiffness,
+            stiffness: OnceLock::new(),
+            tabulate,
+            body: body.clone(),
             uniform_compliance: uniform,
             stiffness_range: [softest, stiffest],
             contact_modulus: body.contact_modulus(),
+            rounded: OnceLock::new(),
         }
     }
 
@@ -52,6 +64,18 @@ impl NormalResponse {
         &self.transform
     }
 
+    /// The response in single precision, tabulated when it is first used.
+    pub(crate) fn rounded(&self) -> &Rounded {
+        let Self { transform, compliance, stiffness_range: [softest, _], rounded, .. } = self;
+        rounded.get_or_init(|| Rounded::of(*transform.grid(), compliance, *softest))
+    }
+
+    /// The number of points in a row of a field; a line is one row.
+    pub fn row(&self) -> usize {
+        let [nx, ny] = self.grid().points();
+        if nx.min(ny) == 1 { nx * ny } else { ny }
+    }
+
     /// G_zz(q) in length/stress, laid out as [`Grid::modes`]; 0 at q = 0, see
     /// [`uniform_compliance`](Self::uniform_compliance).
     pub fn compliance(&self) -> &[f64] {
@@ -60,7 +84,11 @@ impl NormalResponse {
 
     /// 1/G_zz(q) in stress/length, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
-        &self.stiffness
+        self.stiffness.get_or_init(|| {
+            let mut stiffness = (self.tabulate)(&self.body, self.grid(), 0.0);
+            stiffness[0] = 0.0;
+            stiffness
+        })
     }
 
     /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).

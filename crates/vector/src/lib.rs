@@ -11,7 +11,7 @@
 //! let mut y = vec![1.0; 100_000];
 //! // y ← y + 2 x and, in the same sweep, Σ y and Σ y².
 //! let [total, squares] = pass(
-//!     [&mut y],
+//!     [&mut y[..]],
 //!     &|start, [y]| {
 //!         let mut sums = [0.0; 2];
 //!         for (y, x) in y.iter_mut().zip(&x[start..]) {
@@ -28,49 +28,56 @@
 //!
 //! Not here: what the vectors mean, and the methods that use them (`gfmd-relax`).
 
+mod split;
+
 use std::ops::Range;
+
+pub use split::{Parts, Rows, Split};
 
 /// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it outweighs
 /// the cost of handing it to a thread.
 pub const LEAF: usize = 2048;
 
-/// Sweeps once over `vectors` of equal length: `leaf(start, parts)` gets one stretch of each vector, beginning at index
-/// `start`, and `merge` joins the results of neighbouring stretches, in order.
+/// Sweeps once over `vectors` of equal length, slices or tuples and arrays of them: `leaf(start, parts)` gets one stretch of
+/// each vector, beginning at index `start`, and `merge` joins the results of neighbouring stretches, in order.
 ///
 /// # Panics
 /// If the vectors differ in length.
-pub fn pass<const M: usize, R: Send>(
-    vectors: [&mut [f64]; M],
-    leaf: &(impl Fn(usize, [&mut [f64]; M]) -> R + Sync),
+pub fn pass<V: Split, R: Send>(
+    vectors: V,
+    leaf: &(impl Fn(usize, V) -> R + Sync),
     merge: &(impl Fn(R, R) -> R + Sync),
 ) -> R {
-    let length = vectors.first().map_or(0, |vector| vector.len());
-    assert!(vectors.iter().all(|vector| vector.len() == length), "the vectors of one pass must have equal lengths");
-    split(0, length, vectors, leaf, merge)
+    pass_by(LEAF, vectors, leaf, merge)
 }
 
-fn split<const M: usize, R: Send>(
-    start: usize,
-    length: usize,
-    vectors: [&mut [f64]; M],
-    leaf: &(impl Fn(usize, [&mut [f64]; M]) -> R + Sync),
+/// As [`pass`], with leaves of at most so many entries. [`Rows`] are cut into rows.
+///
+/// # Panics
+/// If the vectors differ in length, or `size` is zero.
+pub fn pass_by<V: Split, R: Send>(
+    size: usize,
+    vectors: V,
+    leaf: &(impl Fn(usize, V) -> R + Sync),
     merge: &(impl Fn(R, R) -> R + Sync),
 ) -> R {
-    let Some(middle) = half(length) else { return leaf(start, vectors) };
-    let mut right = [const { None }; M];
-    let mut parts = vectors.into_iter().zip(&mut right);
-    let left: [&mut [f64]; M] = std::array::from_fn(|_| match parts.next() {
-        Some((vector, rest)) => {
-            let (left, right) = vector.split_at_mut(middle);
-            *rest = Some(right);
-            left
-        }
-        None => &mut [],
-    });
-    let right = right.map(Option::unwrap_or_default);
+    let length = vectors.length();
+    assert!(vectors.fits(length), "the vectors of one pass must have equal lengths");
+    tree(size, [0, length], vectors, leaf, merge)
+}
+
+fn tree<V: Split, R: Send>(
+    size: usize,
+    [start, length]: [usize; 2],
+    vectors: V,
+    leaf: &(impl Fn(usize, V) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    let Some(middle) = half(length, size) else { return leaf(start, vectors) };
+    let (left, right) = vectors.split(middle);
     let (a, b) = rayon::join(
-        || split(start, middle, left, leaf, merge),
-        || split(start + middle, length - middle, right, leaf, merge),
+        || tree(size, [start, middle], left, leaf, merge),
+        || tree(size, [start + middle, length - middle], right, leaf, merge),
     );
     merge(a, b)
 }
@@ -79,7 +86,7 @@ fn split<const M: usize, R: Send>(
 ///
 /// # Panics
 /// If the vectors differ in length.
-pub fn for_each<const M: usize>(vectors: [&mut [f64]; M], leaf: &(impl Fn(usize, [&mut [f64]; M]) + Sync)) {
+pub fn for_each<V: Split>(vectors: V, leaf: &(impl Fn(usize, V) + Sync)) {
     pass(vectors, leaf, &|(), ()| ());
 }
 
@@ -94,7 +101,7 @@ pub fn reduce<R: Send>(
         leaf: &(impl Fn(Range<usize>) -> R + Sync),
         merge: &(impl Fn(R, R) -> R + Sync),
     ) -> R {
-        let Some(middle) = half(range.len()) else { return leaf(range) };
+        let Some(middle) = half(range.len(), LEAF) else { return leaf(range) };
         let middle = range.start + middle;
         let (a, b) = rayon::join(|| split(range.start..middle, leaf, merge), || split(middle..range.end, leaf, merge));
         merge(a, b)
@@ -118,8 +125,8 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The index at which a stretch longer than a leaf is cut, a whole number of leaves; `None` for a shorter stretch.
-fn half(length: usize) -> Option<usize> {
-    (length > LEAF).then(|| length.div_ceil(LEAF).div_ceil(2) * LEAF)
+fn half(length: usize, leaf: usize) -> Option<usize> {
+    (length > leaf).then(|| length.div_ceil(leaf).div_ceil(2) * leaf)
 }
 
 #[cfg(test)]
@@ -147,7 +154,7 @@ mod tests {
             let mut visits = vec![0.0; n];
             let mut index = vec![0.0; n];
             let count = pass(
-                [&mut visits, &mut index],
+                [&mut visits[..], &mut index[..]],
                 &|start, [visits, index]| {
                     for (k, (v, i)) in visits.iter_mut().zip(index.iter_mut()).enumerate() {
                         *v += 1.0;

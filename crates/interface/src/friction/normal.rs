@@ -43,8 +43,4 @@ impl Quadratic for NormalProblem<'_> {
         let mean = transform.quadratic_form(&self.compliance, direction, &mut self.workspace);
         mean.expect(super::FITS) * direction.len() as f64
     }
-
-    fn precondition(&mut self, _: &[f64], gradient: &[f64], _: f64, out: &mut [f64]) {
-        out.copy_from_slice(gradient);
-    }
 }

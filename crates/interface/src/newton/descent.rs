@@ -207,7 +207,7 @@ impl<'a> Descent<'a> {
             let from = self.here.w[start..].iter().zip(&self.region.direction[start..]);
             trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * d);
         };
-        for_each([&mut self.trial.w], &along);
+        for_each([&mut self.trial.w[..]], &along);
         self.place_trial();
         let Self { interface, frame, here, trial, force, .. } = self;
         let points = frame.points();

@@ -25,7 +25,7 @@ impl Descent<'_> {
                 *noise = (0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64).fract() - 0.5;
             }
         };
-        for_each([&mut self.region.residual], &noise);
+        for_each([&mut self.region.residual[..]], &noise);
         let lowest = self.region.probe(&mut self.curvature, PROBE);
         self.note(lowest);
         lowest <= 0.0

@@ -104,7 +104,7 @@ impl TrustRegion {
             let add_turned = |start: usize, [p]: [&mut [f64]; 1]| {
                 p.iter_mut().zip(&preconditioned[start..]).for_each(|(p, z)| *p = z + turn * *p);
             };
-            for_each([conjugate], &add_turned);
+            for_each([&mut conjugate[..]], &add_turned);
             dp = turn * (dp + step * pp);
             pp = product + turn * turn * pp;
         }

@@ -2,9 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use gfmd_vector::Split;
+
+use crate::stretches::{hand_on, made};
 use gfmd_relax::{
-    AugmentedLagrangian, Bounds, Budget, Ending, Fire, Landscape, Method, Nesterov, PolonskyKeer, PreconditionedCg,
-    Progress, ProjectedCg, Proximal, Quadratic, Tape, Target, Verlet, Visit, Watch, relax_until,
+    AugmentedLagrangian, Bounds, Budget, Ending, Fire, Landscape, Method, Nesterov, PolonskyKeer, Preconditioned,
+    PreconditionedCg, Progress, ProjectedCg, Proximal, Quadratic, Tape, Target, Verlet, Visit, Watch, relax_until,
 };
 
 /// A watcher that keeps the checkpoint of one iteration, or continues from it, and records all residuals.
@@ -66,6 +69,7 @@ const N: usize = 60;
 struct Springs {
     load: Vec<f64>,
     images: u64,
+    image: Vec<f32>,
 }
 
 impl Springs {
@@ -73,6 +77,7 @@ impl Springs {
         Self {
             load: (0..N).map(|i| -(0.4 + (0.7 * i as f64).sin() + 0.2 * (2.9 * i as f64).cos())).collect(),
             images: 0,
+            image: Vec::new(),
         }
     }
 
@@ -101,12 +106,59 @@ impl Quadratic for Springs {
         image.iter().zip(direction).map(|(a, b)| a * b).sum()
     }
 
-    fn precondition(&mut self, x: &[f64], gradient: &[f64], multiplier: f64, out: &mut [f64]) {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(&mut self.images);
+    }
+}
+
+impl Preconditioned for Springs {
+    fn length(&self) -> usize {
+        N
+    }
+
+    fn stretch(&self) -> usize {
+        N / 4
+    }
+
+    fn unit(&self) -> f64 {
+        1.0
+    }
+
+    fn gradient<O: Split, R: Send>(
+        &mut self,
+        x: &[f64],
+        output: O,
+        sink: impl Fn(&[f64], O) -> R + Sync,
+        sums: &mut [R],
+    ) {
+        let mut gradient = vec![0.0; N];
+        self.apply(x, &mut gradient);
+        gradient.iter_mut().zip(&self.load).for_each(|(g, b)| *g += b);
+        hand_on(self.stretch(), &gradient, output, sink, sums);
+    }
+
+    fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
+        let vector = made(self.stretch(), N, input, source);
+        let mut image = vec![0.0; N];
+        self.apply(&vector, &mut image);
+        self.image = image.into_iter().map(|y| y as f32).collect();
+    }
+
+    fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
+        hand_on(self.stretch(), &self.image, output, sink, sums);
+    }
+
+    fn curvature(&mut self, direction: &[f32]) -> f64 {
+        let direction: Vec<f64> = direction.iter().map(|d| f64::from(*d)).collect();
+        Quadratic::curvature(self, &direction)
+    }
+
+    fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
         for ((out, g), x) in out.iter_mut().zip(gradient).zip(x) {
-            *out = if *x > 0.0 || *g < multiplier { 0.4 * (g - multiplier) } else { 0.0 };
+            *out = if *x > 0.0 || *g < level { 0.4 * (g - level) } else { 0.0 };
         }
-        let free = out.iter().filter(|z| **z != 0.0).count().max(1) as f64;
-        let mean = out.iter().sum::<f64>() / free;
+        let free = out.iter().filter(|z| **z != 0.0).count().max(1) as f32;
+        let mean = out.iter().sum::<f32>() / free;
         out.iter_mut().filter(|z| **z != 0.0).for_each(|z| *z -= mean);
     }
 

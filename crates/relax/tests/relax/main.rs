@@ -10,5 +10,6 @@ mod obstacle;
 mod properties;
 mod rates;
 mod reproducible;
+mod stretches;
 mod support;
 mod trap;

@@ -1,0 +1,55 @@
+use gfmd_vector::Split;
+
+use crate::Visit;
+
+/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of variables between zero and an upper bound, for
+/// [`PreconditionedCg`](crate::PreconditionedCg). A is symmetric and positive (semi-)definite, and has a preconditioner.
+///
+/// Steps and gradients are numbers of single precision, in units of their own: steps in U, gradients in U times
+/// [`unit`](Self::unit). Only [`gradient`](Self::gradient) works in double precision. Vectors are handed on in stretches, so that
+/// what is done with them needs no sweep of its own over memory.
+pub trait Preconditioned {
+    /// The number of variables.
+    fn length(&self) -> usize;
+
+    /// The largest value of every variable, infinite by default.
+    fn upper(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The number of variables in a stretch; it divides the number of variables.
+    fn stretch(&self) -> usize;
+
+    /// The magnitude of A, so that A divided by it has entries that single precision can represent.
+    fn unit(&self) -> f64;
+
+    /// Computes the gradient A x + b and hands each stretch of it to `sink`, with the stretch of `output`; the result goes to
+    /// `sums`, which has one entry for each stretch.
+    fn gradient<O: Split, R: Send>(
+        &mut self,
+        x: &[f64],
+        output: O,
+        sink: impl Fn(&[f64], O) -> R + Sync,
+        sums: &mut [R],
+    );
+
+    /// Computes A v / [`unit`](Self::unit), rounded, of the vector v whose stretches `source` makes from those of `input`.
+    fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync);
+
+    /// Hands on the stretches of the last [`image`](Self::image), as [`gradient`](Self::gradient) does.
+    fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]);
+
+    /// ⟨d, A d⟩ / [`unit`](Self::unit), the sum over all variables.
+    fn curvature(&mut self, direction: &[f32]) -> f64;
+
+    /// `out ← M (gradient − level)` on the free variables, zero elsewhere: approximately the step to the point where the
+    /// gradient of the free variables equals the level. Variables are free between the bounds, or if they are at a bound that
+    /// their gradient pulls them off. M depends on the free set; it is symmetric positive definite and approximates A⁻¹ on this
+    /// set, times [`unit`](Self::unit). Overestimating A⁻¹ is safer than underestimating it.
+    fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]);
+
+    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let _ = visitor;
+    }
+}

@@ -1,0 +1,118 @@
+//! The projected path along a direction.
+
+use gfmd_vector::{add, reduce};
+
+use super::sums::{View, active_blocks, lane_sums};
+
+/// Largest number of times that a step is halved until it begins downhill.
+const HALVINGS: usize = 30;
+
+/// Relative accuracy of the mean in the search for μ; a factor then makes the mean exact.
+const MEAN: f64 = 1e-2;
+
+/// Relative accuracy of the mean with an upper bound, which a factor might exceed.
+const EXACT: f64 = 1e-13;
+
+/// The start of a path: variables, direction, gradient, and the active blocks.
+pub(super) struct Start<'a> {
+    pub(super) x: &'a [f64],
+    pub(super) direction: &'a [f32],
+    pub(super) gradient: &'a [f32],
+    pub(super) active: &'a [bool],
+    pub(super) view: View,
+}
+
+/// A point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables, between
+/// the bounds or with z ≠ 0; the others stay.
+pub(super) struct Path {
+    upper: f64,
+    pub(super) length: f64,
+    /// The length in the unit of steps.
+    scale: f64,
+    mu: f64,
+    pub(super) factor: f64,
+    /// ⟨g, step⟩ at the beginning of the step.
+    pub(super) slope: f64,
+}
+
+impl Path {
+    pub(super) fn end(&self, x: f64, z: f32) -> f64 {
+        // Without branches, which could not be predicted.
+        let end = x - self.scale * f64::from(z) - self.mu;
+        let held = (x >= self.upper) & (z == 0.0);
+        let end = if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 };
+        let end = if end < self.upper { end } else { self.upper };
+        if held { x } else { end }
+    }
+}
+
+impl Start<'_> {
+    /// The point of the path at `length`, halved until the step to it begins downhill.
+    pub(super) fn downhill(&self, length: f64, mean: Option<f64>) -> Option<Path> {
+        let Self { x, direction: z, gradient, active, view } = *self;
+        let upper = view.upper;
+        let mut path = Path { upper, length, scale: 0.0, mu: 0.0, factor: 1.0, slope: 0.0 };
+        for _ in 0..HALVINGS {
+            path.mu = 0.0;
+            path.scale = path.length * view.step;
+            let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
+            loop {
+                let [sum, positive, slope, along] = reduce(
+                    x.len(),
+                    &|range| {
+                        active_blocks(active, range).fold([0.0; 4], |sums, block| {
+                            let (x, z, gradient) = (&x[block.clone()], &z[block.clone()], &gradient[block]);
+                            let terms = |x: f64, z: f32, g: f32, _| {
+                                let (end, g) = (path.end(x, z), view.own(g));
+                                let moves = if (end > 0.0) & (end < upper) { 1.0 } else { 0.0 };
+                                [end, moves, g * (end - x), g * end]
+                            };
+                            add(sums, lane_sums((x, z, gradient, gradient), terms))
+                        })
+                    },
+                    &add,
+                );
+                (path.factor, path.slope) = (1.0, slope);
+                let Some(mean) = mean else { break };
+                let asked = mean * x.len() as f64;
+                let excess = sum - asked;
+                if upper.is_finite() && excess.abs() <= EXACT * asked {
+                    break;
+                }
+                if upper == f64::INFINITY && excess.abs() <= MEAN * asked {
+                    path.factor = asked / sum;
+                    path.slope += (path.factor - 1.0) * along;
+                    break;
+                }
+                // Newton's method on a convex, piecewise linear function takes a few steps. With two bounds the function
+                // is not convex, and the steps are kept within a bracket.
+                let mut mu = path.mu + excess / positive;
+                if upper.is_finite() {
+                    bracket[usize::from(excess < 0.0)] = path.mu;
+                    let inside = bracket[0] < mu && mu < bracket[1];
+                    if !inside {
+                        mu = middle(bracket, path.mu, upper);
+                    }
+                }
+                if !mu.is_finite() || mu == path.mu {
+                    return None;
+                }
+                path.mu = mu;
+            }
+            if path.slope < 0.0 {
+                return Some(path);
+            }
+            path.length *= 0.5;
+        }
+        None
+    }
+}
+
+/// The middle of a bracket; one that is open on a side is opened further.
+fn middle([low, high]: [f64; 2], mu: f64, upper: f64) -> f64 {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => 0.5 * (low + high),
+        (true, false) => mu + mu.abs().max(upper),
+        _ => mu - mu.abs().max(upper),
+    }
+}

@@ -1,0 +1,224 @@
+//! Sums over an iterate, block by block.
+
+use std::ops::Range;
+
+use gfmd_vector::{add, reduce};
+
+use crate::Visit;
+use crate::quadratic::Optimality;
+
+/// Number of variables in a block. Most blocks of a small contact are idle, and are not swept.
+pub(super) const BLOCK: usize = 64;
+
+/// Number of sums that a processor forms side by side.
+const LANES: usize = 4;
+
+/// Sums over one iterate; gradients are relative to the multiplier before it.
+#[derive(Clone, Copy)]
+pub(super) struct Sums {
+    pub(super) x: f64,
+    pub(super) x_gradient: f64,
+    pub(super) positive: usize,
+    pub(super) positive_gradient: f64,
+    pub(super) lowest: f64,
+    /// The highest gradient at the upper bound.
+    pub(super) highest: f64,
+    /// ⟨g, step⟩ at the end of the step.
+    pub(super) slope: f64,
+    /// Number of variables that the step has brought to a bound.
+    pub(super) clipped: usize,
+}
+
+impl Sums {
+    pub(super) const EMPTY: Self = Self {
+        x: 0.0,
+        x_gradient: 0.0,
+        positive: 0,
+        positive_gradient: 0.0,
+        lowest: f64::INFINITY,
+        highest: f64::NEG_INFINITY,
+        slope: 0.0,
+        clipped: 0,
+    };
+
+    /// The change of the multiplier to the mean gradient of the variables between the bounds; if there are none, to the
+    /// middle of the gradients at either bound.
+    pub(super) fn shift(&self) -> f64 {
+        if self.positive > 0 {
+            self.positive_gradient / self.positive as f64
+        } else {
+            match (self.lowest.is_finite(), self.highest.is_finite()) {
+                (true, true) => 0.5 * (self.lowest + self.highest),
+                (true, false) => self.lowest,
+                (false, _) => self.highest,
+            }
+        }
+    }
+
+    pub(super) fn optimality(&self, shift: f64, scale: f64) -> Optimality {
+        let complementarity = if self.x > 0.0 { (self.x_gradient / self.x - shift) / scale } else { 0.0 };
+        let violation =
+            if self.lowest.is_nan() { f64::NAN } else { (shift - self.lowest).max(self.highest - shift).max(0.0) };
+        let violation = violation / scale;
+        Optimality { complementarity, violation }
+    }
+
+    pub(super) fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { x, x_gradient, positive, positive_gradient, lowest, highest, slope, clipped } = self;
+        visitor.numbers(&mut [x, x_gradient, positive_gradient, lowest, highest, slope]);
+        for number in [positive, clipped] {
+            let mut count = *number as u64;
+            visitor.count(&mut count);
+            *number = count as usize;
+        }
+    }
+
+    /// The sums of all stretches.
+    pub(super) fn all(parts: &[Self]) -> Self {
+        reduce(
+            parts.len(),
+            &|range| parts[range].iter().fold(Self::EMPTY, |all, part| Self::merge(all, *part)),
+            &Self::merge,
+        )
+    }
+
+    pub(super) fn see(&mut self, x: f64, gradient: f64, step: f64, upper: f64) {
+        self.slope += gradient * step;
+        // A search that diverges may reach infinity, which is no bound.
+        if x >= upper && x.is_finite() {
+            self.highest = self.highest.max(gradient);
+            self.clipped += usize::from(step > 0.0);
+            return;
+        }
+        self.lowest = lower(self.lowest, gradient);
+        if x > 0.0 {
+            self.x += x;
+            self.x_gradient += x * gradient;
+            self.positive += 1;
+            self.positive_gradient += gradient;
+        } else if step < 0.0 {
+            self.clipped += 1;
+        }
+    }
+
+    pub(super) fn merge(a: Self, b: Self) -> Self {
+        Self {
+            x: a.x + b.x,
+            x_gradient: a.x_gradient + b.x_gradient,
+            positive: a.positive + b.positive,
+            positive_gradient: a.positive_gradient + b.positive_gradient,
+            lowest: lower(a.lowest, b.lowest),
+            highest: a.highest.max(b.highest),
+            slope: a.slope + b.slope,
+            clipped: a.clipped + b.clipped,
+        }
+    }
+}
+
+/// What makes numbers of the problem from those of single precision.
+#[derive(Clone, Copy)]
+pub(super) struct View {
+    /// The unit of gradients.
+    pub(super) gradient: f64,
+    /// The unit of steps.
+    pub(super) step: f64,
+    /// The multiplier less the level, in the unit of gradients.
+    pub(super) offset: f64,
+    pub(super) level: f64,
+    pub(super) upper: f64,
+}
+
+impl View {
+    /// The gradient less the multiplier.
+    pub(super) fn own(&self, gradient: f32) -> f64 {
+        (f64::from(gradient) - self.offset) * self.gradient
+    }
+
+    pub(super) fn step(&self, step: f32) -> f64 {
+        f64::from(step) * self.step
+    }
+
+    /// The sums over a stretch after a step.
+    pub(super) fn measure(&self, gradient: &[f32], x: &[f64], step: &[f32]) -> Sums {
+        let mut sums = Sums::EMPTY;
+        for ((g, x), s) in gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK)) {
+            if is_idle(x, s) {
+                sums.lowest = lower(sums.lowest, self.own(lowest(g)));
+            } else if self.upper.is_finite() {
+                let all = x.iter().zip(g).zip(s);
+                all.for_each(|((x, g), s)| sums.see(*x, self.own(*g), self.step(*s), self.upper));
+            } else {
+                sums.lowest = lower(sums.lowest, self.own(lowest(g)));
+                let [x_sum, x_gradient, positive, positive_gradient, slope, clipped] =
+                    lane_sums((x, g, s, s), |x, g, s, _| {
+                        let (own, s) = (self.own(g), self.step(s));
+                        let touches = if x > 0.0 { 1.0 } else { 0.0 };
+                        let leaves = if (x <= 0.0) & (s < 0.0) { 1.0 } else { 0.0 };
+                        [x, x * own, touches, touches * own, own * s, leaves]
+                    });
+                sums.x += x_sum;
+                sums.x_gradient += x_gradient;
+                sums.positive += positive as usize;
+                sums.positive_gradient += positive_gradient;
+                sums.slope += slope;
+                sums.clipped += clipped as usize;
+            }
+        }
+        sums
+    }
+}
+
+/// The blocks of the range, which begins with a block, that are active.
+pub(super) fn active_blocks(active: &[bool], range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let blocks = range.clone().step_by(BLOCK).map(move |start| start..range.end.min(start + BLOCK));
+    blocks.filter(|block| active[block.start / BLOCK])
+}
+
+/// The sums of terms over a block, in an order that processors can follow in parallel.
+pub(super) fn lane_sums<A: Copy, B: Copy, C: Copy, D: Copy, const K: usize>(
+    (a, b, c, d): (&[A], &[B], &[C], &[D]),
+    terms: impl Fn(A, B, C, D) -> [f64; K],
+) -> [f64; K] {
+    let mut lanes = [[0.0; LANES]; K];
+    // The compiler vectorises the loop over a whole block, whose length it knows.
+    let whole = a.first_chunk::<BLOCK>().zip(b.first_chunk::<BLOCK>());
+    let whole = whole.zip(c.first_chunk::<BLOCK>().zip(d.first_chunk::<BLOCK>()));
+    if let Some(((a, b), (c, d))) = whole {
+        for start in 0..BLOCK / LANES {
+            for lane in 0..LANES {
+                let i = start * LANES + lane;
+                let terms = terms(a[i], b[i], c[i], d[i]);
+                lanes.iter_mut().zip(terms).for_each(|(lanes, term)| lanes[lane] += term);
+            }
+        }
+        return lanes.map(|lanes| lanes.iter().sum());
+    }
+    let quads = a.len() - a.len() % LANES;
+    for i in 0..quads {
+        let terms = terms(a[i], b[i], c[i], d[i]);
+        lanes.iter_mut().zip(terms).for_each(|(lanes, term)| lanes[i % LANES] += term);
+    }
+    let sums = lanes.map(|lanes| lanes.iter().sum());
+    (quads..a.len()).fold(sums, |sums, i| add(sums, terms(a[i], b[i], c[i], d[i])))
+}
+
+/// True if all variables of a block are zero, and have no direction.
+pub(super) fn is_idle(x: &[f64], z: &[f32]) -> bool {
+    !x.iter().fold(false, |any, x| any | (*x != 0.0)) & !z.iter().fold(false, |any, z| any | (*z != 0.0))
+}
+
+/// The smaller of two numbers; NaN if either is NaN.
+fn lower(a: f64, b: f64) -> f64 {
+    if b < a || b.is_nan() { b } else { a }
+}
+
+/// The lowest value; NaN if any is NaN.
+fn lowest(values: &[f32]) -> f32 {
+    let lower = |a: f32, b: f32| if b < a || b.is_nan() { b } else { a };
+    let mut lanes = [f32::INFINITY; 8];
+    let (wide, rest) = values.as_chunks::<8>();
+    for values in wide {
+        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = lower(*lane, *value));
+    }
+    lanes.iter().chain(rest).fold(f32::INFINITY, |lowest, value| lower(lowest, *value))
+}

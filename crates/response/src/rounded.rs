@@ -1,0 +1,128 @@
+use std::sync::Arc;
+
+use gfmd_field::{Grid, Rows, Split, Transform, Workspace};
+
+use crate::NormalResponse;
+use crate::elastic::fits;
+
+/// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness times
+/// this unit, so that the softest wave has the compliance 1, about.
+#[derive(Debug)]
+pub(crate) struct Rounded {
+    transform: Transform<f32>,
+    compliance: Vec<f32>,
+    stiffness: Vec<f32>,
+    unit: f64,
+}
+
+impl Rounded {
+    pub(crate) fn of(grid: Grid, compliance: &[f64], softest: f64) -> Self {
+        let unit = power_of_two(1.0 / softest);
+        let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
+        Self {
+            transform: Transform::new(grid),
+            compliance: quarter(&grid, compliance).map(|g| (g / unit) as f32).collect(),
+            stiffness: quarter(&grid, compliance).map(stiffness).collect(),
+            unit,
+        }
+    }
+}
+
+/// The largest power of two below a positive number: a factor that rounds nothing.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    x.log2().floor().exp2()
+}
+
+/// The modes with q_x ≥ 0 of a table that is even in q_x; all modes of a line.
+fn quarter<'a>(grid: &Grid, values: &'a [f64]) -> impl Iterator<Item = f64> + use<'a> {
+    let [nx, ny] = grid.points();
+    let column = if nx == 1 || ny == 1 { values.len() } else { nx };
+    let kept = if column == nx && ny > 1 { nx / 2 + 1 } else { column };
+    values.chunks(column.max(1)).flat_map(move |column| column[..kept].iter().copied())
+}
+
+/// The transforms of a [`NormalResponse`] in single precision, with their memory and a counter: steps in any unit, their
+/// images in that unit times [`unit`](Self::unit).
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid.
+#[derive(Debug)]
+pub struct RoundedTransforms {
+    response: Arc<NormalResponse>,
+    workspace: Workspace<f32>,
+    /// Tables with another uniform mode.
+    own: Option<[Vec<f32>; 2]>,
+    /// Number of single transforms.
+    singles: u64,
+}
+
+impl RoundedTransforms {
+    /// Memory for transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode; both are
+    /// zero without.
+    pub fn of(response: &Arc<NormalResponse>, uniform: Option<[f64; 2]>) -> Self {
+        let rounded = response.rounded();
+        let own = uniform.map(|[compliance, stiffness]| {
+            let with = |table: &[f32], value: f64| {
+                let mut table = table.to_vec();
+                table[0] = value as f32;
+                table
+            };
+            [with(&rounded.compliance, compliance / rounded.unit), with(&rounded.stiffness, stiffness * rounded.unit)]
+        });
+        let workspace = rounded.transform.workspace();
+        Self { response: Arc::clone(response), workspace, own, singles: 0 }
+    }
+
+    /// The unit of compliances, a power of two, in length/stress.
+    pub fn unit(&self) -> f64 {
+        self.response.rounded().unit
+    }
+
+    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`
+    /// ([`Transform::convolve_ahead`]).
+    pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
+        self.singles += 1;
+        let Self { response, workspace, own, .. } = self;
+        let rounded = response.rounded();
+        let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
+        fits(rounded.transform.convolve_ahead(table, input, source, workspace));
+    }
+
+    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
+        self.singles += 1;
+        let Self { response, workspace, .. } = self;
+        fits(response.rounded().transform.convolve_back(output, sink, workspace));
+    }
+
+    /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
+    pub fn stiffness(&mut self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
+        self.singles += 2;
+        let Self { response, workspace, own, .. } = self;
+        let rounded = response.rounded();
+        let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
+        let columns = response.row();
+        let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
+        let source = |i: usize, (): (), row: &mut [f32]| source(i, row);
+        fits(rounded.transform.convolve_rows(table, (), source, Rows(out, columns), copy, workspace));
+    }
+
+    /// Σ_r v G v over the unit, from one transform.
+    pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
+        self.singles += 1;
+        let Self { response, workspace, own, .. } = self;
+        let rounded = response.rounded();
+        let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
+        fits(rounded.transform.quadratic_form(table, field, workspace)) * field.len() as f64
+    }
+
+    /// Forward and inverse transforms so far, in pairs.
+    pub fn pairs(&self) -> f64 {
+        self.singles as f64 / 2.0
+    }
+
+    /// The counter of single transforms, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        &mut self.singles
+    }
+}
