@@ -15,7 +15,7 @@ use crate::failure::Failure;
 /// Flags of a base that moves.
 #[derive(Args, Clone, Debug, Default, Serialize)]
 pub struct BaseArgs {
-    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile [n] or [n, 2]
+    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_displacement: Option<String>,
