@@ -20,6 +20,7 @@ mod limits;
 mod moving;
 mod punch;
 mod reference;
+mod steep;
 
 use std::sync::Arc;
 
@@ -46,6 +47,7 @@ pub const TOPICS: [Topic; 12] = [
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
     Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },
     Topic { name: "moving", title: "A base that moves", checks: moving::checks },
+    Topic { name: "steep", title: "Finite slopes", checks: steep::checks },
 ];
 
 /// Every method that can be asked for by name.

@@ -12,6 +12,14 @@ pub struct Effort {
     pub transform_pairs: f64,
 }
 
+impl Effort {
+    /// Adds the effort of another part of a solve.
+    pub(crate) fn add(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.transform_pairs += other.transform_pairs;
+    }
+}
+
 impl Variables for Effort {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         visitor.count(&mut self.iterations);

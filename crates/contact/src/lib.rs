@@ -59,6 +59,7 @@ mod load_search;
 mod pull_push;
 mod resumable;
 mod solve;
+mod steep;
 mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
@@ -75,5 +76,6 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use steep::{SteepContact, SteepSolution};
 pub use stiffness::Stiffness;
 pub use units::Units;

@@ -59,6 +59,7 @@ mod plane;
 mod prefetch;
 mod real;
 mod share;
+mod spline;
 mod transform;
 
 pub use convolution::Convolution;
@@ -67,4 +68,5 @@ pub use gfmd_vector::{Rows, Split};
 pub use grid::{Grid, GridError, Mode};
 pub use plan::{ShapeError, Workspace};
 pub use real::Real;
+pub use spline::Spline;
 pub use transform::Transform;

@@ -1,0 +1,367 @@
+//! Contact with finite slopes: the kinematics of the surfaces is exact, and the body linearly elastic (theory.md, section 7.4).
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use gfmd_field::{Grid, Spline};
+use gfmd_green::Body;
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
+use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
+use gfmd_vector::dot;
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+
+use crate::solution::field;
+use crate::{
+    Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
+    judge,
+};
+
+/// A rigid rough surface above an elastic one, without friction or adhesion, where slopes are not small: a point x of the
+/// body meets the height at x + u_x, and the traction −p n acts along the normal (−∇h, 1) of the rigid surface, whose lateral
+/// position is fixed. p is the normal force per area of the undeformed surface. Between the points the heights are those of a
+/// [`Spline`].
+///
+/// The body stays linearly elastic: terms of the size of the strain, over one, are neglected, which depend on its material.
+#[derive(Clone, Debug)]
+pub struct SteepContact {
+    normal: Arc<NormalResponse>,
+    full: Arc<FullResponse>,
+    surface: Arc<RigidSurface>,
+    clearance: Spline,
+}
+
+/// An equilibrated contact with finite slopes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SteepSolution {
+    /// Pressure, gap, u_z, residuals and effort. The gap is vertical, at the displaced points.
+    pub normal: Solution,
+    /// u_x and u_y, or u_x on a line, in length.
+    pub lateral: Vec<Array2<f64>>,
+    /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its place.
+    pub lateral_traction: [f64; 2],
+    /// The last change of u_x and u_y over h_rms as they are made consistent with the pressure.
+    pub lateral_residual: f64,
+    scales: Scales,
+    elastic_energy: f64,
+}
+
+/// The largest number of steps that make the lateral displacement consistent with a pressure, and of solves of the contact
+/// with small slopes.
+const STEPS: usize = 200;
+
+/// The largest ratio of residuals of successive solves that counts as convergence, and how many solves may exceed it.
+const SLOW: (f64, usize) = (0.9, 4);
+
+/// The displacement by a pressure, with the clearance of the displaced points.
+struct Settled {
+    /// Tractions t_x, t_y, t_z, component after component.
+    traction: Vec<f64>,
+    /// u_x, u_y, u_z.
+    displacement: Vec<f64>,
+    clearance: Vec<f64>,
+    /// The last change of a lateral displacement, in length.
+    change: f64,
+}
+
+impl SteepContact {
+    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// constant in the heights has no effect.
+    ///
+    /// # Errors
+    /// Heights of another shape than the grid, not finite, or all equal.
+    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surface = RigidSurface::new(grid, heights)?;
+        if surface.rms_height() == 0.0 {
+            return Err(Refusal::Flat);
+        }
+        let spline = Spline::through(grid, surface.clearance());
+        let clearance = spline.map_err(|_| Refusal::Shape { found: heights.dim().into(), expected: grid.points() })?;
+        let (normal, full) = (NormalResponse::new(*grid, body).into(), FullResponse::new(*grid, body).into());
+        Ok(Self { normal, full, surface: surface.into(), clearance })
+    }
+
+    /// The rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        &self.surface
+    }
+
+    /// The state of `pressure` under `load` with its residuals, from fresh transforms.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid.
+    pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<SteepSolution, Refusal> {
+        let (found, expected) = (pressure.dim().into(), self.surface.grid().points());
+        if found != expected {
+            return Err(Refusal::Shape { found, expected });
+        }
+        Ok(self.state(pressure.iter().copied().collect(), load).0)
+    }
+
+    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes.
+    fn settle(&self, pressure: &[f64], transforms: &mut FullTransforms) -> Settled {
+        let points = pressure.len();
+        let axes = self.full.components().len() - 1;
+        let [_, ny] = self.surface.grid().points();
+        let mut traction = vec![0.0; (axes + 1) * points];
+        traction[axes * points..].iter_mut().zip(pressure).for_each(|(t, p)| *t = -p);
+        let mut displacement = vec![0.0; (axes + 1) * points];
+        let mut clearance = self.surface.clearance().to_vec();
+        let (mut last, mut change) = (displacement.clone(), f64::INFINITY);
+        for _ in 0..STEPS {
+            for i in 0..points {
+                let offset = [0, 1].map(|axis| if axis < axes { last[axis * points + i] } else { 0.0 });
+                let (value, slopes) = self.clearance.near([i / ny, i % ny], offset);
+                clearance[i] = value;
+                for axis in 0..axes {
+                    traction[axis * points + i] = pressure[i] * slopes[axis];
+                }
+            }
+            transforms.compliance(&traction, &mut displacement);
+            let lateral = displacement[..axes * points].iter().zip(&last);
+            let new = worst(lateral.map(|(new, old)| (new - old).abs()));
+            // Rounding errors change no longer.
+            if new == 0.0 || new >= 0.5 * change && new <= 1e-12 * self.surface.rms_height() {
+                change = new;
+                break;
+            }
+            if new.is_nan() || new > 1e3 * self.surface.rms_height() {
+                change = f64::NAN;
+                break;
+            }
+            change = new;
+            last.copy_from_slice(&displacement);
+        }
+        Settled { traction, displacement, clearance, change }
+    }
+
+    /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the pressure
+    /// is the same.
+    fn state(&self, pressure: Vec<f64>, load: Load) -> (SteepSolution, Vec<f64>) {
+        let points = pressure.len();
+        let mut transforms = FullTransforms::of(&self.full);
+        let Settled { traction, mut displacement, clearance, change } = self.settle(&pressure, &mut transforms);
+        let normal = displacement.split_off(displacement.len() - points);
+        let elastic_energy =
+            0.5 * (dot(&traction, &displacement) + dot(&traction[displacement.len()..], &normal)) / points as f64;
+        let mean = |axis: usize| gfmd_vector::total(&traction[axis * points..][..points]) / points as f64;
+        let lateral_traction = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
+        let lowest = clearance.iter().copied().fold(f64::INFINITY, f64::min);
+        let heights = Array2::from_shape_fn(self.surface.grid().points(), |(i, j)| {
+            -clearance[i * self.surface.grid().points()[1] + j]
+        });
+        let surface =
+            RigidSurface::new(self.surface.grid(), &heights).map_or_else(|_| Arc::clone(&self.surface), Arc::new);
+        let displaced = match load {
+            Load::Approach(approach) => Load::Approach(approach - lowest),
+            load => load,
+        };
+        let modulus = self.full.contact_modulus();
+        let mut solution = Solution::of(&surface, modulus, pressure, normal, 0.0, displaced, None);
+        solution.approach += lowest;
+        solution.effort.transform_pairs = transforms.pairs();
+        let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
+        let state = SteepSolution {
+            normal: solution,
+            lateral,
+            lateral_traction,
+            lateral_residual: change / self.surface.rms_height(),
+            scales: Scales { contact_modulus: modulus, rms_gradient: self.surface.rms_gradient() },
+            elastic_energy,
+        };
+        (state, clearance)
+    }
+}
+
+/// Successive contacts with small slopes, each with the clearance and the displacement that the last one left.
+struct Search<'a> {
+    contact: &'a SteepContact,
+    load: Load,
+    budget: &'a Budget,
+    effort: Effort,
+    /// The rigid surface of the next contact, and its solution so far.
+    heights: Array2<f64>,
+    small: Option<Solution>,
+}
+
+impl Search<'_> {
+    /// Solves the contact with small slopes on the present heights to `tolerance`.
+    fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
+        let Self { contact, load, budget, effort, heights, small } = self;
+        let flat = Contact::on(Arc::clone(&contact.normal), heights)?;
+        let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let load = match load {
+            Load::Approach(approach) => Load::Approach(*approach - lowest),
+            load => *load,
+        };
+        let before = effort.iterations;
+        let mut count = |now: &Progress| watch.see(&Progress { iteration: before + now.iteration, ..*now });
+        let press =
+            flat.press(load).tolerance(tolerance).max_iterations(budget.max_iterations.saturating_sub(before).max(1));
+        let (solution, ending) = match press.watch(&mut count).starting_from(small.as_ref()).solve() {
+            Ok(solution) => (solution, Ending::Converged),
+            Err(SolveError::Refused(refusal)) => return Err(refusal),
+            Err(SolveError::Interrupted { state }) => (*state, Ending::Interrupted),
+            Err(SolveError::NotConverged { state, why, .. }) => (*state, Ending::GaveUp(why)),
+            Err(SolveError::Detached { state, .. }) => (*state, Ending::GaveUp(Why::NoDescent)),
+        };
+        effort.add(solution.effort);
+        *small = Some(solution);
+        Ok(ending)
+    }
+
+    /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the pressure
+    /// is the same.
+    fn state(&mut self) -> Option<SteepSolution> {
+        let Self { contact, load, effort, heights, small, .. } = self;
+        let small = small.as_ref()?;
+        let (mut state, clearance) = contact.state(small.pressure.iter().copied().collect(), *load);
+        effort.add(state.normal.effort);
+        state.normal.effort = *effort;
+        let lifted = state.normal.displacement.iter().zip(&small.displacement).zip(clearance);
+        heights
+            .iter_mut()
+            .zip(lifted)
+            .for_each(|(height, ((steep, small), clearance))| *height = steep - small - clearance);
+        Some(state)
+    }
+}
+
+impl Equilibrium for SteepContact {
+    type State = SteepSolution;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &[Solver::Auto]
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        match drive.load {
+            Load::MeanPressure(found) if found > 0.0 => Ok(()),
+            Load::MeanPressure(found) => Err(Refusal::MeanPressure { found }),
+            Load::Approach(found) if found > 0.0 => Ok(()),
+            Load::Approach(found) => Err(Refusal::Approach { found, limit: None }),
+        }
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let [softest, _] = self.normal.stiffness_range();
+        self.surface.check_resolution(drive.load, softest, tolerance)
+    }
+
+    /// Contacts with small slopes, one after the other, until one agrees with its own displacement. It converges for moderate
+    /// slopes, by about a factor of the slope from one to the next.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&SteepSolution>,
+        watch: &mut dyn Watch,
+    ) -> Result<SteepSolution, SolveError<SteepSolution>> {
+        budget.check()?;
+        self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        let rigid = Array2::from_shape_vec(self.surface.grid().points(), self.surface.clearance().to_vec());
+        let heights = rigid.map_or_else(|_| Array2::zeros(self.surface.grid().points()), |clearance| -clearance);
+        let small = match start {
+            Some(start) => {
+                let flat = Contact::on(Arc::clone(&self.normal), &heights)?;
+                Some(flat.certify(&start.normal.pressure, drive.load)?)
+            }
+            None => None,
+        };
+        let mut search = Search { contact: self, load: drive.load, budget, effort: Effort::default(), heights, small };
+        let mut state = search.state();
+        let (mut residual, mut slow) = (1.0_f64, 0);
+        loop {
+            let tolerance = (0.1 * residual).clamp(0.3 * budget.tolerance, 1e-3);
+            let ending = match (search.solve(tolerance, watch), state) {
+                (Ok(ending), _) => ending,
+                // The displaced surface cannot be solved: the slopes are too large.
+                (Err(_), Some(state)) => return judge(state, Ending::GaveUp(Why::Circles), budget.tolerance),
+                (Err(refusal), None) => return Err(refusal.into()),
+            };
+            let Some(reached) = search.state() else { return Err(Refusal::Flat.into()) };
+            let now = reached.worst();
+            let ending = match ending {
+                Ending::Interrupted => Some(Ending::Interrupted),
+                _ if now <= budget.tolerance => Some(Ending::Converged),
+                Ending::GaveUp(why) => Some(Ending::GaveUp(why)),
+                Ending::Converged if now.is_nan() || slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
+                Ending::Converged => {
+                    match watch.see(&Progress { iteration: search.effort.iterations, residual: now }) {
+                        ControlFlow::Break(()) => Some(Ending::Interrupted),
+                        ControlFlow::Continue(()) => None,
+                    }
+                }
+            };
+            if let Some(ending) = ending {
+                return judge(reached, ending, budget.tolerance);
+            }
+            slow += usize::from(now > SLOW.0 * residual);
+            residual = residual.min(now);
+            state = Some(reached);
+        }
+    }
+}
+
+/// The state follows from its pressure.
+impl Resumable for SteepContact {
+    fn keep(&self, state: &mut SteepSolution, visitor: &mut dyn Visit) {
+        state.normal.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        state.normal.effort.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<SteepSolution, Refusal> {
+        self.check(drive)?;
+        let mut pressure = vec![0.0; self.surface.clearance().len()];
+        visitor.field(&mut pressure);
+        let (mut state, _) = self.state(pressure, drive.load);
+        state.normal.effort.visit(visitor);
+        Ok(state)
+    }
+}
+
+impl Fields for SteepSolution {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.normal.pressure.view().into()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.normal.displacement.view()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.normal.gap.view()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.normal.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.normal.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.normal.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        let mut residuals = self.normal.residuals();
+        residuals.push(("lateral", self.lateral_residual));
+        residuals
+    }
+
+    fn scales(&self) -> Scales {
+        self.scales
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        Summary { elastic_energy: self.elastic_energy, ..self.normal.summary_in(scales) }
+    }
+}

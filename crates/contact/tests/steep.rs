@@ -1,0 +1,128 @@
+//! Contact with finite slopes: identities and limits. Dense solutions are compared in `tests/src/steep.rs`.
+
+use gfmd_contact::{
+    Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, SteepContact, Tape,
+};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use ndarray::Array2;
+
+const N: usize = 31;
+
+/// Reproducible waves with numbers up to four, of the rms gradient `gradient`.
+fn rough(gradient: f64, is_line: bool) -> (Grid, Array2<f64>) {
+    let grid = if is_line { Grid::line(N, 1.0).unwrap() } else { Grid::square(N, 1.0).unwrap() };
+    let mut heights = Array2::zeros(grid.points());
+    let (mut squares, mut phase) = (0.0, 0.3_f64);
+    for m in 0..4 {
+        for n in if is_line { 0..1 } else { -3..4 } {
+            let q = std::f64::consts::TAU * f64::from(m).hypot(f64::from(n));
+            phase = (phase * 7.3 + 0.618).fract();
+            if q > 0.0 {
+                let amplitude = q.powf(-1.7);
+                heights.indexed_iter_mut().for_each(|((i, j), h)| {
+                    let angle = f64::from(m) * i as f64 / N as f64 + f64::from(n) * j as f64 / N as f64 + phase;
+                    *h += amplitude * (std::f64::consts::TAU * angle).cos();
+                });
+                squares += 0.5 * (amplitude * q).powi(2);
+            }
+        }
+    }
+    (grid, heights * (gradient / squares.sqrt()))
+}
+
+fn body(nu: f64) -> Body {
+    Body::half_space(Material::from_contact_modulus(1.0, nu).unwrap())
+}
+
+#[test]
+fn the_mean_pressure_is_the_derivative_of_the_energy() {
+    for (nu, is_line) in [(0.0, true), (0.3, false)] {
+        let (grid, heights) = rough(0.25, is_line);
+        let contact = SteepContact::new(&body(nu), &grid, &heights).unwrap();
+        let at = |approach: f64| contact.press(Load::Approach(approach)).tolerance(1e-12).solve().unwrap();
+        let approach = 0.7 * contact.surface().rms_height();
+        let step = 1e-4 * approach;
+        let energy = |approach: f64| at(approach).summary().elastic_energy;
+        let slope = (energy(approach + step) - energy(approach - step)) / (2.0 * step);
+        let state = at(approach);
+        assert!(state.worst() <= 1e-12);
+        approx::assert_relative_eq!(slope, state.normal.mean_pressure, max_relative = 1e-6);
+        // Of the contact with small slopes it is so, too, but at another pressure.
+        let flat = Contact::new(&body(nu), &grid, &heights).unwrap().press(Load::Approach(approach)).solve().unwrap();
+        assert!((flat.mean_pressure / state.normal.mean_pressure - 1.0).abs() > 0.01);
+    }
+}
+
+#[test]
+fn small_slopes_give_the_contact_with_small_slopes_and_the_difference_is_of_first_order() {
+    let difference = |gradient: f64| {
+        let (grid, heights) = rough(gradient, false);
+        let load = Load::MeanPressure(0.1 * gradient);
+        let steep =
+            SteepContact::new(&body(0.2), &grid, &heights).unwrap().press(load).tolerance(1e-11).solve().unwrap();
+        let flat = Contact::new(&body(0.2), &grid, &heights).unwrap().press(load).tolerance(1e-11).solve().unwrap();
+        (steep.normal.approach - flat.approach).abs() / flat.approach
+    };
+    let [small, large] = [1e-4, 2e-4].map(difference);
+    assert!(small < 1e-4 && (large / small - 2.0).abs() < 0.05, "{small:e} {large:e}");
+}
+
+#[test]
+fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only() {
+    let (grid, heights) = rough(0.01, false);
+    let contact = SteepContact::new(&body(0.5), &grid, &heights).unwrap();
+    let state = contact.press(Load::MeanPressure(0.001)).tolerance(1e-11).solve().unwrap();
+    let flat = Contact::new(&body(0.5), &grid, &heights).unwrap();
+    let flat = flat.press(Load::MeanPressure(0.001)).tolerance(1e-11).solve().unwrap();
+    let change = state.normal.approach / flat.approach - 1.0;
+    assert!(change.abs() < 1e-3, "{change:e}");
+    // The rigid surface is held sideways by what its slopes push.
+    let [x, y] = state.lateral_traction;
+    assert!(x.hypot(y) < 0.01 * state.normal.mean_pressure && x != 0.0);
+}
+
+#[test]
+fn a_slab_and_both_controls_give_the_same_state() {
+    let (grid, heights) = rough(0.2, false);
+    let body = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.4).unwrap();
+    let contact = SteepContact::new(&body, &grid, &heights).unwrap();
+    let pressed = contact.press(Load::MeanPressure(0.02)).tolerance(1e-11).solve().unwrap();
+    let moved = contact.press(Load::Approach(pressed.normal.approach)).tolerance(1e-11).solve().unwrap();
+    approx::assert_relative_eq!(moved.normal.mean_pressure, 0.02, max_relative = 1e-9);
+    // From another state the same one is reached.
+    let larger = contact.press(Load::MeanPressure(0.03)).solve().unwrap();
+    let again = contact.press(Load::MeanPressure(0.02)).tolerance(1e-11).starting_from(Some(&larger)).solve().unwrap();
+    approx::assert_relative_eq!(again.normal.approach, pressed.normal.approach, max_relative = 1e-9);
+}
+
+#[test]
+fn a_state_follows_from_its_pressure_to_the_last_bit() {
+    let (grid, heights) = rough(0.2, false);
+    let contact = SteepContact::new(&body(0.1), &grid, &heights).unwrap();
+    let load = Load::MeanPressure(0.02);
+    let mut state = contact.press(load).solve().unwrap();
+    let mut tape = Tape::default();
+    contact.keep(&mut state, &mut tape);
+    tape.rewind();
+    let restored = contact.restore(load.into(), &mut tape).unwrap();
+    assert_eq!(restored, state);
+    let certified = contact.certify(&state.normal.pressure, load).unwrap();
+    assert_eq!(certified.normal.gap, state.normal.gap);
+}
+
+#[test]
+fn slopes_that_are_too_large_and_wrong_input_are_refused() {
+    let (grid, heights) = rough(3.0, true);
+    let contact = SteepContact::new(&body(0.0), &grid, &heights).unwrap();
+    let error = contact.press(Load::MeanPressure(1.0)).solve().unwrap_err();
+    assert!(matches!(error, SolveError::NotConverged { .. }), "{error}");
+    assert!(error.state().is_some_and(|state| !(state.worst() <= 1e-8)));
+    let refused = |result: Result<_, SolveError<_>>| matches!(result, Err(SolveError::Refused(_)));
+    assert!(refused(contact.press(Load::MeanPressure(-1.0)).solve()));
+    assert!(refused(contact.press(Load::Approach(0.0)).solve()));
+    assert!(refused(contact.press(Load::MeanPressure(0.1)).solver(Solver::Fire).solve()));
+    assert!(contact.check(Drive::from(Load::MeanPressure(f64::NAN))).is_err());
+    assert!(matches!(contact.certify(&Array2::zeros((3, 3)), Load::MeanPressure(1.0)), Err(Refusal::Shape { .. })));
+    assert!(matches!(SteepContact::new(&body(0.0), &grid, &Array2::zeros((N, 1))), Err(Refusal::Flat)));
+}
