@@ -14,7 +14,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness};
+use gfmd_contact::{
+    Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, SteepContact, Stiffness,
+};
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
@@ -80,6 +82,11 @@ pub struct Args {
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<f64>,
+    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act along the normal of
+    /// the rigid surface
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    finite_slope: bool,
     /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -160,6 +167,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
     pub rms_gradient: f64,
+    pub max_slope: f64,
     pub rms_height: f64,
     pub e_star: f64,
     /// The body, unless it is a half-space or a slab on a bonded base, and alone.
@@ -182,6 +190,29 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
+}
+
+/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
+const SMALL_SLOPES: f64 = 0.2;
+
+impl Report {
+    /// Warns of slopes and strains that are not small.
+    fn warn_of_slopes(&self, args: &Args, session: &Session) {
+        let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
+        if *rms_gradient <= SMALL_SLOPES {
+            return;
+        }
+        let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
+        let hint =
+            if args.finite_slope { "strains are still taken as small" } else { "--finite-slope includes the slopes" };
+        session.warn(
+            "large-slope",
+            format!(
+                "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
+                 linear theory neglects is of this size; {hint}"
+            ),
+        );
+    }
 }
 
 /// Runs the command.
@@ -230,6 +261,9 @@ impl Prepared {
         if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
             return Err(Failure::value("--hardness", hardness, "positive and finite"));
         }
+        if args.finite_slope {
+            check_finite_slope(args)?;
+        }
         if let (Some(fields), None) = (&args.fields, args.hardness)
             && fields.names_plastic_depth()
         {
@@ -249,6 +283,7 @@ impl Prepared {
             return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
         }
         let fields = match (args.law.law, args.boundary) {
+            _ if args.finite_slope => Held::STEEP,
             (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
                 let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
                 if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
@@ -289,6 +324,7 @@ impl Prepared {
             with_law: args.law.law != Kind::HardWall,
             boundary: self.surface.boundary,
             is_plastic: args.hardness.is_some(),
+            is_steep: args.finite_slope,
             statistics: args.statistics,
             flow: args.flow,
         }
@@ -301,6 +337,10 @@ impl Prepared {
         };
         let (body, Surface { grid, .. }) = (&self.body, &self.surface);
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
+        if args.finite_slope {
+            let contact = SteepContact::new(body, grid, heights).map_err(refuse)?;
+            return self.press(&contact, contact.surface(), args, session);
+        }
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
             let contact = Contact::bounded(args.boundary, body, grid, heights);
@@ -342,6 +382,7 @@ impl Prepared {
             surface: self.surface.description.clone(),
             scan: self.surface.scan.clone(),
             rms_gradient: self.surface.rms_gradient(),
+            max_slope: self.surface.max_slope(),
             rms_height: rigid.rms_height(),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
@@ -374,6 +415,7 @@ impl Prepared {
         }
         let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
         let mut failure = outcome.map_err(|failure| failure.with(&remark))?;
+        report.warn_of_slopes(args, session);
         let interrupted = matches!(failure, Some(Failure::Interrupted(_)));
         match (interrupted, kept) {
             (true, Some(_)) => failure = failure.map(|failure| failure.with(&remark)),
@@ -384,6 +426,30 @@ impl Prepared {
         let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&written));
         Ok(Outcome { report, failure })
+    }
+}
+
+/// Refuses flags that do not go with finite slopes.
+fn check_finite_slope(args: &Args) -> Result<(), Failure> {
+    let others = &args.body.others;
+    let wrong: Option<(&str, String, &str)> = if args.law.law != Kind::HardWall {
+        Some(("--law", args.law.law.name().into(), "hard-wall"))
+    } else if args.boundary == Boundary::Free {
+        Some(("--boundary", args.boundary.to_string(), "periodic"))
+    } else if let Some(hardness) = args.hardness {
+        Some(("--hardness", hardness.to_string(), "left out"))
+    } else if let Some(second) = &others.second_body {
+        Some(("--second-body", second.to_string(), "left out"))
+    } else if args.flow_threshold {
+        Some(("--flow-threshold", "given".into(), "left out"))
+    } else if args.base.base_displacement.is_some() || args.base.base_traction.is_some() {
+        Some(("--base-displacement, --base-traction", "given".into(), "left out"))
+    } else {
+        None
+    };
+    match wrong {
+        Some((flag, found, allowed)) => Err(Failure::value(flag, found, format!("{allowed} with --finite-slope"))),
+        None => Ok(()),
     }
 }
 

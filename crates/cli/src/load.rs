@@ -1,6 +1,8 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, Stiffness};
+use gfmd_contact::{
+    Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, SteepContact, SteepSolution, Stiffness,
+};
 use gfmd_field::Grid;
 use gfmd_interface::{Interface, State};
 use gfmd_measure::{Column, Scales, Summary};
@@ -45,6 +47,9 @@ pub struct LoadRecord {
     pub plastic_fraction: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plastic_volume: Option<f64>,
+    /// With finite slopes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_traction: Option<[f64; 2]>,
     /// With statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patches: Option<PatchRecord>,
@@ -96,20 +101,24 @@ pub struct ResidualRecord {
     /// With a hardness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saturation: Option<f64>,
+    /// With finite slopes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral: Option<f64>,
 }
 
 impl ResidualRecord {
     /// The largest of the residuals; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
-        let Self { complementarity, penetration, negative_pressure, load, saturation } = *self;
-        gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation.unwrap_or(0.0)])
+        let Self { complementarity, penetration, negative_pressure, load, saturation, lateral } = *self;
+        let others = [saturation, lateral].map(|residual| residual.unwrap_or(0.0));
+        gfmd_relax::worst([complementarity, penetration, negative_pressure, load].into_iter().chain(others))
     }
 }
 
 impl From<Residual> for ResidualRecord {
     fn from(residual: Residual) -> Self {
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
-        Self { complementarity, penetration, negative_pressure, load, saturation: None }
+        Self { complementarity, penetration, negative_pressure, load, saturation: None, lateral: None }
     }
 }
 
@@ -135,6 +144,12 @@ impl Stiff for Contact {
     }
 }
 
+impl Stiff for SteepContact {
+    fn stiffness_of(&self, _: &SteepSolution) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        Ok(None)
+    }
+}
+
 impl Stiff for Interface {
     fn stiffness_of(&self, _: &State) -> Result<Option<Stiffness>, (Stiffness, String)> {
         Ok(None)
@@ -152,7 +167,24 @@ pub trait Recorded: Fields {
     }
 
     /// The scalars of the law, if one acts across the gap.
-    fn law_record(&self) -> Option<LawRecord>;
+    fn law_record(&self) -> Option<LawRecord> {
+        None
+    }
+
+    /// The mean lateral traction along x and y (stress) that holds the rigid surface, with finite slopes.
+    fn lateral_traction(&self) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+impl Recorded for SteepSolution {
+    fn residual_record(&self) -> ResidualRecord {
+        ResidualRecord { lateral: Some(self.lateral_residual), ..self.normal.residual.into() }
+    }
+
+    fn lateral_traction(&self) -> Option<[f64; 2]> {
+        Some(self.lateral_traction)
+    }
 }
 
 impl Recorded for Solution {
@@ -164,16 +196,13 @@ impl Recorded for Solution {
     fn plastic(&self) -> Option<&Plastic> {
         self.plastic.as_ref()
     }
-
-    fn law_record(&self) -> Option<LawRecord> {
-        None
-    }
 }
 
 impl Recorded for State {
     fn residual_record(&self) -> ResidualRecord {
         let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
-        ResidualRecord { complementarity, penetration, negative_pressure: wall_tension, load, saturation: None }
+        let wall = gfmd_contact::Residual { complementarity, penetration, negative_pressure: wall_tension, load };
+        wall.into()
     }
 
     fn law_record(&self) -> Option<LawRecord> {
@@ -204,7 +233,8 @@ impl LoadRecord {
         let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
-        Self { law: state.law_record(), plastic_fraction, plastic_volume, ..wall }
+        let (law, lateral_traction) = (state.law_record(), state.lateral_traction());
+        Self { law, plastic_fraction, plastic_volume, lateral_traction, ..wall }
     }
 
     /// The record with the force, if the surface on `grid` does not repeat.
@@ -271,6 +301,7 @@ impl LoadRecord {
             force: None,
             plastic_fraction: None,
             plastic_volume: None,
+            lateral_traction: None,
             patches: None,
             conductance: None,
             flow: None,
@@ -430,6 +461,25 @@ pub const PLASTIC_SCALARS: &[Column<LoadRecord>] = &[
     }),
 ];
 
+/// The scalars of a contact with finite slopes.
+pub const SLOPE_SCALARS: &[Column<LoadRecord>] = &[
+    Column::new(
+        "lateral_traction_x",
+        "stress",
+        "mean traction along x that holds the rigid surface in its place",
+        |r| r.lateral_traction.map_or(f64::NAN, |[x, _]| x),
+    ),
+    Column::new("lateral_traction_y", "stress", "the same along y", |r| {
+        r.lateral_traction.map_or(f64::NAN, |[_, y]| y)
+    }),
+    Column::new(
+        "residual_lateral",
+        "1",
+        "last change of the lateral displacement over h_rms, which is consistent with the pressure to that extent",
+        |r| r.residual.lateral.unwrap_or(f64::NAN),
+    ),
+];
+
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
@@ -488,6 +538,8 @@ pub struct Recording {
     pub boundary: Boundary,
     /// True with a hardness.
     pub is_plastic: bool,
+    /// True with finite slopes.
+    pub is_steep: bool,
     /// True with patches and conductance.
     pub statistics: bool,
     /// True with the flow through the gap.
@@ -497,20 +549,23 @@ pub struct Recording {
 impl Recording {
     /// The loads of a contact without plastic depth, statistics and flow.
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
-        Self { with_law, boundary, is_plastic: false, statistics: false, flow: false }
+        Self { with_law, boundary, is_plastic: false, is_steep: false, statistics: false, flow: false }
     }
 }
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
-    let Recording { with_law, boundary, is_plastic, statistics, flow } = kind;
+    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow } = kind;
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);
     }
     if is_plastic {
         columns.extend_from_slice(PLASTIC_SCALARS);
+    }
+    if is_steep {
+        columns.extend_from_slice(SLOPE_SCALARS);
     }
     if statistics {
         columns.extend_from_slice(STATISTICS);

@@ -98,6 +98,11 @@ impl Surface {
         }
     }
 
+    /// The largest slope, by differences between neighbours inside.
+    pub fn max_slope(&self) -> f64 {
+        self.statistics.max_slope
+    }
+
     /// The unit of heights and lengths; `length` if it is unknown.
     pub fn unit(&self) -> &str {
         self.unit.as_deref().unwrap_or("length")

@@ -370,3 +370,45 @@ fn a_file_has_the_fields_that_were_chosen() {
     let file = Reader::open(folder.path().join("p.h5")).unwrap();
     assert!(file.contains("/fields/plastic_depth") && !file.contains("/fields/pressure"));
 }
+
+#[test]
+fn finite_slopes_change_the_contact_and_are_certified() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = "contact --n 32 --eps-f-inv 4 --young 1 --poisson 0 --p-star 0.05 --json -q";
+    let run = |more: &str| {
+        let arguments: Vec<&str> = words.split_whitespace().chain(more.split_whitespace()).collect();
+        gfmd(folder.path(), &arguments)
+    };
+    let report = |more: &str| -> Value {
+        let output = run(more);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let (flat, steep) = (report("--rms-gradient 0.25"), report("--rms-gradient 0.25 --finite-slope"));
+    let load = |report: &Value, key: &str| report["loads"][0][key].as_f64().unwrap();
+    // A compressible body loses area.
+    let change = load(&steep, "area_fraction") / load(&flat, "area_fraction") - 1.0;
+    assert!((-0.1..-0.005).contains(&change), "{change}");
+    let residuals = steep["loads"][0]["residual"].as_object().unwrap();
+    assert!(residuals.len() == 5 && residuals.values().all(|value| value.as_f64().unwrap() <= 1e-8), "{residuals:?}");
+    assert!(
+        steep["loads"][0]["lateral_traction"][0].as_f64().unwrap() != 0.0
+            && flat["loads"][0]["lateral_traction"].is_null()
+    );
+    assert!(flat["max_slope"].as_f64().unwrap() > 0.5);
+    for report in [&flat, &steep] {
+        assert_eq!(report["warnings"][0]["code"], "large-slope");
+    }
+    assert_eq!(report("--rms-gradient 0.05")["warnings"].as_array().unwrap().len(), 0);
+    for (more, flag) in [
+        ("--boundary free", "--boundary"),
+        ("--hardness 0.1", "--hardness"),
+        ("--law morse --param gamma=1e-4,range=1e-2", "--law"),
+        ("--second-body 1,0.3", "--second-body"),
+        ("--solver fire", "fire"),
+    ] {
+        let output = run(&format!("--finite-slope {more}"));
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(flag), "{more}: {message}");
+    }
+}

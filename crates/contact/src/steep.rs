@@ -1,14 +1,13 @@
 //! Contact with finite slopes: the kinematics of the surfaces is exact, and the body linearly elastic (theory.md, section 7.4).
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use gfmd_field::{Grid, Spline};
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
+use gfmd_relax::{Anderson, Budget, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
 use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
-use gfmd_vector::dot;
+use gfmd_vector::{dot, for_each};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::solution::field;
@@ -50,8 +49,19 @@ pub struct SteepSolution {
 /// with small slopes.
 const STEPS: usize = 200;
 
+/// The number of former steps that each step takes into account.
+const DEPTH: usize = 4;
+
+/// The precision of the lateral displacement, over h_rms, over the residual so far.
+const PRECISION: f64 = 0.01;
+
+/// Changes of the lateral displacement over h_rms: below the first rounding errors may keep it from settling, above the second it
+/// does not settle.
+const ROUNDING: f64 = 1e-12;
+const FAR: f64 = 1e3;
+
 /// The largest ratio of residuals of successive solves that counts as convergence, and how many solves may exceed it.
-const SLOW: (f64, usize) = (0.9, 4);
+const SLOW: (f64, usize) = (0.9, 8);
 
 /// The displacement by a pressure, with the clearance of the displaced points.
 struct Settled {
@@ -95,52 +105,53 @@ impl SteepContact {
         if found != expected {
             return Err(Refusal::Shape { found, expected });
         }
-        Ok(self.state(pressure.iter().copied().collect(), load).0)
+        Ok(self.state(pressure.iter().copied().collect(), load, 0.0).0)
     }
 
-    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes.
-    fn settle(&self, pressure: &[f64], transforms: &mut FullTransforms) -> Settled {
+    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes. That is found to
+    /// `precision` times h_rms, or as exactly as rounding allows.
+    fn settle(&self, pressure: &[f64], precision: f64, transforms: &mut FullTransforms) -> Settled {
         let points = pressure.len();
         let axes = self.full.components().len() - 1;
         let [_, ny] = self.surface.grid().points();
         let mut traction = vec![0.0; (axes + 1) * points];
         traction[axes * points..].iter_mut().zip(pressure).for_each(|(t, p)| *t = -p);
         let mut displacement = vec![0.0; (axes + 1) * points];
-        let mut clearance = self.surface.clearance().to_vec();
-        let (mut last, mut change) = (displacement.clone(), f64::INFINITY);
+        let mut lateral = vec![0.0; axes * points];
+        // The clearance that each point meets, and its slopes.
+        let mut met = vec![(0.0, [0.0; 2]); points];
+        let (mut change, mut mixing) = (f64::INFINITY, Anderson::new(DEPTH));
         for _ in 0..STEPS {
-            for i in 0..points {
-                let offset = [0, 1].map(|axis| if axis < axes { last[axis * points + i] } else { 0.0 });
-                let (value, slopes) = self.clearance.near([i / ny, i % ny], offset);
-                clearance[i] = value;
-                for axis in 0..axes {
-                    traction[axis * points + i] = pressure[i] * slopes[axis];
+            for_each(&mut met[..], &|start, met: &mut [_]| {
+                for (i, met) in (start..).zip(met) {
+                    let offset = [0, 1].map(|axis| lateral.get(axis * points + i).copied().unwrap_or(0.0));
+                    *met = self.clearance.near([i / ny, i % ny], offset);
                 }
+            });
+            for (axis, traction) in traction[..axes * points].chunks_exact_mut(points).enumerate() {
+                let met = met.iter().zip(pressure);
+                traction.iter_mut().zip(met).for_each(|(t, ((_, slopes), p))| *t = p * slopes[axis]);
             }
             transforms.compliance(&traction, &mut displacement);
-            let lateral = displacement[..axes * points].iter().zip(&last);
-            let new = worst(lateral.map(|(new, old)| (new - old).abs()));
-            // Rounding errors change no longer.
-            if new == 0.0 || new >= 0.5 * change && new <= 1e-12 * self.surface.rms_height() {
-                change = new;
+            let last = change;
+            change = worst(displacement.iter().zip(&lateral).map(|(new, old)| (new - old).abs()));
+            let relative = change / self.surface.rms_height();
+            let is_rounding = relative <= ROUNDING && change >= 0.5 * last;
+            if relative <= precision || is_rounding || !(relative <= FAR) {
                 break;
             }
-            if new.is_nan() || new > 1e3 * self.surface.rms_height() {
-                change = f64::NAN;
-                break;
-            }
-            change = new;
-            last.copy_from_slice(&displacement);
+            mixing.advance(&mut lateral, &displacement[..axes * points]);
         }
-        Settled { traction, displacement, clearance, change }
+        Settled { traction, displacement, clearance: met.into_iter().map(|(clearance, _)| clearance).collect(), change }
     }
 
     /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the pressure
     /// is the same.
-    fn state(&self, pressure: Vec<f64>, load: Load) -> (SteepSolution, Vec<f64>) {
+    fn state(&self, pressure: Vec<f64>, load: Load, precision: f64) -> (SteepSolution, Vec<f64>) {
         let points = pressure.len();
         let mut transforms = FullTransforms::of(&self.full);
-        let Settled { traction, mut displacement, clearance, change } = self.settle(&pressure, &mut transforms);
+        let Settled { traction, mut displacement, clearance, change } =
+            self.settle(&pressure, precision, &mut transforms);
         let normal = displacement.split_off(displacement.len() - points);
         let elastic_energy =
             0.5 * (dot(&traction, &displacement) + dot(&traction[displacement.len()..], &normal)) / points as f64;
@@ -182,12 +193,13 @@ struct Search<'a> {
     /// The rigid surface of the next contact, and its solution so far.
     heights: Array2<f64>,
     small: Option<Solution>,
+    mixing: Anderson,
 }
 
 impl Search<'_> {
     /// Solves the contact with small slopes on the present heights to `tolerance`.
     fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
-        let Self { contact, load, budget, effort, heights, small } = self;
+        let Self { contact, load, budget, effort, heights, small, .. } = self;
         let flat = Contact::on(Arc::clone(&contact.normal), heights)?;
         let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let load = match load {
@@ -212,17 +224,15 @@ impl Search<'_> {
 
     /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the pressure
     /// is the same.
-    fn state(&mut self) -> Option<SteepSolution> {
-        let Self { contact, load, effort, heights, small, .. } = self;
+    fn state(&mut self, precision: f64) -> Option<SteepSolution> {
+        let Self { contact, load, effort, heights, small, mixing, .. } = self;
         let small = small.as_ref()?;
-        let (mut state, clearance) = contact.state(small.pressure.iter().copied().collect(), *load);
+        let (mut state, clearance) = contact.state(small.pressure.iter().copied().collect(), *load, precision);
         effort.add(state.normal.effort);
         state.normal.effort = *effort;
         let lifted = state.normal.displacement.iter().zip(&small.displacement).zip(clearance);
-        heights
-            .iter_mut()
-            .zip(lifted)
-            .for_each(|(height, ((steep, small), clearance))| *height = steep - small - clearance);
+        let image: Vec<f64> = lifted.map(|((steep, small), clearance)| steep - small - clearance).collect();
+        heights.as_slice_mut().into_iter().for_each(|heights| mixing.advance(heights, &image));
         Some(state)
     }
 }
@@ -274,8 +284,9 @@ impl Equilibrium for SteepContact {
             }
             None => None,
         };
-        let mut search = Search { contact: self, load: drive.load, budget, effort: Effort::default(), heights, small };
-        let mut state = search.state();
+        let (effort, mixing) = (Effort::default(), Anderson::new(DEPTH));
+        let mut search = Search { contact: self, load: drive.load, budget, effort, heights, small, mixing };
+        let mut state = search.state(1e-3);
         let (mut residual, mut slow) = (1.0_f64, 0);
         loop {
             let tolerance = (0.1 * residual).clamp(0.3 * budget.tolerance, 1e-3);
@@ -285,23 +296,25 @@ impl Equilibrium for SteepContact {
                 (Err(_), Some(state)) => return judge(state, Ending::GaveUp(Why::Circles), budget.tolerance),
                 (Err(refusal), None) => return Err(refusal.into()),
             };
-            let Some(reached) = search.state() else { return Err(Refusal::Flat.into()) };
-            let now = reached.worst();
+            let Some(mut reached) = search.state(PRECISION * residual) else { return Err(Refusal::Flat.into()) };
             let ending = match ending {
-                Ending::Interrupted => Some(Ending::Interrupted),
-                _ if now <= budget.tolerance => Some(Ending::Converged),
-                Ending::GaveUp(why) => Some(Ending::GaveUp(why)),
-                Ending::Converged if now.is_nan() || slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
+                Ending::Converged if reached.worst() <= budget.tolerance => Some(Ending::Converged),
+                Ending::Converged if reached.worst().is_nan() || slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
                 Ending::Converged => {
-                    match watch.see(&Progress { iteration: search.effort.iterations, residual: now }) {
-                        ControlFlow::Break(()) => Some(Ending::Interrupted),
-                        ControlFlow::Continue(()) => None,
-                    }
+                    let now = Progress { iteration: search.effort.iterations, residual: reached.worst() };
+                    watch.see(&now).is_break().then_some(Ending::Interrupted)
                 }
+                ending => Some(ending),
             };
             if let Some(ending) = ending {
-                return judge(reached, ending, budget.tolerance);
+                (reached, _) = self.state(reached.normal.pressure.iter().copied().collect(), drive.load, 0.0);
+                search.effort.add(reached.normal.effort);
+                reached.normal.effort = search.effort;
+                if ending != Ending::Converged || reached.worst() <= budget.tolerance {
+                    return judge(reached, ending, budget.tolerance);
+                }
             }
+            let now = reached.worst();
             slow += usize::from(now > SLOW.0 * residual);
             residual = residual.min(now);
             state = Some(reached);
@@ -320,7 +333,7 @@ impl Resumable for SteepContact {
         self.check(drive)?;
         let mut pressure = vec![0.0; self.surface.clearance().len()];
         visitor.field(&mut pressure);
-        let (mut state, _) = self.state(pressure, drive.load);
+        let (mut state, _) = self.state(pressure, drive.load, 0.0);
         state.normal.effort.visit(visitor);
         Ok(state)
     }

@@ -51,7 +51,7 @@ impl Spline {
             n => (2.0 + (TAU * number as f64 / n as f64).cos()) / 3.0,
         };
         for (mode, value) in grid.modes().zip(&mut spectrum) {
-            *value /= [0, 1].map(|axis| of_axis(mode.number[axis].into(), points[axis])).iter().product::<f64>();
+            *value /= [0, 1].map(|axis| of_axis(mode.number[axis], points[axis])).iter().product::<f64>();
         }
         let mut factors = vec![0.0; grid.len()];
         transform.inverse(&spectrum, &mut factors, &mut ws)?;

@@ -70,6 +70,7 @@
 //! therefore has no such matrix: [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`] replaces bounds by a
 //! force.
 
+mod anderson;
 mod augmented_lagrangian;
 mod bounds;
 mod budget;
@@ -97,6 +98,7 @@ mod visit;
 mod watch;
 mod worst;
 
+pub use anderson::Anderson;
 pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
 pub use bounds::Bounds;
 pub use budget::{Budget, ToleranceError};

@@ -23,6 +23,8 @@ pub struct Statistics {
     pub rms_gradient_forward: f64,
     /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not periodic.
     pub rms_gradient_inside: f64,
+    /// The largest slope by forward differences, without those across the seam.
+    pub max_slope: f64,
     /// The jump across the seam.
     pub seam: Seam,
 }
@@ -67,6 +69,7 @@ impl Statistics {
             rms_gradient_central: gradient([0, 1].map(|axis| 0.25 * steps[axis].double)),
             rms_gradient_forward: gradient([0, 1].map(|axis| steps[axis].all)),
             rms_gradient_inside: gradient([0, 1].map(|axis| steps[axis].inside)),
+            max_slope: steepest(heights.view(), spacing),
             seam: Seam {
                 across: [0, 1].map(|axis| steps[axis].across.sqrt()),
                 inside: [0, 1].map(|axis| steps[axis].inside.sqrt()),
@@ -114,6 +117,22 @@ impl Steps {
             double: double / (lanes * count),
         }
     }
+}
+
+/// The largest slope by forward differences between neighbours inside.
+fn steepest(heights: ArrayView2<f64>, spacing: [f64; 2]) -> f64 {
+    let [nx, ny] = [heights.nrows(), heights.ncols()];
+    let in_row = |i: usize| {
+        let squares = (0..ny).map(|j| {
+            let step = |inside: bool, ahead: [usize; 2], spacing: f64| {
+                if inside { (heights[ahead] - heights[[i, j]]) / spacing } else { 0.0 }
+            };
+            let [x, y] = [step(i + 1 < nx, [i + 1, j], spacing[0]), step(j + 1 < ny, [i, j + 1], spacing[1])];
+            x * x + y * y
+        });
+        squares.fold(0.0, f64::max)
+    };
+    (0..nx).into_par_iter().map(in_row).reduce(|| 0.0, f64::max).sqrt()
 }
 
 /// The sum Σ f(a, b) over the points of two fields, added row by row: it has the same bits for any number of threads.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, Load, Stiffness};
+use gfmd_contact::{Boundary, Contact, Load, SteepContact, Stiffness};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
@@ -63,6 +63,17 @@ pub(crate) fn check(
         recording,
         measured: Vec::new(),
     };
+    if args.finite_slope {
+        let contact = SteepContact::new(body, &surface.grid, heights).map_err(refuse)?;
+        for (index, load) in controls.iter().enumerate().take(count) {
+            let pressure = file.field("pressure", index)?;
+            if solved(&pressure) {
+                let state = contact.certify(&pressure, *load).map_err(refuse)?;
+                file.compare(index, *load, &state, None, comparison)?;
+            }
+        }
+        return file.compare_statistics(comparison);
+    }
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
             Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), heights),
