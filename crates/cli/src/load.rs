@@ -50,6 +50,8 @@ pub struct LoadRecord {
     /// With finite slopes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lateral_traction: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub projected_area_fraction: Option<f64>,
     /// With statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patches: Option<PatchRecord>,
@@ -171,8 +173,8 @@ pub trait Recorded: Fields {
         None
     }
 
-    /// The mean lateral traction along x and y (stress) that holds the rigid surface, with finite slopes.
-    fn lateral_traction(&self) -> Option<[f64; 2]> {
+    /// The state, if slopes are finite.
+    fn steep(&self) -> Option<&SteepSolution> {
         None
     }
 }
@@ -182,8 +184,8 @@ impl Recorded for SteepSolution {
         ResidualRecord { lateral: Some(self.lateral_residual), ..self.normal.residual.into() }
     }
 
-    fn lateral_traction(&self) -> Option<[f64; 2]> {
-        Some(self.lateral_traction)
+    fn steep(&self) -> Option<&SteepSolution> {
+        Some(self)
     }
 }
 
@@ -233,8 +235,10 @@ impl LoadRecord {
         let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
-        let (law, lateral_traction) = (state.law_record(), state.lateral_traction());
-        Self { law, plastic_fraction, plastic_volume, lateral_traction, ..wall }
+        let lateral_traction = state.steep().map(|steep| steep.lateral_traction);
+        let projected_area_fraction = state.steep().map(SteepSolution::projected_area);
+        let law = state.law_record();
+        Self { law, plastic_fraction, plastic_volume, lateral_traction, projected_area_fraction, ..wall }
     }
 
     /// The record with the force, if the surface on `grid` does not repeat.
@@ -302,6 +306,7 @@ impl LoadRecord {
             plastic_fraction: None,
             plastic_volume: None,
             lateral_traction: None,
+            projected_area_fraction: None,
             patches: None,
             conductance: None,
             flow: None,
@@ -472,6 +477,12 @@ pub const SLOPE_SCALARS: &[Column<LoadRecord>] = &[
     Column::new("lateral_traction_y", "stress", "the same along y", |r| {
         r.lateral_traction.map_or(f64::NAN, |[_, y]| y)
     }),
+    Column::new(
+        "projected_area_fraction",
+        "1",
+        "contact area of the deformed surface, projected onto the plane of the rigid one, over the area of the cell",
+        |r| r.projected_area_fraction.unwrap_or(f64::NAN),
+    ),
     Column::new(
         "residual_lateral",
         "1",

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
 use gfmd_vector::{add, for_each, pass, reduce};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
@@ -117,6 +118,10 @@ impl Fields for Solution {
 }
 
 impl Solution {
+    pub(crate) fn grid(&self) -> &Grid {
+        self.surface.grid()
+    }
+
     /// The solution of a contact in `units`, in the units of the input, where `surface` and E* are given.
     pub(crate) fn out_of(self, units: &Units, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
         let Self {

@@ -49,6 +49,23 @@ pub struct SteepSolution {
 /// with small slopes.
 const STEPS: usize = 200;
 
+impl SteepSolution {
+    /// The area of contact, projected onto the plane of the rigid surface, over that of the cell. Points in contact have moved, and
+    /// the area between them has changed.
+    pub fn projected_area(&self) -> f64 {
+        let grid = self.normal.grid();
+        let splines = self.lateral.iter().map(|u| u.as_slice().and_then(|u| Spline::through(grid, u).ok()));
+        let Some(splines) = splines.collect::<Option<Vec<Spline>>>() else { return f64::NAN };
+        let stretched = |point: [usize; 2]| {
+            let slopes = |axis: usize| splines.get(axis).map_or([0.0; 2], |u| u.near(point, [0.0; 2]).1);
+            let ([xx, xy], [yx, yy]) = (slopes(0), slopes(1));
+            (1.0 + xx) * (1.0 + yy) - xy * yx
+        };
+        let touching = self.normal.pressure.indexed_iter().filter(|(_, p)| **p > 0.0);
+        touching.map(|((i, j), _)| stretched([i, j])).sum::<f64>() / grid.len() as f64
+    }
+}
+
 /// The number of former steps that each step takes into account.
 const DEPTH: usize = 4;
 

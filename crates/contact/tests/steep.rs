@@ -77,6 +77,14 @@ fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only
     let flat = flat.press(Load::MeanPressure(0.001)).tolerance(1e-11).solve().unwrap();
     let change = state.normal.approach / flat.approach - 1.0;
     assert!(change.abs() < 1e-3, "{change:e}");
+    // Its surface moves sideways in second order, a compressible one in first order.
+    assert!((state.projected_area() / state.summary().area_fraction - 1.0).abs() < 1e-3);
+    let soft =
+        SteepContact::new(&body(0.0), &grid, &heights).unwrap().press(Load::MeanPressure(0.001)).solve().unwrap();
+    // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure less its mean (Johnson 1985, section 3.6).
+    let ratio = soft.projected_area() / soft.summary().area_fraction - 1.0;
+    let strain = soft.summary().mean_pressure_in_contact - soft.normal.mean_pressure;
+    assert!((ratio / -strain - 1.0).abs() < 0.05, "{ratio:e} {strain:e}");
     // The rigid surface is held sideways by what its slopes push.
     let [x, y] = state.lateral_traction;
     assert!(x.hypot(y) < 0.01 * state.normal.mean_pressure && x != 0.0);
