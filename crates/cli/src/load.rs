@@ -1,9 +1,12 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, Stiffness};
+use gfmd_contact::{
+    Boundary, Contact, Effort, Equilibrium, Fields, FullContact, FullSolution, Plastic, Residual, Solution, Stiffness,
+};
 use gfmd_field::Grid;
 use gfmd_interface::{Interface, State};
 use gfmd_measure::{Column, Scales, Summary};
+use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -96,20 +99,25 @@ pub struct ResidualRecord {
     /// With a hardness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saturation: Option<f64>,
+    /// With all components.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_traction: Option<f64>,
 }
 
 impl ResidualRecord {
     /// The largest of the residuals; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
-        let Self { complementarity, penetration, negative_pressure, load, saturation } = *self;
-        gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation.unwrap_or(0.0)])
+        let Self { complementarity, penetration, negative_pressure, load, saturation, lateral_traction } = *self;
+        let [saturation, lateral_traction] = [saturation, lateral_traction].map(|residual| residual.unwrap_or(0.0));
+        gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation, lateral_traction])
     }
 }
 
 impl From<Residual> for ResidualRecord {
     fn from(residual: Residual) -> Self {
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
-        Self { complementarity, penetration, negative_pressure, load, saturation: None }
+        let (saturation, lateral_traction) = (None, None);
+        Self { complementarity, penetration, negative_pressure, load, saturation, lateral_traction }
     }
 }
 
@@ -141,6 +149,13 @@ impl Stiff for Interface {
     }
 }
 
+/// The discrete problem has a stiffness of its own in the Nyquist modes of an even grid, which is not computed.
+impl Stiff for FullContact {
+    fn stiffness_of(&self, _: &FullSolution) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        Ok(None)
+    }
+}
+
 /// A state that can be recorded as a load.
 pub trait Recorded: Fields {
     /// The residuals of the state.
@@ -151,8 +166,27 @@ pub trait Recorded: Fields {
         None
     }
 
+    /// The lateral displacement u_x, u_y (u_x of a profile), if it was unknown, too.
+    fn lateral(&self) -> &[Array2<f64>] {
+        &[]
+    }
+
     /// The scalars of the law, if one acts across the gap.
     fn law_record(&self) -> Option<LawRecord>;
+}
+
+impl Recorded for FullSolution {
+    fn residual_record(&self) -> ResidualRecord {
+        ResidualRecord { lateral_traction: Some(self.lateral_traction), ..self.normal.residual_record() }
+    }
+
+    fn lateral(&self) -> &[Array2<f64>] {
+        &self.lateral
+    }
+
+    fn law_record(&self) -> Option<LawRecord> {
+        None
+    }
 }
 
 impl Recorded for Solution {
@@ -173,7 +207,7 @@ impl Recorded for Solution {
 impl Recorded for State {
     fn residual_record(&self) -> ResidualRecord {
         let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
-        ResidualRecord { complementarity, penetration, negative_pressure: wall_tension, load, saturation: None }
+        Residual { complementarity, penetration, negative_pressure: wall_tension, load }.into()
     }
 
     fn law_record(&self) -> Option<LawRecord> {
@@ -430,6 +464,14 @@ pub const PLASTIC_SCALARS: &[Column<LoadRecord>] = &[
     }),
 ];
 
+/// The residual of the lateral components, if they are unknown, too.
+pub const LATERAL_TRACTION: Column<LoadRecord> = Column::new(
+    "residual_lateral_traction",
+    "1",
+    "largest lateral traction that the dynamics left / largest pressure",
+    |r| r.residual.lateral_traction.unwrap_or(f64::NAN),
+);
+
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
@@ -492,25 +534,30 @@ pub struct Recording {
     pub statistics: bool,
     /// True with the flow through the gap.
     pub flow: bool,
+    /// Number of lateral components that are unknown, too.
+    pub lateral: usize,
 }
 
 impl Recording {
     /// The loads of a contact without plastic depth, statistics and flow.
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
-        Self { with_law, boundary, is_plastic: false, statistics: false, flow: false }
+        Self { with_law, boundary, is_plastic: false, statistics: false, flow: false, lateral: 0 }
     }
 }
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
-    let Recording { with_law, boundary, is_plastic, statistics, flow } = kind;
+    let Recording { with_law, boundary, is_plastic, statistics, flow, lateral } = kind;
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);
     }
     if is_plastic {
         columns.extend_from_slice(PLASTIC_SCALARS);
+    }
+    if lateral > 0 {
+        columns.push(LATERAL_TRACTION);
     }
     if statistics {
         columns.extend_from_slice(STATISTICS);

@@ -63,11 +63,12 @@ mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
 pub use contact::Contact;
+pub use dynamics::Dynamics;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::Fields;
 pub use full::{FullContact, FullSolution};
-pub use gfmd_relax::{Budget, Progress, Tape, Variables, Visit, Watch, Why};
+pub use gfmd_relax::{Budget, Factors, Progress, Tape, Variables, Visit, Watch, Why};
 pub use load::{Drive, Load};
 pub use refusal::Refusal;
 pub use resumable::Resumable;

@@ -79,7 +79,7 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let refused = press(0.1).solver(Solver::PolonskyKeer).solve().unwrap_err();
     assert!(refused.to_string().contains("cg") && refused.to_string().contains("verlet-critical"), "{refused}");
     let expected = press(0.01).solve().unwrap();
-    for solver in [Solver::VerletCritical, Solver::Fire] {
+    for solver in [Solver::VerletCritical, Solver::VerletModes, Solver::Fire] {
         let found = press(0.01).solver(solver).solve().unwrap();
         let differences = found.normal.pressure.iter().zip(&expected.normal.pressure).map(|(a, b)| (a - b).abs());
         assert!(differences.fold(0.0, f64::max) < 1e-6 * 0.2, "{solver}");
