@@ -18,6 +18,7 @@ use gfmd_contact::{
     Boundary, Contact, Dynamics, Factors, Fields, FullContact, Load, Refusal, Resumable, RigidSurface, SolveError,
     Solver, Stiffness,
 };
+use gfmd_field::Grid;
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
@@ -155,7 +156,8 @@ impl Unknown {
         *self == Self::Normal
     }
 
-    fn name(self) -> &'static str {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
             Self::All => "all",
@@ -164,10 +166,22 @@ impl Unknown {
     }
 
     /// The normal response of a body with these unknowns.
-    fn response(self, surface: &Surface, body: &Body) -> NormalResponse {
+    pub fn response(self, grid: Grid, body: &Body) -> NormalResponse {
         match self {
-            Self::Normal | Self::All => NormalResponse::new(surface.grid, body),
-            Self::Held => NormalResponse::held_sideways(surface.grid, body),
+            Self::Normal | Self::All => NormalResponse::new(grid, body),
+            Self::Held => NormalResponse::held_sideways(grid, body),
+        }
+    }
+
+    /// What a contact with these unknowns cannot have.
+    pub fn clash(self, law: Kind, boundary: Boundary, hardness: Option<f64>, body: &Body) -> Option<&'static str> {
+        match self {
+            Self::Normal => None,
+            _ if law != Kind::HardWall => Some("a law"),
+            _ if boundary == Boundary::Free => Some("free boundaries"),
+            Self::All if hardness.is_some() => Some("a hardness"),
+            Self::Held if body.second().is_some() => Some("a second body"),
+            Self::All | Self::Held => None,
         }
     }
 }
@@ -287,7 +301,7 @@ impl Prepared {
         if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
             return Err(Failure::value("--hardness", hardness, "positive and finite"));
         }
-        args.check_components()?;
+        args.check_components(&body)?;
         args.check_dynamics()?;
         // The statistics of loads that are kept are measured again.
         if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
@@ -338,7 +352,7 @@ impl Prepared {
         if *boundary == Boundary::Free {
             return by_gradient;
         }
-        let response = unknown.response(&self.surface, &self.body);
+        let response = unknown.response(*grid, &self.body);
         let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
     }
@@ -418,13 +432,14 @@ impl Prepared {
         };
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        // A search that is recorded is not kept: it cannot be continued.
         let mut kept = match &self.output {
-            Some(output) => {
+            Some(output) if !args.trace.is_wanted() => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
                 let head = session.identity(&config, &self.surface) + &base;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
-            None => None,
+            _ => None,
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
@@ -449,21 +464,16 @@ impl Prepared {
 
 impl Args {
     /// Checks that the contact can have the unknown components.
-    fn check_components(&self) -> Result<(), Failure> {
-        let Self { components, boundary, law, hardness, base, body, control, .. } = self;
-        let all = *components == Unknown::All;
-        let clash = match components {
-            Unknown::Normal => None,
-            _ if law.law != Kind::HardWall => Some("--law"),
-            _ if *boundary == Boundary::Free => Some("--boundary free"),
-            _ if base.base_displacement.is_some() || base.base_traction.is_some() => Some("a base that moves"),
-            _ if all && hardness.is_some() => Some("--hardness"),
-            _ if all && !control.displacement.is_empty() => Some("--displacement"),
-            _ if !all && body.others.second_body.is_some() => Some("--second-body"),
+    fn check_components(&self, body: &Body) -> Result<(), Failure> {
+        let Self { components, boundary, law, hardness, base, control, .. } = self;
+        let is_moved = base.base_displacement.is_some() || base.base_traction.is_some();
+        let clash = components.clash(law.law, *boundary, *hardness, body).or(match components {
+            Unknown::All | Unknown::Held if is_moved => Some("a base that moves"),
+            Unknown::All if !control.displacement.is_empty() => Some("--displacement"),
             _ => None,
-        };
+        });
         match clash {
-            Some(flag) => Err(Failure::value("--components", components.name(), format!("normal with {flag}"))),
+            Some(other) => Err(Failure::value("--components", components.name(), format!("normal with {other}"))),
             None => Ok(()),
         }
     }

@@ -76,7 +76,7 @@ pub(crate) fn check(
     }
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
-            Boundary::Periodic => Contact::on(args.components.response(surface, body), heights),
+            Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
             Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
         let contact = match args.hardness {

@@ -164,6 +164,11 @@ def punch(
     shift: Sequence[float] = (),
     traction: Optional[npt.ArrayLike] = None,
     solver: str = "auto",
+    dt: Optional[float] = None,
+    damping: float | Sequence[float] | None = None,
+    history: bool = False,
+    history_modes: Sequence[tuple[int, int, str]] = (),
+    history_points: Sequence[tuple[float, float, str]] = (),
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     refine: int = 1,
@@ -183,7 +188,14 @@ def punch(
         nodes: "strict" (default) leaves out the points on its edge, "inclusive" takes them in.
         shift: lateral displacement (x, y) of a sticking punch, length; (x,) of a strip.
         traction: traction where the punch does not hold, stress, [n, n, 3], or [n, 2] of a strip.
-        solver: "auto", "cg", "verlet", "verlet-critical" or "fire".
+        solver: "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
+        dt: time step over its stability limit without damping, of "verlet-critical" and "verlet-modes".
+        damping: damping of "verlet-critical" over the critical one of the softest mode; or three numbers, that of each component
+            over the critical one of its own uniform mode.
+        history: record every step, in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves no
+            displacement).
+        history_modes: modes (m, n, component) of the displacement to record, in `history.modes`, as (1, 0, "x").
+        history_points: points (x, y, component) whose displacement to record, in `history.points`; lengths.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
         refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
@@ -213,10 +225,17 @@ def punch(
         nodes=None if nodes is None else word("nodes", nodes),
         shift=numbers("shift", shift) if len(shift) else None,
         solver=word("solver", solver),
+        dt=None if dt is None else number("dt", dt),
+        damping=None if damping is None else numbers("damping", [damping] if np.ndim(damping) == 0 else damping),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
         refine=None if refine == 1 else integer("refine", refine, 1, 8),
     )
+    words += ["--history"] if history else []
+    for first, second, component in history_modes:
+        words += flags(history_mode=[integer("history_modes", first, -(2**31), 2**31 - 1), integer("history_modes", second, -(2**31), 2**31 - 1), word("history_modes", component)])
+    for first, second, component in history_points:
+        words += flags(history_point=[number("history_points", first), number("history_points", second), word("history_points", component)])
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("mask", mask), ("traction", traction)):
             if array is not None:
@@ -229,7 +248,20 @@ def punch(
         values["height"] = math.inf
     for name in ("mask", "traction"):  # files that are removed with their folder
         values.pop(name, None)
+    if history:
+        values["history"] = _history(values["history"])
     return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+
+
+def _history(values: dict[str, Any]) -> dict[str, Any]:
+    """The record of a search, with arrays, and NaN in place of null."""
+
+    def told(name: str, value: Any) -> Any:
+        if name in ("modes", "points"):
+            return [{name: told(name, entry) for name, entry in row.items()} for row in value]
+        return value if name in ("mode", "point", "component") else np.array(value, dtype=np.float64)
+
+    return {name: told(name, value) for name, value in values.items()}
 
 
 def interior(
