@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, integer, number, numbers, texts, word
+from ._check import Array, flag, integer, number, numbers, shown, texts, word
 from ._command import flags
 from ._contact import Contact
 from ._errors import InputError
@@ -35,6 +35,8 @@ class Punch(Record):
         residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
+        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if asked for, each
+            a Record with `mode` or `point`, `component`, and `re` and `im` (length) or `u` (length).
 
     Example:
         >>> punch.displacement.shape, punch.components
@@ -226,16 +228,18 @@ def punch(
         shift=numbers("shift", shift) if len(shift) else None,
         solver=word("solver", solver),
         dt=None if dt is None else number("dt", dt),
-        damping=None if damping is None else numbers("damping", [damping] if np.ndim(damping) == 0 else damping),
+        damping=None if damping is None else numbers("damping", damping),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
         refine=None if refine == 1 else integer("refine", refine, 1, 8),
     )
-    words += ["--history"] if history else []
-    for first, second, component in history_modes:
-        words += flags(history_mode=[integer("history_modes", first, -(2**31), 2**31 - 1), integer("history_modes", second, -(2**31), 2**31 - 1), word("history_modes", component)])
-    for first, second, component in history_points:
-        words += flags(history_point=[number("history_points", first), number("history_points", second), word("history_points", component)])
+    words += ["--history"] if flag("history", history) else []
+    for first, second, component in _threes("history_modes", history_modes):
+        numbers_of = [integer("history_modes", entry, -(2**31), 2**31 - 1) for entry in (first, second)]
+        words += flags(history_mode=[*numbers_of, word("history_modes", component)])
+    for first, second, component in _threes("history_points", history_points):
+        position = [number("history_points", entry) for entry in (first, second)]
+        words += flags(history_point=[*position, word("history_points", component)])
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("mask", mask), ("traction", traction)):
             if array is not None:
@@ -251,6 +255,13 @@ def punch(
     if history:
         values["history"] = _history(values["history"])
     return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+
+
+def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
+    try:
+        return [(first, second, component) for first, second, component in rows]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {shown(rows)}; it must have entries of three: two numbers and a component") from error
 
 
 def _history(values: dict[str, Any]) -> dict[str, Any]:
