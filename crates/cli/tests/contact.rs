@@ -439,7 +439,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
     let numbers = |value: &Value| -> Vec<f64> {
         value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
     };
-    let contact = "contact --n 24 --eps-f-inv 4 --height 0.5 --poisson 0.3 --p-star 0.05 --tol 1e-9 --history --json";
+    let contact = "contact --n 27 --eps-f-inv 4 --height 0.5 --poisson 0.3 --p-star 0.05 --tol 1e-9 --history --json";
     let expected = number(&run(contact)["loads"][0], "displacement");
     for how in [
         "--solver verlet-critical",
@@ -450,7 +450,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
         "--components all --solver verlet-modes",
         "--components all --solver verlet-critical --dt 0.5 --damping 1,1,1.2 --history-mode 1,0,x",
     ] {
-        let traced = "--history-mode 1,0,z --history-mode 0,0,z --history-point 0.25,0.5,z --out h.h5";
+        let traced = "--history-mode 1,0,z --history-mode 0,0,z --history-point 0.3333,0.6667,z --out h.h5";
         let report = run(&format!("{contact} {how} {traced}"));
         let (load, trace) = (&report["loads"][0], &report["history"]);
         let steps = number(load, "iterations") as usize;
@@ -464,9 +464,9 @@ fn the_history_of_a_contact_ends_at_its_state() {
         }
         // u_z is measured from the rigid surface at first touch.
         let point = numbers(&trace["points"][0]["u"])[steps];
-        assert_relative_eq!(point, u[6 * 24 + 12] + approach, epsilon = 1e-6 * approach);
+        assert_relative_eq!(point, u[9 * 27 + 18] + approach, epsilon = 1e-6 * approach);
         let mean = numbers(&trace["modes"][trace["modes"].as_array().unwrap().len() - 1]["re"])[steps];
-        assert_relative_eq!(mean, u.iter().sum::<f64>() / 576.0 + approach, epsilon = 1e-6 * approach);
+        assert_relative_eq!(mean, u.iter().sum::<f64>() / 729.0 + approach, epsilon = 1e-6 * approach);
         assert_eq!(file.shape("/history/point_u").unwrap(), [1, steps + 1]);
         assert_eq!(run("check h.h5 --rerun --json")["differing"], 0, "{how}");
     }

@@ -165,23 +165,3 @@ fn time_steps_and_dampings_out_of_their_range_are_refused() {
     let contact = Contact::new(&rubber, &grid, &heights(&grid, 0.01)).unwrap().with_dynamics(dynamics);
     assert!(contact.press(Load::MeanPressure(0.01)).solver(Solver::VerletCritical).solve().is_err());
 }
-
-/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3): the contact
-/// is that of such a modulus.
-#[test]
-fn a_half_space_that_is_held_sideways_is_stiffer_by_one_factor() {
-    let grid = Grid::square(24, 1.0).unwrap();
-    let heights = heights(&grid, 0.01);
-    let material = Material::from_young(1.0, 0.33).unwrap();
-    let factor = 1.0 / (1.0 - material.s().powi(2));
-    assert!((factor - 1.069).abs() < 1e-3);
-    let stiffer = Body::half_space(Material::from_contact_modulus(material.contact_modulus() * factor, 0.0).unwrap());
-    let solve = |contact: Contact| contact.press(Load::MeanPressure(0.02)).tolerance(1e-10).solve().unwrap();
-    let found = solve(Contact::held_sideways(&Body::half_space(material), &grid, &heights).unwrap());
-    let expected = solve(Contact::new(&stiffer, &grid, &heights).unwrap());
-    let peak = expected.pressure.iter().copied().fold(0.0, f64::max);
-    assert!(worst(&found.pressure, &expected.pressure) < 1e-8 * peak);
-    assert!(worst(&found.displacement, &expected.displacement) < 1e-10);
-    // The reduced pressure is formed with the modulus of the body.
-    assert!((found.scales().contact_modulus - material.contact_modulus()).abs() < 1e-15);
-}
