@@ -173,6 +173,11 @@ impl Unknown {
         }
     }
 
+    /// The modulus with which the stiffness of a contact gives its conductance: E*, if the surface is free sideways; else none.
+    fn conducting(self, e_star: f64) -> f64 {
+        if self == Self::Normal { e_star } else { f64::NAN }
+    }
+
     /// What a contact with these unknowns cannot have.
     pub fn clash(self, law: Kind, boundary: Boundary, hardness: Option<f64>, body: &Body) -> Option<&'static str> {
         match self {
@@ -680,7 +685,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             // In contact are the points that are repelled.
             let pressure = pressure.mapv(|p| p.max(0.0));
             if args.statistics {
-                let e_star = body.contact_modulus();
+                let e_star = args.components.conducting(body.contact_modulus());
                 gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
             }
             if args.flow && is_new {

@@ -62,6 +62,7 @@ pub(crate) fn check(
         scales,
         tolerance,
         recording,
+        unknown: args.components,
         measured: Vec::new(),
     };
     if args.components == Unknown::All {
@@ -115,6 +116,7 @@ struct Checked<'a> {
     scales: Scales,
     tolerance: f64,
     recording: Recording,
+    unknown: Unknown,
     /// The statistics of the loads so far, from the fields of the file.
     measured: Vec<Measured>,
 }
@@ -160,7 +162,7 @@ impl Checked<'_> {
             let repulsion = stored("pressure", state.pressure().view())?.mapv(|p| p.max(0.0));
             let gap = stored("gap", state.gap())?;
             if recording.statistics {
-                let modulus = scales.contact_modulus;
+                let modulus = self.unknown.conducting(scales.contact_modulus);
                 self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);
             }
             if recording.flow {
