@@ -51,12 +51,13 @@ pub const TOPICS: [Topic; 13] = [
 ];
 
 /// Every method that can be asked for by name.
-pub const SOLVERS: [Solver; 8] = [
+pub const SOLVERS: [Solver; 9] = [
     Solver::PolonskyKeer,
     Solver::ProjectedCg,
     Solver::PreconditionedCg,
     Solver::Verlet,
     Solver::VerletCritical,
+    Solver::VerletModes,
     Solver::Fire,
     Solver::Fire2,
     Solver::AugmentedLagrangian,

@@ -13,17 +13,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::Args as ClapArgs;
+use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::{
-    Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, SteepContact, Stiffness,
+    Boundary, Contact, Dynamics, Factors, Fields, FullContact, Load, Refusal, Resumable, RigidSurface, SolveError,
+    Solver, SteepContact, Stiffness,
 };
+use gfmd_field::Grid;
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
+use gfmd_response::{Components, NormalResponse};
 use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
 use serde::Serialize;
@@ -31,6 +33,7 @@ use serde::Serialize;
 use crate::base::{BaseArgs, MovedBase};
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
+use crate::dynamics::{DampedBy, DynamicsArgs};
 use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
@@ -43,6 +46,7 @@ use crate::scan::Scan;
 use crate::session::Session;
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
+use crate::trace::{Trace, TraceArgs, Tracer};
 use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
@@ -60,6 +64,7 @@ use watching::Watching;
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
+  gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -78,6 +83,10 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(serialize_with = "by_name")]
     boundary: Boundary,
+    /// The components of the surface displacement that are unknown
+    #[arg(long, value_enum, default_value_t = Unknown::Normal)]
+    #[serde(skip_serializing_if = "Unknown::is_normal")]
+    components: Unknown,
     /// Largest pressure that the surfaces carry, stress; where it is reached they are pressed into each other
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -104,8 +113,15 @@ pub struct Args {
     solver: SolverArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    dynamics: DynamicsArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    trace: TraceArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
     law: LawArgs,
-    /// Fields of each load that go into --out: some of pressure, displacement_z, gap and plastic_depth, or none; default: all
+    /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x and
+    /// displacement_y, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
@@ -124,6 +140,60 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
+}
+
+/// The components of the surface displacement that are unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unknown {
+    /// u_z; u_x and u_y follow from the pressure, as the lateral traction is zero
+    #[default]
+    Normal,
+    /// u_x, u_y and u_z, moved by damped dynamics; the lateral traction is zero
+    All,
+    /// u_z, with u_x and u_y held at zero
+    Held,
+}
+
+impl Unknown {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+    fn is_normal(&self) -> bool {
+        *self == Self::Normal
+    }
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::All => "all",
+            Self::Held => "held",
+        }
+    }
+
+    /// The normal response of a body with these unknowns.
+    pub fn response(self, grid: Grid, body: &Body) -> NormalResponse {
+        match self {
+            Self::Normal | Self::All => NormalResponse::new(grid, body),
+            Self::Held => NormalResponse::held_sideways(grid, body),
+        }
+    }
+
+    /// The modulus with which the stiffness of a contact gives its conductance: E*, if the surface is free sideways; else none.
+    fn conducting(self, e_star: f64) -> f64 {
+        if self == Self::Normal { e_star } else { f64::NAN }
+    }
+
+    /// What a contact with these unknowns cannot have.
+    pub fn clash(self, law: Kind, boundary: Boundary, hardness: Option<f64>, body: &Body) -> Option<&'static str> {
+        match self {
+            Self::Normal => None,
+            _ if law != Kind::HardWall => Some("a law"),
+            _ if boundary == Boundary::Free => Some("free boundaries"),
+            Self::All if hardness.is_some() => Some("a hardness"),
+            Self::Held if body.second().is_some() => Some("a second body"),
+            Self::All | Self::Held => None,
+        }
+    }
 }
 
 /// The flags of the loads, of which exactly one is given.
@@ -178,9 +248,13 @@ pub struct Report {
     #[serde(flatten)]
     pub base: BaseArgs,
     pub boundary: &'static str,
+    #[serde(skip_serializing_if = "Unknown::is_normal")]
+    pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
     pub loads: Vec<LoadRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<Trace>,
     /// Along x and along y.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flow_threshold: Option<[Option<Threshold>; 2]>,
@@ -262,13 +336,10 @@ impl Prepared {
             return Err(Failure::value("--hardness", hardness, "positive and finite"));
         }
         if args.finite_slope {
-            check_finite_slope(args)?;
+            args.check_finite_slope()?;
         }
-        if let (Some(fields), None) = (&args.fields, args.hardness)
-            && fields.names_plastic_depth()
-        {
-            return Err(Failure::value("--fields", fields, "without plastic_depth, or with --hardness"));
-        }
+        args.check_components(&body)?;
+        args.check_dynamics()?;
         // The statistics of loads that are kept are measured again.
         if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
             && fields.pressure_and_gap().is_none()
@@ -276,6 +347,11 @@ impl Prepared {
             return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
         }
         let surface = args.source.bounded(args.boundary, session)?;
+        if let Some(missing) = args.fields.as_ref().and_then(|fields| fields.missing(args.recording(&surface))) {
+            let needs = if missing == "plastic_depth" { "--hardness" } else { "--components all (a profile has no y)" };
+            return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
+        }
+        args.trace.tracer(&surface.grid, args.axes(&surface))?;
         if args.flow_threshold {
             threshold::check(args)?;
         }
@@ -284,6 +360,7 @@ impl Prepared {
         }
         let fields = match (args.law.law, args.boundary) {
             _ if args.finite_slope => Held::STEEP,
+            _ if args.components == Unknown::All => Held::WALL_ALL_COMPONENTS,
             (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
                 let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
                 if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
@@ -305,7 +382,7 @@ impl Prepared {
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
-    fn pressure_variance(&self) -> f64 {
+    fn pressure_variance(&self, unknown: Unknown) -> f64 {
         let Surface { grid, heights, boundary, .. } = &self.surface;
         let modulus = self.body.contact_modulus();
         let by_gradient = 0.25 * (modulus * self.surface.rms_gradient()).powi(2);
@@ -313,21 +390,9 @@ impl Prepared {
         if *boundary == Boundary::Free {
             return by_gradient;
         }
-        let response = NormalResponse::new(*grid, &self.body);
+        let response = unknown.response(*grid, &self.body);
         let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
-    }
-
-    /// What each load has in a file.
-    fn recording(&self, args: &Args) -> Recording {
-        Recording {
-            with_law: args.law.law != Kind::HardWall,
-            boundary: self.surface.boundary,
-            is_plastic: args.hardness.is_some(),
-            is_steep: args.finite_slope,
-            statistics: args.statistics,
-            flow: args.flow,
-        }
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
@@ -343,7 +408,16 @@ impl Prepared {
         }
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::bounded(args.boundary, body, grid, heights);
+            let dynamics = args.dynamics()?;
+            if args.components == Unknown::All {
+                let contact = FullContact::new(body, grid, heights).map_err(refuse)?.with_dynamics(dynamics);
+                return self.press(&contact, contact.surface(), args, session);
+            }
+            let contact = match args.components {
+                Unknown::Held => Contact::held_sideways(body, grid, heights),
+                _ => Contact::bounded(args.boundary, body, grid, heights),
+            };
+            let contact = contact.map(|contact| contact.with_dynamics(dynamics));
             let contact = match args.hardness {
                 Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
                 None => contact,
@@ -389,8 +463,10 @@ impl Prepared {
             body: args.body.words(),
             base: args.base.clone(),
             boundary: self.surface.boundary.name(),
+            components: args.components,
             hardness: args.hardness,
             loads: Vec::new(),
+            history: None,
             flow_threshold: None,
             not_converged: None,
             peak_bytes: 0,
@@ -399,13 +475,14 @@ impl Prepared {
         };
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        // A search that is recorded is not kept: it cannot be continued.
         let mut kept = match &self.output {
-            Some(output) => {
+            Some(output) if !args.trace.is_wanted() => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
                 let head = session.identity(&config, &self.surface) + &base;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
-            None => None,
+            _ => None,
         };
         let series = Series { prepared: self, contact, args, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
@@ -429,27 +506,106 @@ impl Prepared {
     }
 }
 
-/// Refuses flags that do not go with finite slopes.
-fn check_finite_slope(args: &Args) -> Result<(), Failure> {
-    let others = &args.body.others;
-    let wrong: Option<(&str, String, &str)> = if args.law.law != Kind::HardWall {
-        Some(("--law", args.law.law.name().into(), "hard-wall"))
-    } else if args.boundary == Boundary::Free {
-        Some(("--boundary", args.boundary.to_string(), "periodic"))
-    } else if let Some(hardness) = args.hardness {
-        Some(("--hardness", hardness.to_string(), "left out"))
-    } else if let Some(second) = &others.second_body {
-        Some(("--second-body", second.to_string(), "left out"))
-    } else if args.flow_threshold {
-        Some(("--flow-threshold", "given".into(), "left out"))
-    } else if args.base.base_displacement.is_some() || args.base.base_traction.is_some() {
-        Some(("--base-displacement, --base-traction", "given".into(), "left out"))
-    } else {
-        None
-    };
-    match wrong {
-        Some((flag, found, allowed)) => Err(Failure::value(flag, found, format!("{allowed} with --finite-slope"))),
-        None => Ok(()),
+impl Args {
+    /// Checks that the contact can have the unknown components.
+    fn check_components(&self, body: &Body) -> Result<(), Failure> {
+        let Self { components, boundary, law, hardness, base, control, .. } = self;
+        let is_moved = base.base_displacement.is_some() || base.base_traction.is_some();
+        let clash = components.clash(law.law, *boundary, *hardness, body).or(match components {
+            Unknown::All | Unknown::Held if is_moved => Some("a base that moves"),
+            Unknown::All if !control.displacement.is_empty() => Some("--displacement"),
+            _ => None,
+        });
+        match clash {
+            Some(other) => Err(Failure::value("--components", components.name(), format!("normal with {other}"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses flags that do not go with finite slopes.
+    fn check_finite_slope(&self) -> Result<(), Failure> {
+        let Self { components, boundary, law, hardness, base, body, flow_threshold, .. } = self;
+        let second_body = &body.others.second_body;
+        let refused: [(bool, &str, String, &str); 6] = [
+            (law.law != Kind::HardWall, "--law", law.law.name().into(), "hard-wall"),
+            (*boundary == Boundary::Free, "--boundary", boundary.to_string(), "periodic"),
+            (*components != Unknown::Normal, "--components", components.name().into(), "normal"),
+            (
+                hardness.is_some(),
+                "--hardness",
+                hardness.map_or_else(String::new, |hardness| hardness.to_string()),
+                "left out",
+            ),
+            (
+                second_body.is_some(),
+                "--second-body",
+                second_body.map_or_else(String::new, |second| second.to_string()),
+                "left out",
+            ),
+            (*flow_threshold, "--flow-threshold", "given".into(), "left out"),
+        ];
+        let moved = [("--base-displacement", &base.base_displacement), ("--base-traction", &base.base_traction)];
+        let moved = moved
+            .into_iter()
+            .filter(|(_, file)| file.is_some())
+            .map(|(flag, _)| (true, flag, "given".into(), "left out"));
+        match refused.into_iter().chain(moved).find(|(clashes, ..)| *clashes) {
+            Some((_, flag, found, allowed)) => {
+                Err(Failure::value(flag, found, format!("{allowed} with --finite-slope")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks time step, damping and record of the dynamics.
+    fn check_dynamics(&self) -> Result<(), Failure> {
+        self.dynamics.check(match self.solver.solver {
+            Solver::VerletCritical => DampedBy::Numbers,
+            Solver::VerletModes => DampedBy::Modes,
+            _ => DampedBy::Other,
+        })?;
+        if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
+            return Err(Failure::value("--damping", format!("{factors:?}"), "one number without --components all"));
+        }
+        let control = &self.control;
+        let given = [&control.pressure, &control.p_star, &control.displacement];
+        let loads: usize = given.into_iter().map(|values| numbers(values).count()).sum();
+        match self.trace.is_wanted() {
+            true if loads > 1 => {
+                Err(Failure::Input(format!("--history: {loads} loads; it records the search for one load")))
+            }
+            true if self.resume.resume => {
+                Err(Failure::Input("--history: with --resume; it records a search from its beginning".into()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn dynamics(&self) -> Result<Dynamics, Failure> {
+        Ok(Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? })
+    }
+
+    /// The axes of the components that move.
+    fn axes(&self, surface: &Surface) -> &'static [usize] {
+        let of_grid = Components::of(&surface.grid);
+        if self.components == Unknown::All || self.finite_slope {
+            of_grid.axes()
+        } else {
+            &of_grid.axes()[of_grid.normal()..]
+        }
+    }
+
+    /// What each load has in a file.
+    fn recording(&self, surface: &Surface) -> Recording {
+        Recording {
+            with_law: self.law.law != Kind::HardWall,
+            boundary: surface.boundary,
+            is_plastic: self.hardness.is_some(),
+            is_steep: self.finite_slope,
+            statistics: self.statistics,
+            flow: self.flow,
+            lateral: self.axes(surface).len() - 1,
+        }
     }
 }
 
@@ -481,7 +637,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let Self { prepared: Prepared { surface, base, controls, output, .. }, contact, args, session } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
-        let recording = self.prepared.recording(args);
+        let recording = args.recording(surface);
         let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
         let create =
             |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
@@ -505,14 +661,19 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 progress: &progress,
                 session,
                 history: History::default(),
+                tracer: args.trace.tracer(&surface.grid, args.axes(surface))?,
                 kept: kept.as_deref_mut(),
                 closing: false,
                 failed: None,
             };
             let press = contact.press(*load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
             let solved = press.watch(&mut watch).solve();
-            let Watching { history, failed, .. } = watch;
+            let Watching { history, tracer, failed, .. } = watch;
             failed.map_or(Ok(()), Err)?;
+            report.history = tracer.map(Tracer::trace);
+            if let (Err(SolveError::Refused(Refusal::Search(error))), true) = (&solved, args.dynamics.is_given()) {
+                return Err(Failure::input("--dt, --damping", error));
+            }
             let why = if let Err(SolveError::NotConverged { why, .. }) = &solved { Some(*why) } else { None };
             let (mut state, stopped) = match reached(solved) {
                 // Numbers that this load alone makes too large; the loads before it stay.
@@ -563,12 +724,15 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             if let Some(found) = &report.flow_threshold {
                 file.write_threshold(surface.unit(), found)?;
             }
+            if let Some(history) = &report.history {
+                file.write_history(history, surface.unit())?;
+            }
             report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
         }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
             report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
-            let variance = self.prepared.pressure_variance();
+            let variance = self.prepared.pressure_variance(args.components);
             report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }
         Ok(failure)
@@ -600,7 +764,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             // In contact are the points that are repelled.
             let pressure = pressure.mapv(|p| p.max(0.0));
             if args.statistics {
-                let e_star = body.contact_modulus();
+                let e_star = args.components.conducting(body.contact_modulus());
                 gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
             }
             if args.flow && is_new {

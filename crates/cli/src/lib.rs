@@ -24,6 +24,7 @@ pub mod choice;
 pub mod contact;
 pub mod convergence;
 pub mod damping;
+pub mod dynamics;
 pub mod elastic;
 pub mod failure;
 pub mod figures;

@@ -1,11 +1,13 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
 use gfmd_contact::{
-    Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, SteepContact, SteepSolution, Stiffness,
+    Boundary, Contact, Effort, Equilibrium, Fields, FullContact, FullSolution, Plastic, Residual, Solution,
+    SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_interface::{Interface, State};
 use gfmd_measure::{Column, Scales, Summary};
+use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -49,7 +51,7 @@ pub struct LoadRecord {
     pub plastic_volume: Option<f64>,
     /// With finite slopes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lateral_traction: Option<[f64; 2]>,
+    pub mean_shear: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub projected_area_fraction: Option<f64>,
     /// With statistics.
@@ -103,16 +105,20 @@ pub struct ResidualRecord {
     /// With a hardness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saturation: Option<f64>,
+    /// With all components.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_traction: Option<f64>,
     /// With finite slopes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lateral: Option<f64>,
+    pub lateral_displacement: Option<f64>,
 }
 
 impl ResidualRecord {
     /// The largest of the residuals; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
-        let Self { complementarity, penetration, negative_pressure, load, saturation, lateral } = *self;
-        let others = [saturation, lateral].map(|residual| residual.unwrap_or(0.0));
+        let Self { complementarity, penetration, negative_pressure, load, .. } = *self;
+        let others =
+            [self.saturation, self.lateral_traction, self.lateral_displacement].map(|found| found.unwrap_or(0.0));
         gfmd_relax::worst([complementarity, penetration, negative_pressure, load].into_iter().chain(others))
     }
 }
@@ -120,7 +126,16 @@ impl ResidualRecord {
 impl From<Residual> for ResidualRecord {
     fn from(residual: Residual) -> Self {
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
-        Self { complementarity, penetration, negative_pressure, load, saturation: None, lateral: None }
+        let [saturation, lateral_traction, lateral_displacement] = [None; 3];
+        Self {
+            complementarity,
+            penetration,
+            negative_pressure,
+            load,
+            saturation,
+            lateral_traction,
+            lateral_displacement,
+        }
     }
 }
 
@@ -158,6 +173,13 @@ impl Stiff for Interface {
     }
 }
 
+/// The discrete problem has a stiffness of its own in the Nyquist modes of an even grid, which is not computed.
+impl Stiff for FullContact {
+    fn stiffness_of(&self, _: &FullSolution) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        Ok(None)
+    }
+}
+
 /// A state that can be recorded as a load.
 pub trait Recorded: Fields {
     /// The residuals of the state.
@@ -166,6 +188,11 @@ pub trait Recorded: Fields {
     /// What gives way, if the contact has a hardness.
     fn plastic(&self) -> Option<&Plastic> {
         None
+    }
+
+    /// The lateral displacement u_x, u_y (u_x of a profile), if it was unknown, too.
+    fn lateral(&self) -> &[Array2<f64>] {
+        &[]
     }
 
     /// The scalars of the law, if one acts across the gap.
@@ -181,11 +208,29 @@ pub trait Recorded: Fields {
 
 impl Recorded for SteepSolution {
     fn residual_record(&self) -> ResidualRecord {
-        ResidualRecord { lateral: Some(self.lateral_residual), ..self.normal.residual.into() }
+        ResidualRecord { lateral_displacement: Some(self.lateral_residual), ..self.normal.residual_record() }
+    }
+
+    fn lateral(&self) -> &[Array2<f64>] {
+        &self.lateral
     }
 
     fn steep(&self) -> Option<&SteepSolution> {
         Some(self)
+    }
+}
+
+impl Recorded for FullSolution {
+    fn residual_record(&self) -> ResidualRecord {
+        ResidualRecord { lateral_traction: Some(self.lateral_traction), ..self.normal.residual_record() }
+    }
+
+    fn lateral(&self) -> &[Array2<f64>] {
+        &self.lateral
+    }
+
+    fn law_record(&self) -> Option<LawRecord> {
+        None
     }
 }
 
@@ -203,8 +248,7 @@ impl Recorded for Solution {
 impl Recorded for State {
     fn residual_record(&self) -> ResidualRecord {
         let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
-        let wall = gfmd_contact::Residual { complementarity, penetration, negative_pressure: wall_tension, load };
-        wall.into()
+        Residual { complementarity, penetration, negative_pressure: wall_tension, load }.into()
     }
 
     fn law_record(&self) -> Option<LawRecord> {
@@ -235,10 +279,10 @@ impl LoadRecord {
         let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
-        let lateral_traction = state.steep().map(|steep| steep.lateral_traction);
+        let mean_shear = state.steep().map(|steep| steep.mean_shear);
         let projected_area_fraction = state.steep().map(SteepSolution::projected_area);
         let law = state.law_record();
-        Self { law, plastic_fraction, plastic_volume, lateral_traction, projected_area_fraction, ..wall }
+        Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, ..wall }
     }
 
     /// The record with the force, if the surface on `grid` does not repeat.
@@ -305,7 +349,7 @@ impl LoadRecord {
             force: None,
             plastic_fraction: None,
             plastic_volume: None,
-            lateral_traction: None,
+            mean_shear: None,
             projected_area_fraction: None,
             patches: None,
             conductance: None,
@@ -468,15 +512,10 @@ pub const PLASTIC_SCALARS: &[Column<LoadRecord>] = &[
 
 /// The scalars of a contact with finite slopes.
 pub const SLOPE_SCALARS: &[Column<LoadRecord>] = &[
-    Column::new(
-        "lateral_traction_x",
-        "stress",
-        "mean traction along x that holds the rigid surface in its place",
-        |r| r.lateral_traction.map_or(f64::NAN, |[x, _]| x),
-    ),
-    Column::new("lateral_traction_y", "stress", "the same along y", |r| {
-        r.lateral_traction.map_or(f64::NAN, |[_, y]| y)
+    Column::new("mean_shear_x", "stress", "mean traction along x that holds the rigid surface in its place", |r| {
+        r.mean_shear.map_or(f64::NAN, |[x, _]| x)
     }),
+    Column::new("mean_shear_y", "stress", "the same along y", |r| r.mean_shear.map_or(f64::NAN, |[_, y]| y)),
     Column::new(
         "projected_area_fraction",
         "1",
@@ -484,12 +523,19 @@ pub const SLOPE_SCALARS: &[Column<LoadRecord>] = &[
         |r| r.projected_area_fraction.unwrap_or(f64::NAN),
     ),
     Column::new(
-        "residual_lateral",
+        "residual_lateral_displacement",
         "1",
         "last change of the lateral displacement over h_rms, which is consistent with the pressure to that extent",
-        |r| r.residual.lateral.unwrap_or(f64::NAN),
+        |r| r.residual.lateral_displacement.unwrap_or(f64::NAN),
     ),
 ];
+/// The residual of the lateral components, if they are unknown, too.
+pub const LATERAL_TRACTION: Column<LoadRecord> = Column::new(
+    "residual_lateral_traction",
+    "1",
+    "largest lateral traction that the dynamics left / largest pressure",
+    |r| r.residual.lateral_traction.unwrap_or(f64::NAN),
+);
 
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
@@ -555,19 +601,21 @@ pub struct Recording {
     pub statistics: bool,
     /// True with the flow through the gap.
     pub flow: bool,
+    /// Number of lateral components that are unknown, too.
+    pub lateral: usize,
 }
 
 impl Recording {
     /// The loads of a contact without plastic depth, statistics and flow.
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
-        Self { with_law, boundary, is_plastic: false, is_steep: false, statistics: false, flow: false }
+        Self { with_law, boundary, is_plastic: false, is_steep: false, statistics: false, flow: false, lateral: 0 }
     }
 }
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
-    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow } = kind;
+    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow, lateral } = kind;
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);
@@ -577,6 +625,8 @@ pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
     }
     if is_steep {
         columns.extend_from_slice(SLOPE_SCALARS);
+    } else if lateral > 0 {
+        columns.push(LATERAL_TRACTION);
     }
     if statistics {
         columns.extend_from_slice(STATISTICS);

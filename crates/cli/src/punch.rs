@@ -8,13 +8,14 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
-use gfmd_mixed::{Edge, Factors, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
 use gfmd_relax::{Budget, Watch};
 use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::Serialize;
 
 use crate::convergence::{History, NotConverged};
+use crate::dynamics::{DampedBy, DynamicsArgs};
 use crate::elastic::{BodyArgs, OtherArgs, parse_height, serialize_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
@@ -106,15 +107,9 @@ pub struct Args {
     /// The method (docs/solvers.md)
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
     solver: SolverName,
-    /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
-    #[arg(long, value_name = "F", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    dt: Option<f64>,
-    /// Damping of verlet-critical over the critical one of the softest mode (default: 1); or, with three numbers, that of each
-    /// component over the critical one of its own uniform mode
-    #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    damping: Vec<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    dynamics: DynamicsArgs,
     #[command(flatten)]
     #[serde(flatten)]
     trace: TraceArgs,
@@ -190,29 +185,20 @@ fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer:
 impl Args {
     /// The method, with its time step and damping.
     fn method(&self) -> Result<Method, Failure> {
-        let dynamics = matches!(self.solver, SolverName::VerletCritical | SolverName::VerletModes);
-        if let (Some(dt), false) = (self.dt, dynamics) {
-            return Err(Failure::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
-        }
-        if let (Some(factor), false) = (self.damping.first(), self.solver == SolverName::VerletCritical) {
-            return Err(Failure::value("--damping", factor, "left out without --solver verlet-critical"));
-        }
+        self.dynamics.check(match self.solver {
+            SolverName::VerletCritical => DampedBy::Numbers,
+            SolverName::VerletModes => DampedBy::Modes,
+            _ => DampedBy::Other,
+        })?;
+        let time_step = self.dynamics.time_step();
         Ok(match self.solver {
             SolverName::Auto | SolverName::Cg => Method::ConjugateGradients,
             SolverName::Verlet => Method::Verlet,
-            SolverName::VerletModes => Method::VerletModes { time_step: self.dt },
+            SolverName::VerletModes => Method::VerletModes { time_step },
             SolverName::Fire => Method::Fire,
-            SolverName::VerletCritical => Method::Damped {
-                time_step: self.dt.unwrap_or(Method::TIME_STEP),
-                damping: match self.damping[..] {
-                    [] => Factors::Softest(1.0),
-                    [factor] => Factors::Softest(factor),
-                    [x, y, z] => Factors::Components([x, y, z]),
-                    _ => {
-                        return Err(Failure::value("--damping", format!("{:?}", self.damping), "one number, or three"));
-                    }
-                },
-            },
+            SolverName::VerletCritical => {
+                Method::Damped { time_step: time_step.unwrap_or(Method::TIME_STEP), damping: self.dynamics.factors()? }
+            }
         })
     }
 
@@ -372,7 +358,7 @@ impl Prepared {
             Err(MixedError::Interrupted { solution }) => {
                 (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
             }
-            Err(MixedError::Search(error)) if args.dt.is_some() || !args.damping.is_empty() => {
+            Err(MixedError::Search(error)) if args.dynamics.is_given() => {
                 return Err(Failure::input("--dt, --damping", error));
             }
             Err(MixedError::Search(error)) if args.solver == SolverName::VerletModes => {

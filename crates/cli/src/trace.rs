@@ -127,6 +127,11 @@ pub(crate) struct Tracer {
 }
 
 impl TraceArgs {
+    /// Returns true if a record is wanted.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.history
+    }
+
     /// A recorder of displacements on `grid` with components along `axes`, if one is wanted.
     pub(crate) fn tracer(&self, grid: &Grid, axes: &[usize]) -> Result<Option<Tracer>, Failure> {
         if !self.history {
@@ -168,9 +173,12 @@ impl TraceArgs {
 }
 
 impl Tracer {
-    /// Notes an iteration; one that is seen again takes the place of the earlier.
+    /// Notes an iteration; one that is seen again takes the place of the earlier. A search that begins anew has a new record.
     pub(crate) fn see(&mut self, iteration: u64, residual: f64) {
         let trace = &mut self.trace;
+        if trace.iteration.last().is_some_and(|last| iteration < *last) {
+            trace.clear();
+        }
         let is_again = trace.iteration.last() == Some(&iteration);
         if !is_again {
             trace.iteration.push(iteration);
@@ -217,6 +225,14 @@ impl Tracer {
 }
 
 impl Trace {
+    fn clear(&mut self) {
+        let Self { iteration, residual, energy, modes, points } = self;
+        iteration.clear();
+        let modes = modes.iter_mut().flat_map(|mode| [&mut mode.re, &mut mode.im]);
+        let points = points.iter_mut().map(|point| &mut point.u);
+        [residual, energy].into_iter().chain(modes).chain(points).for_each(Vec::clear);
+    }
+
     /// Writes the group `/history`.
     pub(crate) fn write(&self, archive: &mut Archive, unit: &str) -> Result<(), Failure> {
         let steps: Vec<f64> = self.iteration.iter().map(|iteration| *iteration as f64).collect();
@@ -290,6 +306,12 @@ mod tests {
         // 1.9 is nearest to 2.0, which is 0; 0.26 to 0.25.
         assert_eq!((trace.points[0].point, trace.points[0].u[1]), ([0.0, 0.25], 1.0));
         assert!(args.tracer(&grid, &[2]).is_err());
+        let mut again = args.tracer(&grid, &[0, 2]).unwrap().unwrap();
+        for (iteration, residual) in [(0, 1.0), (1, 0.5), (2, 0.2), (0, 0.1)] {
+            again.see(iteration, residual);
+        }
+        let trace = again.trace();
+        assert_eq!((trace.iteration, trace.residual, trace.points[0].u.len()), (vec![0], vec![0.1], 1));
         for text in ["", "1,2", "1,2,w", "a,2,z", "1.5,2,z"] {
             assert!(text.parse::<ModeOf>().is_err(), "{text}");
         }

@@ -41,6 +41,35 @@ fn flags_out_of_range() {
     contact(&format!("{small} --law glue"), &["--law", "glue", "hard-wall"]);
     contact(&format!("{small} --out no/such/folder/c.h5"), &["--out", "no/such/folder"]);
     contact("--eps-f-inv 4", &["--pressure", "--p-star", "--displacement"]);
+    contact(&format!("{small} --components both"), &["--components", "both", "held"]);
+    for (more, words) in [
+        ("all --law morse --param gamma=1e-4,range=0.01", ["all", "a law"]),
+        ("held --law exponential --param gamma=1e-4,range=0.01", ["held", "a law"]),
+        ("all --boundary free", ["all", "free boundaries"]),
+        ("held --boundary free", ["held", "free boundaries"]),
+        ("all --hardness 0.5", ["all", "a hardness"]),
+        ("held --second-body 1,0.3", ["held", "a second body"]),
+        ("all --height 1 --base-displacement b.npy", ["all", "a base that moves"]),
+        ("all --solver cg", ["--solver", "verlet-modes"]),
+        ("all --fields displacement_x,plastic_depth", ["--fields", "plastic_depth"]),
+        ("all --solver verlet-critical --damping 1,1,1", ["--damping", "compressible slab"]),
+    ] {
+        contact(&format!("{small} --components {more}"), &words);
+    }
+    contact("--eps-f-inv 4 --displacement 0.01 --components all", &["all", "--displacement"]);
+    contact(&format!("{small} --fields displacement_x"), &["--fields", "displacement_x", "--components all"]);
+    contact(&format!("{small} --dim 2 --components all --fields displacement_y"), &["--fields", "displacement_y"]);
+    contact(&format!("{small} --dt 0.5"), &["--dt", "verlet-critical"]);
+    contact(&format!("{small} --solver fire --dt 0.5"), &["--dt", "verlet-critical"]);
+    contact(&format!("{small} --solver verlet-critical --dt 1.5"), &["--dt", "below 1"]);
+    contact(&format!("{small} --solver verlet-modes --damping 2"), &["--damping", "verlet-critical"]);
+    contact(&format!("{small} --solver verlet-critical --damping 1,1"), &["--damping", "three"]);
+    contact(&format!("{small} --solver verlet-critical --damping 1,1,1"), &["--damping", "--components all"]);
+    contact(&format!("{small} --solver verlet-critical --damping 1e4"), &["--damping", "stability"]);
+    contact(&format!("{small},0.2 --history"), &["--history", "2 loads"]);
+    contact(&format!("{small} --history --resume --out c.h5"), &["--history", "--resume"]);
+    contact(&format!("{small} --history-point 0,0,z"), &["--history", "required"]);
+    contact(&format!("{small} --history --history-mode 1,0,x"), &["--history-mode", "a component that moves: z"]);
     contact("--eps-f-inv 4 --pressure 0", &["--pressure", "0", "positive"]);
     contact("--eps-f-inv 4 --pressure 0.1,-0.1", &["--pressure", "-0.1"]);
     contact("--eps-f-inv 4 --p-star nan", &["--p-star", "NaN"]);

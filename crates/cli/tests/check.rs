@@ -19,7 +19,7 @@ fn write_inputs(folder: &Path) {
 }
 
 /// Files by name, with the words that make them, and a variable that the recomputation must notice if it is changed.
-const FILES: [(&str, &str, &str); 12] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("punch.h5", "punch --n 24 --contact sticking", "/fields/displacement"),
     ("line.h5", "punch --n 24 --dim 2 --contact frictionless --height inf", "/punch/mean_pressure"),
     ("wall.h5", "contact --n 48 --eps-f-inv 8 --p-star 0.02,0.1 --height 0.4 --poisson 0.3", "/fields/pressure"),
@@ -45,8 +45,14 @@ const FILES: [(&str, &str, &str); 12] = [
     (
         "steep.h5",
         "contact --n 32 --eps-f-inv 4 --rms-gradient 0.25 --poisson 0.3 --finite-slope --p-star 0.02,0.1",
-        "/loads/lateral_traction_x",
+        "/loads/mean_shear_x",
     ),
+    (
+        "all.h5",
+        "contact --n 24 --eps-f-inv 4 --height 0.4 --poisson 0.3 --p-star 0.05,0.2 --components all --solver fire",
+        "/fields/displacement_x",
+    ),
+    ("held.h5", "contact --n 48 --eps-f-inv 8 --poisson 0.3 --p-star 0.05 --components held", "/loads/stiffness"),
     ("hard.h5", "contact --n 48 --eps-f-inv 8 --hardness 0.1 --p-star 0.05,0.5", "/fields/plastic_depth"),
 ];
 

@@ -216,7 +216,7 @@ fn solvers_agree_and_threads_do_not_matter() {
         json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"].clone()
     };
     let reference = run("--solver cg --tol 1e-11");
-    for solver in ["auto", "projected-cg", "preconditioned-cg", "verlet", "verlet-critical", "fire"] {
+    for solver in ["auto", "projected-cg", "preconditioned-cg", "verlet", "verlet-critical", "verlet-modes", "fire"] {
         let loads = run(&format!("--solver {solver} --tol 1e-11"));
         for (a, b) in loads.as_array().unwrap().iter().zip(reference.as_array().unwrap()) {
             assert_eq!(a["contact_nodes"], b["contact_nodes"], "{solver}");
@@ -391,10 +391,7 @@ fn finite_slopes_change_the_contact_and_are_certified() {
     assert!((-0.1..-0.005).contains(&change), "{change}");
     let residuals = steep["loads"][0]["residual"].as_object().unwrap();
     assert!(residuals.len() == 5 && residuals.values().all(|value| value.as_f64().unwrap() <= 1e-8), "{residuals:?}");
-    assert!(
-        steep["loads"][0]["lateral_traction"][0].as_f64().unwrap() != 0.0
-            && flat["loads"][0]["lateral_traction"].is_null()
-    );
+    assert!(steep["loads"][0]["mean_shear"][0].as_f64().unwrap() != 0.0 && flat["loads"][0]["mean_shear"].is_null());
     assert!(flat["max_slope"].as_f64().unwrap() > 0.5);
     for report in [&flat, &steep] {
         assert_eq!(report["warnings"][0]["code"], "large-slope");
@@ -411,4 +408,120 @@ fn finite_slopes_change_the_contact_and_are_certified() {
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && message.contains(flag), "{more}: {message}");
     }
+}
+/// Without Nyquist modes, on an odd grid, the three unknown components and the one are the same problem (theory.md, section 3).
+#[test]
+fn all_components_are_those_that_follow_from_the_pressure() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    for (body, dim) in [("--height 0.4 --poisson 0.3", 3), ("--poisson 0.2", 3), ("--height 0.3 --poisson 0.45", 2)] {
+        let contact = format!(
+            "contact --dim {dim} --n 45 --eps-t-inv 3 --eps-f-inv 5 {body} --p-star 0.05,0.1 --tol 1e-10 --json"
+        );
+        let normal = run(&format!("{contact} --out normal.h5"));
+        let all = run(&format!("{contact} --components all --out all.h5"));
+        assert!(all["components"] == "all" && normal["components"].is_null());
+        for load in 0..2 {
+            let [a, b] = [&all, &normal].map(|report| report["loads"][load].clone());
+            assert_eq!(a["contact_nodes"], b["contact_nodes"], "{body}");
+            assert!(number(&a["residual"], "lateral_traction") <= 1e-10 && a["stiffness"].is_null(), "{a}");
+            for name in ["displacement", "max_pressure", "mean_gap", "elastic_energy"] {
+                assert_relative_eq!(number(&a, name), number(&b, name), max_relative = 1e-7);
+            }
+        }
+        let below = "body --surface normal.h5 --load 1 --depths 0 --quantities displacement --out below.h5 --json";
+        run(below);
+        let open = |name: &str| Reader::open(folder.path().join(name)).unwrap();
+        let (all, below) = (open("all.h5"), open("below.h5"));
+        let expected: Vec<f64> = below.values("/fields/displacement").unwrap();
+        let axes = if dim == 3 { &["x", "y", "z"][..] } else { &["x", "z"] };
+        let largest = expected.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        for (c, axis) in axes.iter().enumerate() {
+            let found: Vec<f64> = all.slab(&format!("/fields/displacement_{axis}"), 1).unwrap();
+            let expected = expected.iter().skip(c).step_by(axes.len());
+            let worst = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-7 * largest && found.iter().any(|u| u.abs() > 1e-3 * largest), "{axis}: {worst}");
+        }
+        assert_eq!(all.contains("/fields/displacement_y"), dim == 3);
+    }
+}
+
+#[test]
+fn a_surface_that_is_held_sideways_is_stiffer() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let contact = "contact --n 48 --eps-f-inv 8 --pressure 0.002 --tol 1e-11 --json";
+    let held = run(&format!("{contact} --young 1 --poisson 0.33 --components held --statistics --out held.h5"));
+    // K_N = (E* q/2)/(1 - s^2) on a half-space (theory.md, section 3).
+    let s: f64 = (1.0 - 0.66) / (2.0 - 0.66);
+    let stiffer = 1.0 / (1.0 - 0.33 * 0.33) / (1.0 - s * s);
+    let expected = run(&format!("{contact} --e-star {stiffer:.17e}"));
+    let [a, b] = [&held, &expected].map(|report| report["loads"][0].clone());
+    assert_eq!((&a["contact_nodes"], &held["components"]), (&b["contact_nodes"], &"held".into()));
+    for name in ["displacement", "max_pressure", "elastic_energy", "stiffness"] {
+        assert_relative_eq!(number(&a, name), number(&b, name), max_relative = 1e-8);
+    }
+    assert_relative_eq!(number(&held, "e_star"), 1.0 / (1.0 - 0.33 * 0.33), max_relative = 1e-15);
+    assert!(a["conductance"].is_null() && a["patches"]["count"].as_u64() > Some(1));
+    assert_eq!(run("check held.h5 --json")["differing"], 0);
+    // Below it there is no lateral displacement at the surface.
+    run("body --surface held.h5 --depths 0,0.1 --quantities displacement --out below.h5 --json");
+    let below = Reader::open(folder.path().join("below.h5")).unwrap();
+    let [top, deep] = [0, 1].map(|level| below.slab::<f64>("/fields/displacement", level).unwrap());
+    let largest = |u: &[f64], axis: usize| u.iter().skip(axis).step_by(3).fold(0.0_f64, |m, u| m.max(u.abs()));
+    assert!(largest(&top, 0) < 1e-12 * largest(&top, 2) && largest(&deep, 0) > 1e-3 * largest(&deep, 2));
+}
+
+#[test]
+fn the_history_of_a_contact_ends_at_its_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
+    };
+    let contact = "contact --n 27 --eps-f-inv 4 --height 0.5 --poisson 0.3 --p-star 0.05 --tol 1e-9 --history --json";
+    let expected = number(&run(contact)["loads"][0], "displacement");
+    for how in [
+        "--solver verlet-critical",
+        "--solver verlet-critical --dt 0.5 --damping 1.5",
+        "--solver verlet-modes",
+        "--solver verlet-modes --dt 0.6 --components held",
+        "--solver fire2",
+        "--components all --solver verlet-modes",
+        "--components all --solver verlet-critical --dt 0.5 --damping 1,1,1.2 --history-mode 1,0,x",
+    ] {
+        let traced = "--history-mode 1,0,z --history-mode 0,0,z --history-point 0.3333,0.6667,z --out h.h5";
+        let report = run(&format!("{contact} {how} {traced}"));
+        let (load, trace) = (&report["loads"][0], &report["history"]);
+        let steps = number(load, "iterations") as usize;
+        assert_eq!(numbers(&trace["iteration"]), (0..=steps).map(|step| step as f64).collect::<Vec<_>>(), "{how}");
+        assert!(numbers(&trace["residual"])[steps] <= 1e-9 && numbers(&trace["energy"])[steps] < 0.0, "{how}");
+        let file = Reader::open(folder.path().join("h.h5")).unwrap();
+        let u: Vec<f64> = file.values("/fields/displacement_z").unwrap();
+        let approach = number(load, "displacement");
+        if !how.contains("held") {
+            assert_relative_eq!(approach, expected, max_relative = 1e-6);
+        }
+        // u_z is measured from the rigid surface at first touch.
+        let point = numbers(&trace["points"][0]["u"])[steps];
+        assert_relative_eq!(point, u[9 * 27 + 18] + approach, epsilon = 1e-6 * approach);
+        let mean = numbers(&trace["modes"][trace["modes"].as_array().unwrap().len() - 1]["re"])[steps];
+        assert_relative_eq!(mean, u.iter().sum::<f64>() / 729.0 + approach, epsilon = 1e-6 * approach);
+        assert_eq!(file.shape("/history/point_u").unwrap(), [1, steps + 1]);
+        assert_eq!(run("check h.h5 --rerun --json")["differing"], 0, "{how}");
+    }
+    // Methods that move no displacement; a law that is relaxed by dynamics.
+    for how in ["--solver auto", "--solver augmented-lagrangian", "--boundary free --solver cg"] {
+        let half_space = contact.replace("--height 0.5", "");
+        let trace = run(&format!("{half_space} {how} --history-point 0,0,z"))["history"].clone();
+        let residual = numbers(&trace["residual"]);
+        assert!(residual.len() > 4 && residual[0] > residual[residual.len() - 1], "{how}");
+        assert!(trace["energy"][0].is_null() && trace["points"][0]["u"][0].is_null(), "{how}");
+    }
+    let law = "--law morse --param gamma=1e-4,range=4e-3 --solver fire2 --history-point 0,0,z --out l.h5";
+    let report = run(&format!("{contact} {law}"));
+    let points = numbers(&report["history"]["points"][0]["u"]);
+    let u: Vec<f64> = Reader::open(folder.path().join("l.h5")).unwrap().values("/fields/displacement_z").unwrap();
+    let approach = number(&report["loads"][0], "displacement");
+    assert_relative_eq!(points[points.len() - 1], u[0] + approach, epsilon = 1e-6 * approach);
 }

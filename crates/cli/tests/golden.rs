@@ -208,6 +208,7 @@ fn hard_wall() {
         "preconditioned-cg",
         "verlet",
         "verlet-critical",
+        "verlet-modes",
         "fire",
         "fire2",
         "augmented-lagrangian",
@@ -218,6 +219,13 @@ fn hard_wall() {
             &format!("contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --p-star 0.1 --tol 1e-6 --solver {solver}"),
         );
     }
+    let all = "contact --n 24 --eps-f-inv 4 --height 0.4 --poisson 0.3 --p-star 0.05 --tol 1e-6 --components all";
+    check(
+        folder,
+        "contact-all",
+        &format!("{all} --solver verlet-critical --dt 0.5 --damping 1.5 --history --out a.h5"),
+    );
+    check(folder, "contact-held", "contact --n 32 --eps-f-inv 8 --poisson 0.3 --p-star 0.05 --components held");
     check(folder, "body", "body --surface c.h5 --levels 5 --deepest 0.2 --slice y=0.5 --out b.h5");
 }
 
@@ -283,6 +291,8 @@ fn threads_change_no_bit() {
         "contact --n 50000 --dim 2 --eps-f-inv 512 --p-star 0.05 --out c.h5",
         "contact --n 128 --p-star 0.1 --tol 1e-4 --solver verlet --out c.h5",
         "contact --n 128 --p-star 0.1 --tol 1e-4 --solver augmented-lagrangian --out c.h5",
+        "contact --n 96 --p-star 0.2 --tol 1e-3 --components all --solver verlet-modes --history --out c.h5",
+        "contact --n 128 --p-star 0.1 --tol 1e-3 --solver verlet-modes --out c.h5",
         "contact --n 128 --law exponential --param gamma=1e-5,range=4e-4 --p-star 0.02 --out c.h5",
         "path --n 128 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.002,0.004 --steps 1 --tol 1e-6 --out p.h5",
         "path --n 64 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1 --tol 1e-6 --out f.h5",

@@ -33,9 +33,10 @@ impl Attempt<'_> {
     }
 
     /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the solve
-    /// outside of that part.
+    /// outside of that part; `hides_layer` if those of the part are not the displacement.
     pub(crate) fn onlooker<F: FnMut(&mut dyn Visit)>(
         &mut self,
+        hides_layer: bool,
         mut outer: F,
     ) -> Onlooker<'_, impl FnMut(&mut dyn Visit)> {
         let Self { watch, effort, .. } = self;
@@ -43,6 +44,7 @@ impl Attempt<'_> {
         Onlooker {
             watch: &mut **watch,
             before,
+            hides_layer,
             outer: move |visitor: &mut dyn Visit| {
                 effort.visit(visitor);
                 outer(visitor);

@@ -7,7 +7,7 @@ use gfmd_vector::for_each;
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
-use crate::{Boundary, Load, Refusal, RigidSurface, Solution, Units};
+use crate::{Boundary, Dynamics, Load, Refusal, RigidSurface, Solution, Units};
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub struct Contact {
     pub(crate) free: Option<Arc<FreeCompliance>>,
     /// The largest pressure, in `units`.
     pub(crate) hardness: Option<f64>,
+    /// Time step and damping of the damped dynamics.
+    pub(crate) dynamics: Dynamics,
     /// The rigid surface, in `units`.
     pub(crate) scaled: Arc<RigidSurface>,
     /// The rigid surface.
@@ -35,12 +37,37 @@ impl Contact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        Self::responding(NormalResponse::new, body, grid, heights)
+    }
+
+    /// As [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3, restricted lateral
+    /// displacement).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn held_sideways(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        Self::responding(NormalResponse::held_sideways, body, grid, heights)
+    }
+
+    fn responding(
+        response: fn(Grid, &Body) -> NormalResponse,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
         let surface = Self::rough(grid, heights)?;
         let units = Units::of(body, &surface)?;
-        let response = NormalResponse::new(units.grid(grid), &units.body(body)).into();
-        let scaled = units.surface(&surface);
-        let contact_modulus = body.contact_modulus();
-        Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units })
+        let contact = Self {
+            response: response(units.grid(grid), &units.body(body)).into(),
+            free: None,
+            hardness: None,
+            dynamics: Dynamics::default(),
+            scaled: units.surface(&surface),
+            surface,
+            contact_modulus: body.contact_modulus(),
+            units,
+        };
+        Ok(contact)
     }
 
     /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against
@@ -69,7 +96,15 @@ impl Contact {
         let response = response.into();
         let surface = Self::rough(response.grid(), heights)?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
-        Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units: Units::ONE })
+        let (free, hardness, dynamics, units) = (None, None, Dynamics::default(), Units::ONE);
+        Ok(Self { response, free, hardness, dynamics, scaled, surface, contact_modulus, units })
+    }
+
+    /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the start of
+    /// a solve.
+    #[must_use]
+    pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
+        Self { dynamics, ..self }
     }
 
     /// The same contact with a `hardness`, the largest pressure that the surfaces can carry, in stress. Where the pressure

@@ -233,7 +233,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
                 let target = Target { budget, ..target };
                 let plain = part == 1;
                 let minimum = {
-                    let mut onlooker = attempt.onlooker(|visitor| visitor.small(&mut part));
+                    let mut onlooker = attempt.onlooker(false, |visitor: &mut dyn Visit| visitor.small(&mut part));
                     if plain {
                         ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
                     } else {

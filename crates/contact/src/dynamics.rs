@@ -10,7 +10,8 @@
 //! stiffness (theory.md, section 6.3).
 
 use gfmd_relax::{
-    AugmentedLagrangian, Ending, Fire, Method, Nesterov, RelaxError, Variables, Verlet, Why, relax_until,
+    AugmentedLagrangian, Damping, Ending, Factors, Fire, Method, ModeDamped, Nesterov, RelaxError, Variables, Verlet,
+    Why, damped_by_parts, relax_until,
 };
 
 use crate::Load;
@@ -20,7 +21,39 @@ use crate::load_search::LoadSearch;
 
 /// Time step of [`Motion::VerletCritical`], relative to its stability limit 2/√k_max. The source gives Δt = 0.25 without a unit
 /// (docs/solvers.md).
-pub(crate) const SOURCE_TIME_STEP: f64 = 0.25;
+const SOURCE_TIME_STEP: f64 = 0.25;
+
+/// Time step and damping of the damped dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Time step over its stability limit without damping, 2/√k_max, between 0 and 1. By default a quarter with
+    /// [`Solver::VerletCritical`](crate::Solver::VerletCritical), and the best one for the range of stiffnesses with
+    /// [`Solver::VerletModes`](crate::Solver::VerletModes).
+    pub time_step: Option<f64>,
+    /// Damping of [`Solver::VerletCritical`](crate::Solver::VerletCritical).
+    pub damping: Factors,
+}
+
+impl Default for Dynamics {
+    fn default() -> Self {
+        Self { time_step: None, damping: Factors::Softest(1.0) }
+    }
+}
+
+impl Dynamics {
+    /// The time step for a damping by numbers.
+    pub(crate) fn step(&self, stiffest: f64) -> Result<f64, RelaxError> {
+        Damping::time_step(self.time_step.unwrap_or(SOURCE_TIME_STEP), stiffest)
+    }
+
+    /// The time step for a damping of every mode.
+    pub(crate) fn step_of_modes(&self, [softest, stiffest]: [f64; 2]) -> Result<f64, RelaxError> {
+        match self.time_step {
+            Some(time_step) => Damping::time_step(time_step, stiffest),
+            None => Ok(Damping::optimal(softest, stiffest).tau.sqrt()),
+        }
+    }
+}
 
 /// Step length of the augmented Lagrangian; the stability limit is 2.
 const RELAXATION: f64 = 1.2;
@@ -30,6 +63,7 @@ const RELAXATION: f64 = 1.2;
 pub(crate) enum Motion {
     Verlet,
     VerletCritical,
+    VerletModes,
     Fire,
     Fire2,
     AugmentedLagrangian,
@@ -66,8 +100,27 @@ fn equilibrate(
             run(attempt, load, problem, &Nesterov { tau: RELAXATION }, start, search)
         }
         Motion::VerletCritical => {
-            let dt = SOURCE_TIME_STEP * 2.0 / stiffest.sqrt();
-            run(attempt, load, layer, &Verlet::critical(softest, stiffest, dt)?, start, search)
+            let dynamics = attempt.contact.dynamics;
+            let dt = dynamics.step(stiffest)?;
+            match dynamics.damping {
+                Factors::Softest(factor) => {
+                    let damping = Damping::times_critical(factor, softest, stiffest, dt)?;
+                    run(attempt, load, layer, &Verlet::new(damping, stiffest)?, start, search)
+                }
+                Factors::Components([_, _, factor]) => {
+                    let stiffness = attempt.contact.response.uniform_compliance().recip();
+                    let method = damped_by_parts(&[factor], &[stiffness], stiffest, dt)?;
+                    run(attempt, load, layer, &method, start, search)
+                }
+            }
+        }
+        Motion::VerletModes => {
+            let dt = attempt.contact.dynamics.step_of_modes(layer.band())?;
+            let method = ModeDamped::critical(dt * dt, layer.critically_damped(dt));
+            let before = attempt.effort.iterations;
+            let ended = run(attempt, load, layer, &method, start, search)?;
+            attempt.effort.transform_pairs += (attempt.effort.iterations - before) as f64;
+            Ok(ended)
         }
         Motion::Verlet => run(attempt, load, layer, &Verlet::optimal(softest, stiffest)?, start, search),
     }
@@ -88,7 +141,7 @@ fn run<'a, M: Method>(
     };
     let u = surface.begin(u, start.as_deref());
     let mut state = method.start(&mut surface, u)?;
-    let (contact, budget) = (attempt.contact, attempt.budget_left());
+    let (contact, budget, is_shifted) = (attempt.contact, attempt.budget_left(), surface.is_shifted());
     let ending = relax_until(
         &mut surface,
         method,
@@ -99,7 +152,7 @@ fn run<'a, M: Method>(
             surface.layer().count_certificate(solution.effort.transform_pairs);
             solution.residual.worst()
         },
-        &mut attempt.onlooker(|visitor| {
+        &mut attempt.onlooker(is_shifted, |visitor| {
             if let Some(search) = &mut search {
                 search.visit(visitor);
             }

@@ -7,17 +7,18 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{
-    Bounds, Budget, Fire, Landscape, Method, State, Variables as _, Verlet, Visit, Watch, relax_until, worst,
+    Bounds, Budget, Damping, Factors, Fire, Landscape, Method, ModeDamped, State, Variables as _, Verlet, Visit, Watch,
+    damped_by_parts, relax_until, worst,
 };
-use gfmd_response::{FullResponse, FullTransforms};
+use gfmd_response::{FullResponse, FullTransforms, Hermitian};
 use gfmd_vector::{pass, total};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
-use crate::dynamics::SOURCE_TIME_STEP;
 use crate::layer::STIFFNESS_LENGTH;
 use crate::solution::field;
 use crate::{
-    Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver, judge,
+    Drive, Dynamics, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
+    judge,
 };
 
 /// A rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion
@@ -27,6 +28,7 @@ use crate::{
 pub struct FullContact {
     response: Arc<FullResponse>,
     surface: Arc<RigidSurface>,
+    dynamics: Dynamics,
 }
 
 /// An equilibrated contact with all components of the displacement.
@@ -60,7 +62,14 @@ impl FullContact {
         if surface.rms_height() == 0.0 {
             return Err(Refusal::Flat);
         }
-        Ok(Self { response, surface: surface.into() })
+        Ok(Self { response, surface: surface.into(), dynamics: Dynamics::default() })
+    }
+
+    /// The same contact with time step and damping of the dynamics. Values out of their range are refused at the start of a
+    /// solve.
+    #[must_use]
+    pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
+        Self { dynamics, ..self }
     }
 
     /// The state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of the dynamics, which
@@ -133,7 +142,7 @@ impl Equilibrium for FullContact {
     type State = FullSolution;
 
     fn solvers(&self) -> &'static [Solver] {
-        &[Solver::Auto, Solver::Verlet, Solver::VerletCritical, Solver::Fire]
+        &[Solver::Auto, Solver::Verlet, Solver::VerletCritical, Solver::VerletModes, Solver::Fire]
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -169,12 +178,37 @@ impl Equilibrium for FullContact {
         let [softest, stiffest] = self.response.stiffness_range();
         let rigid = mean_pressure / (STIFFNESS_LENGTH * self.surface.rms_height());
         let softest = softest.min(rigid);
-        let run = Run { contact: self, mean_pressure, budget, start, watch };
+        let run = Run { contact: self, mean_pressure, budget, start, watch, pairs_of_damping: 0.0 };
         match solver {
             Solver::Fire => run.relax(&Fire::bitzek(Fire::largest_dt(stiffest))),
             Solver::VerletCritical => {
-                let dt = SOURCE_TIME_STEP * 2.0 / stiffest.sqrt();
-                run.relax(&Verlet::critical(softest, stiffest, dt)?)
+                let dt = self.dynamics.step(stiffest)?;
+                match self.dynamics.damping {
+                    Factors::Softest(factor) => {
+                        run.relax(&Verlet::new(Damping::times_critical(factor, softest, stiffest, dt)?, stiffest)?)
+                    }
+                    Factors::Components(factors) => {
+                        let axes = self.response.components().axes();
+                        let along = |numbers: [f64; 3]| axes.iter().map(|axis| numbers[*axis]).collect::<Vec<_>>();
+                        let stiffnesses = along(self.response.uniform_stiffness());
+                        run.relax(&damped_by_parts(&along(factors), &stiffnesses, stiffest, dt)?)
+                    }
+                }
+            }
+            Solver::VerletModes => {
+                let dt = self.dynamics.step_of_modes([softest, stiffest])?;
+                let beta = |k: f64| Damping::critical(k, dt).beta;
+                let retained = self.response.stiffness().map(|mode, matrix| {
+                    if mode.is_uniform() {
+                        // The push moves the body as a whole against the contact; along x and y a half-space has no stiffness.
+                        Hermitian::diagonal([matrix.xx.max(softest), matrix.yy.max(softest), rigid].map(beta))
+                    } else {
+                        matrix.function(beta)
+                    }
+                });
+                let pairs_of_damping = self.response.components().len() as f64;
+                let method = ModeDamped::critical(dt * dt, retained.in_place());
+                Run { pairs_of_damping, ..run }.relax(&method)
             }
             _ => run.relax(&Verlet::optimal(softest, stiffest)?),
         }
@@ -188,11 +222,13 @@ struct Run<'a> {
     budget: &'a Budget,
     start: Option<&'a FullSolution>,
     watch: &'a mut dyn Watch,
+    /// Pairs of transforms that the damping of a step takes.
+    pairs_of_damping: f64,
 }
 
 impl Run<'_> {
     fn relax<M: Method>(self, method: &M) -> Result<FullSolution, SolveError<FullSolution>> {
-        let Self { contact, mean_pressure, budget, start, watch } = self;
+        let Self { contact, mean_pressure, budget, start, watch, pairs_of_damping } = self;
         let mut layer = Layer::new(contact, mean_pressure);
         let mut state = method.start(&mut layer, contact.starting_position(start)?)?;
         let mut certify = |layer: &mut Layer, state: &State<_>| {
@@ -202,7 +238,8 @@ impl Run<'_> {
         };
         let ending = relax_until(&mut layer, method, &mut state, budget, &mut certify, watch)?;
         let mut solution = contact.certified(&layer, &state);
-        solution.normal.effort.transform_pairs += layer.certified + layer.transforms.pairs();
+        let damping = pairs_of_damping * state.step as f64;
+        solution.normal.effort.transform_pairs += layer.certified + layer.transforms.pairs() + damping;
         judge(solution, ending, budget.tolerance)
     }
 }
@@ -282,7 +319,7 @@ struct Layer<'a> {
 
 impl<'a> Layer<'a> {
     fn new(contact: &'a FullContact, push: f64) -> Self {
-        let FullContact { response, surface } = contact;
+        let FullContact { response, surface, .. } = contact;
         let mut wall = vec![f64::INFINITY; (response.components().len() - 1) * response.grid().len()];
         wall.extend(surface.clearance());
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.

@@ -1,8 +1,9 @@
 //! The elastic surface layer below a rigid wall, as a landscape for the dynamics.
 
 use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
 
-use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Proximal, Visit};
+use gfmd_relax::{AugmentedLagrangian, Bounds, Damping, Landscape, Proximal, Visit};
 use gfmd_response::NormalTransforms;
 use gfmd_vector::{add, for_each, pass};
 
@@ -80,15 +81,32 @@ impl<'a> Layer<'a> {
         Self { contact, stiffness, wall, push, force_scale, length_scale, transforms, certified: 0.0 }
     }
 
-    /// The stiffnesses of the softest and of the stiffest mode.
-    pub(crate) fn band(&self) -> [f64; 2] {
-        let [softest, stiffest] = self.contact.response.stiffness_range();
-        let rigid = if self.push > 0.0 {
+    /// The stiffness that resists a uniform displacement: that of the contact, or of the slab.
+    fn rigid(&self) -> f64 {
+        if self.push > 0.0 {
             self.push / (STIFFNESS_LENGTH * self.contact.scaled.rms_height())
         } else {
             self.stiffness[0]
-        };
+        }
+    }
+
+    /// The stiffnesses of the softest and of the stiffest mode.
+    pub(crate) fn band(&self) -> [f64; 2] {
+        let [softest, stiffest] = self.contact.response.stiffness_range();
+        let rigid = self.rigid();
         [softest.min(rigid), stiffest.max(rigid)]
+    }
+
+    /// The function d ← B d of a motion, with every mode critically damped at the time step `dt`. A call takes a pair of transforms.
+    pub(crate) fn critically_damped(&self, dt: f64) -> impl Fn(&mut [f64]) + use<> {
+        let mut retained: Vec<f64> = self.stiffness.iter().map(|k| Damping::critical(*k, dt).beta).collect();
+        retained[0] = Damping::critical(self.rigid(), dt).beta;
+        let scratch = Mutex::new((NormalTransforms::of(&self.contact.response), vec![0.0; self.len()]));
+        move |motion| {
+            let (transforms, before) = &mut *scratch.lock().unwrap_or_else(PoisonError::into_inner);
+            before.copy_from_slice(motion);
+            transforms.convolve(&retained, before, motion);
+        }
     }
 
     /// Number of pairs of transforms so far.
@@ -141,6 +159,9 @@ pub(crate) trait Pressed<'a>: Landscape {
     /// The start coordinates for the displacement `u` and the pressure `pressure`.
     fn begin(&self, u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64>;
 
+    /// True if the coordinates are not the displacement.
+    fn is_shifted(&self) -> bool;
+
     /// The pressure on the wall; remaining forces on free points are ignored.
     fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64>;
 }
@@ -152,6 +173,10 @@ impl<'a> Pressed<'a> for Layer<'a> {
 
     fn begin(&self, u: Vec<f64>, _: Option<&[f64]>) -> Vec<f64> {
         u
+    }
+
+    fn is_shifted(&self) -> bool {
+        false
     }
 
     fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64> {
@@ -227,6 +252,10 @@ impl<'a> Pressed<'a> for AugmentedLagrangian<Sprung<'a>> {
             None => u.iter_mut().for_each(|u| *u += layer.push / penalty),
         }
         u
+    }
+
+    fn is_shifted(&self) -> bool {
+        true
     }
 
     fn pressure(&self, v: &[f64], _: &[f64]) -> Vec<f64> {

@@ -8,6 +8,7 @@
 //! | [`Solver::PolonskyKeer`]                | pressure          | 1½                 |
 //! | [`Solver::AugmentedLagrangian`]         | both              | 1                  |
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
+//! | [`Solver::VerletModes`]                 | displacement      | 2                  |
 //!
 //! ```
 //! use gfmd_contact::{Contact, Equilibrium, Load};
@@ -32,7 +33,7 @@
 //!
 //! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
+//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] holds it; [`Dynamics`] are time step and damping. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod boundary;
@@ -64,11 +65,12 @@ mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
 pub use contact::Contact;
+pub use dynamics::Dynamics;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::Fields;
 pub use full::{FullContact, FullSolution};
-pub use gfmd_relax::{Budget, Progress, Tape, Variables, Visit, Watch, Why};
+pub use gfmd_relax::{Budget, Factors, Progress, Tape, Variables, Visit, Watch, Why};
 pub use load::{Drive, Load};
 pub use refusal::Refusal;
 pub use resumable::Resumable;

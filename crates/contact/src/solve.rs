@@ -7,13 +7,14 @@ use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveE
 
 impl Contact {
     /// The solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
-    pub const SOLVERS: [Solver; 9] = [
+    pub const SOLVERS: [Solver; 10] = [
         Solver::Auto,
         Solver::PolonskyKeer,
         Solver::ProjectedCg,
         Solver::PreconditionedCg,
         Solver::Verlet,
         Solver::VerletCritical,
+        Solver::VerletModes,
         Solver::Fire,
         Solver::Fire2,
         Solver::AugmentedLagrangian,
@@ -65,6 +66,7 @@ impl Equilibrium for Contact {
         self.check_resolution(drive, budget.tolerance)?;
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
         let load = self.units().drive(drive).load;
+        let watch = &mut self.units().shown(watch);
         let attempt = Attempt { contact: self, load, budget: *budget, start, watch, effort: Effort::default() };
         let ended = match solver {
             Solver::Auto => dual::solve(attempt, Gradients::Auto)?,
@@ -73,6 +75,7 @@ impl Equilibrium for Contact {
             Solver::PreconditionedCg => dual::solve(attempt, Gradients::Preconditioned)?,
             Solver::Verlet => dynamics::solve(attempt, Motion::Verlet)?,
             Solver::VerletCritical => dynamics::solve(attempt, Motion::VerletCritical)?,
+            Solver::VerletModes => dynamics::solve(attempt, Motion::VerletModes)?,
             Solver::Fire => dynamics::solve(attempt, Motion::Fire)?,
             Solver::Fire2 => dynamics::solve(attempt, Motion::Fire2)?,
             Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,

@@ -22,6 +22,8 @@ pub enum Solver {
     Verlet,
     /// Damped position Verlet with the softest mode critically damped, as in the original method.
     VerletCritical,
+    /// Damped position Verlet with every mode critically damped, and the best time step for the range of stiffnesses.
+    VerletModes,
     /// The fast inertial relaxation engine (Bitzek et al. 2006).
     Fire,
     /// The fast inertial relaxation engine, version 2.0 (Guénolé et al. 2020).
@@ -34,13 +36,14 @@ pub enum Solver {
 
 impl Solver {
     /// All solvers.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Auto,
         Self::PolonskyKeer,
         Self::ProjectedCg,
         Self::PreconditionedCg,
         Self::Verlet,
         Self::VerletCritical,
+        Self::VerletModes,
         Self::Fire,
         Self::Fire2,
         Self::AugmentedLagrangian,
@@ -56,6 +59,7 @@ impl Solver {
             Self::PreconditionedCg => "preconditioned-cg",
             Self::Verlet => "verlet",
             Self::VerletCritical => "verlet-critical",
+            Self::VerletModes => "verlet-modes",
             Self::Fire => "fire",
             Self::Fire2 => "fire2",
             Self::AugmentedLagrangian => "augmented-lagrangian",
@@ -72,6 +76,7 @@ impl Solver {
             Self::PreconditionedCg => "conjugate gradients on the pressure, preconditioned by the stiffness",
             Self::Verlet => "damped dynamics with optimal scalar damping",
             Self::VerletCritical => "damped dynamics with critical damping of the softest mode",
+            Self::VerletModes => "damped dynamics with critical damping of every mode",
             Self::Fire => "FIRE (Bitzek et al. 2006)",
             Self::Fire2 => "FIRE 2.0 (Guénolé et al. 2020)",
             Self::AugmentedLagrangian => "dynamics with inertia close to the stiffness, under the reaction of the wall",

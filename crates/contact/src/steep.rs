@@ -38,7 +38,7 @@ pub struct SteepSolution {
     /// u_x and u_y, or u_x on a line, in length.
     pub lateral: Vec<Array2<f64>>,
     /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its place.
-    pub lateral_traction: [f64; 2],
+    pub mean_shear: [f64; 2],
     /// The last change of u_x and u_y over h_rms as they are made consistent with the pressure.
     pub lateral_residual: f64,
     scales: Scales,
@@ -173,7 +173,7 @@ impl SteepContact {
         let elastic_energy =
             0.5 * (dot(&traction, &displacement) + dot(&traction[displacement.len()..], &normal)) / points as f64;
         let mean = |axis: usize| gfmd_vector::total(&traction[axis * points..][..points]) / points as f64;
-        let lateral_traction = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
+        let mean_shear = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
         let lowest = clearance.iter().copied().fold(f64::INFINITY, f64::min);
         let heights = Array2::from_shape_fn(self.surface.grid().points(), |(i, j)| {
             -clearance[i * self.surface.grid().points()[1] + j]
@@ -192,7 +192,7 @@ impl SteepContact {
         let state = SteepSolution {
             normal: solution,
             lateral,
-            lateral_traction,
+            mean_shear,
             lateral_residual: change / self.surface.rms_height(),
             scales: Scales { contact_modulus: modulus, rms_gradient: self.surface.rms_gradient() },
             elastic_energy,
@@ -383,7 +383,7 @@ impl Fields for SteepSolution {
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {
         let mut residuals = self.normal.residuals();
-        residuals.push(("lateral", self.lateral_residual));
+        residuals.push(("lateral_displacement", self.lateral_residual));
         residuals
     }
 

@@ -1,7 +1,9 @@
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_relax::{Progress, Visit, Watch};
 use gfmd_response::unit_of;
 
 use crate::{Drive, Load, Refusal, RigidSurface};
@@ -111,6 +113,11 @@ impl Units {
         Drive { load, lateral: drive.lateral.map(|u| u / self.normal) }
     }
 
+    /// A watcher of a search in these units, which shows `watch` energies and displacements in the units of the input.
+    pub fn shown<'a>(&self, watch: &'a mut dyn Watch) -> impl Watch + use<'a> {
+        Shown { watch, units: *self, u: Vec::new() }
+    }
+
     /// Checks that a mean pressure, in the units of the input, has all its digits.
     ///
     /// # Errors
@@ -118,6 +125,36 @@ impl Units {
     pub fn check_pressure(mean: f64) -> Result<(), Refusal> {
         let good = mean == 0.0 || mean.is_nan() || (LEAST..=1.0 / LEAST).contains(&mean.abs());
         if good { Ok(()) } else { Err(Refusal::Digits { what: "mean pressure", found: mean }) }
+    }
+}
+
+/// A watcher that is shown the units of the input.
+struct Shown<'a> {
+    watch: &'a mut dyn Watch,
+    units: Units,
+    u: Vec<f64>,
+}
+
+impl Watch for Shown<'_> {
+    fn see(&mut self, now: &Progress) -> ControlFlow<()> {
+        self.watch.see(now)
+    }
+
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        if self.units.are_one() {
+            return self.watch.layer(energy, u);
+        }
+        self.u.clear();
+        self.u.extend(u.iter().map(|u| u * self.units.length()));
+        self.watch.layer(energy * self.units.energy(), &self.u);
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        self.watch.checkpoint(variables);
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        self.watch.recall()
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Budget, Contact, Equilibrium, Load, Progress, Resumable, Solution, Solver, Tape, Visit, Watch};
+use gfmd_contact::{
+    Budget, Contact, Equilibrium, FullContact, Load, Progress, Resumable, Solution, Solver, Tape, Visit, Watch,
+};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use gfmd_surface::{Discretisation, SelfAffine};
@@ -102,6 +104,37 @@ fn the_automatic_solver_continues_after_its_change_of_method() {
         assert!(same(&solve(&mut second), &expected), "checkpoint {at}");
         assert_eq!(second.first, Some(at.min(8) as u64), "the iterations before the checkpoint are counted");
         assert_eq!(second.calls, 10 - at);
+    }
+}
+
+#[test]
+fn all_components_continue_bit_for_bit() {
+    let grid = Grid::square(15, 1.0).unwrap();
+    let heights = contact(24, Height::Infinite).surface().clearance()[..225].to_vec();
+    let heights = ndarray::Array2::from_shape_vec((15, 15), heights).unwrap();
+    let body = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.5).unwrap();
+    let contact = FullContact::new(&body, &grid, &heights).unwrap();
+    let load = Load::MeanPressure(0.01);
+    for &solver in contact.solvers() {
+        let solve = |keeper: &mut Keeper| {
+            let budget = Budget { tolerance: 1e-9, max_iterations: 1_000_000 };
+            contact.equilibrate(load.into(), solver, &budget, None, keeper).unwrap()
+        };
+        let mut whole = Keeper::default();
+        let mut expected = solve(&mut whole);
+        for at in [0, whole.calls / 2, whole.calls - 1] {
+            let mut first = Keeper { at: Some(at), ..Keeper::default() };
+            solve(&mut first);
+            first.kept.rewind();
+            let mut second = Keeper { kept: first.kept, resumes: true, ..Keeper::default() };
+            let resumed = solve(&mut second);
+            assert!(second.kept.is_at_end() && second.calls == whole.calls - at, "{solver}, {at}");
+            assert!(resumed == expected, "{solver}, checkpoint {at} of {}", whole.calls);
+        }
+        let mut tape = Tape::default();
+        contact.keep(&mut expected, &mut tape);
+        tape.rewind();
+        assert!(contact.restore(load.into(), &mut tape).unwrap() == expected && tape.is_at_end());
     }
 }
 

@@ -5,12 +5,13 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use ndarray::Array2;
 
-const METHODS: [Solver; 8] = [
+const METHODS: [Solver; 9] = [
     Solver::PolonskyKeer,
     Solver::ProjectedCg,
     Solver::PreconditionedCg,
     Solver::Verlet,
     Solver::VerletCritical,
+    Solver::VerletModes,
     Solver::Fire,
     Solver::Fire2,
     Solver::AugmentedLagrangian,

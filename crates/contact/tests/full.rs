@@ -1,4 +1,5 @@
-//! Tests of the contact with all components against that with the normal component only.
+//! Tests of the contact with all components against that with the normal component only, and of that without lateral
+//! displacement.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -79,7 +80,7 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let refused = press(0.1).solver(Solver::PolonskyKeer).solve().unwrap_err();
     assert!(refused.to_string().contains("cg") && refused.to_string().contains("verlet-critical"), "{refused}");
     let expected = press(0.01).solve().unwrap();
-    for solver in [Solver::VerletCritical, Solver::Fire] {
+    for solver in [Solver::VerletCritical, Solver::VerletModes, Solver::Fire] {
         let found = press(0.01).solver(solver).solve().unwrap();
         let differences = found.normal.pressure.iter().zip(&expected.normal.pressure).map(|(a, b)| (a - b).abs());
         assert!(differences.fold(0.0, f64::max) < 1e-6 * 0.2, "{solver}");
@@ -105,4 +106,50 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
     // The number of steps for which the set of touching points must not have changed.
     assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
+}
+
+/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3): the contact
+/// is that of such a modulus.
+#[test]
+fn a_half_space_that_is_held_sideways_is_stiffer_by_one_factor() {
+    let grid = Grid::square(24, 1.0).unwrap();
+    let heights = heights(&grid);
+    let material = Material::from_young(1.0, 0.33).unwrap();
+    let factor = 1.0 / (1.0 - material.s().powi(2));
+    assert!((factor - 1.069).abs() < 1e-3);
+    let stiffer = Body::half_space(Material::from_contact_modulus(material.contact_modulus() * factor, 0.0).unwrap());
+    let solve = |contact: Contact| contact.press(Load::MeanPressure(0.02)).tolerance(1e-10).solve().unwrap();
+    let found = solve(Contact::held_sideways(&Body::half_space(material), &grid, &heights).unwrap());
+    let expected = solve(Contact::new(&stiffer, &grid, &heights).unwrap());
+    let peak = expected.pressure.iter().copied().fold(0.0, f64::max);
+    let worst = |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst(&found.pressure, &expected.pressure) < 1e-8 * peak);
+    assert!(worst(&found.displacement, &expected.displacement) < 1e-10);
+    // The reduced pressure is formed with the modulus of the body.
+    assert!((found.scales().contact_modulus - material.contact_modulus()).abs() < 1e-15);
+}
+
+/// In full contact with one wave the pressure is K_N times the heights (theory.md, sections 2 and 3).
+#[test]
+fn a_slab_that_is_held_sideways_has_the_stiffness_of_its_closed_form() {
+    let (grid, height, amplitude) = (Grid::square(16, 1.0).unwrap(), 0.2, 1e-4);
+    let (s, shear) = (0.25 / 0.75, 0.4);
+    let body = Body::slab(Material::from_young(1.0, 0.25).unwrap(), height).unwrap();
+    let q = std::f64::consts::TAU * 5.0_f64.sqrt();
+    let h = q * height;
+    let denominator = ((1.0 + s) * h.sinh()).powi(2) - ((1.0 - s) * h).powi(2);
+    let stiffness = shear * q * ((1.0 + s) * (2.0 * h).sinh() - 2.0 * (s - 1.0) * h) / denominator;
+    let wave = |(i, j): (usize, usize)| (std::f64::consts::TAU * (i as f64 - 2.0 * j as f64) / 16.0).cos();
+    let heights = Array2::from_shape_fn((16, 16), |place| amplitude * wave(place));
+    let contact = Contact::held_sideways(&body, &grid, &heights).unwrap();
+    for load in [Load::MeanPressure(0.01), Load::Approach(0.01)] {
+        let found = contact.press(load).tolerance(1e-12).solve().unwrap();
+        for (place, p) in found.pressure.indexed_iter() {
+            let expected = found.mean_pressure + stiffness * amplitude * wave(place);
+            assert!((p - expected).abs() < 1e-10 * found.mean_pressure, "{place:?}: {p} {expected}");
+        }
+        // The mean sinks by the uniform compression, and first touch is an amplitude above the mean.
+        let approach = found.mean_pressure * height * s / shear + amplitude;
+        assert!((found.approach - approach).abs() < 1e-10 * approach, "{} {approach}", found.approach);
+    }
 }

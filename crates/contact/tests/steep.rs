@@ -86,7 +86,7 @@ fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only
     let strain = soft.summary().mean_pressure_in_contact - soft.normal.mean_pressure;
     assert!((ratio / -strain - 1.0).abs() < 0.05, "{ratio:e} {strain:e}");
     // The rigid surface is held sideways by what its slopes push.
-    let [x, y] = state.lateral_traction;
+    let [x, y] = state.mean_shear;
     assert!(x.hypot(y) < 0.01 * state.normal.mean_pressure && x != 0.0);
 }
 

@@ -60,6 +60,7 @@ pub(crate) fn relax_to_rest(
                     visitor.count(&mut iterations);
                     visitor.number(&mut stiffness);
                 },
+                hides_layer: false,
                 watch: &mut *watch,
             },
         )?;

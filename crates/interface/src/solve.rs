@@ -69,6 +69,7 @@ impl Equilibrium for Interface {
         let (length, stress) = (self.units.length(), self.units.stress());
         let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
         let given = |state: State| state.times(length, stress);
+        let watch = &mut self.units.shown(watch);
         match self.rest(self.units.drive(drive), solver, budget, start.as_ref(), watch) {
             Ok(state) => {
                 Units::check_pressure(state.mean_pressure * stress)?;
@@ -150,6 +151,7 @@ impl Interface {
             | Solver::PreconditionedCg
             | Solver::Verlet
             | Solver::VerletCritical
+            | Solver::VerletModes
             | Solver::AugmentedLagrangian => {
                 return Err(Refusal::Solver { found: solver, allowed: &SOLVERS });
             }

@@ -5,16 +5,15 @@
 //! forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use gfmd_relax::{
-    Bounds, Budget, Damping, Ending, Fire, Landscape, Method, ModeDamped, RelaxError, Verlet, Watch, Why, relax_until,
+    Bounds, Budget, Damping, Ending, Factors, Fire, Landscape, Method, ModeDamped, RelaxError, Verlet, Watch, Why,
+    damped_by_parts, relax_until,
 };
-use gfmd_response::FullResponse;
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
+use crate::Prescribed;
 use crate::surface::Surface;
-use crate::{Factors, Prescribed};
 
 /// The number of steps and the reason why they ended.
 type Run = Result<(u64, Ending), RelaxError>;
@@ -35,60 +34,20 @@ pub(crate) fn damped(
 ) -> Run {
     let response = &surface.problem.response;
     let [softest, stiffest] = response.stiffness_range();
-    let dt = checked(time_step)? * 2.0 / stiffest.sqrt();
+    let dt = Damping::time_step(time_step, stiffest)?;
     match damping {
         Factors::Softest(factor) => {
-            let damping = times_critical(factor, softest, stiffest, dt)?;
+            let damping = Damping::times_critical(factor, softest, stiffest, dt)?;
             run(surface, || Verlet::new(damping, stiffest), budget, watch)
         }
         Factors::Components(factors) => {
-            let points = response.grid().len();
-            let mut retained = Vec::new();
-            for &axis in response.components().axes() {
-                let stiffness = uniform_stiffness(response, axis)?;
-                // Inertia is one number, so that all components together are stable if each alone is.
-                retained.push(times_critical(factors[axis], stiffness, stiffest, dt)?.beta);
-            }
-            let least = retained.iter().copied().fold(1.0, f64::min);
-            let retain = move |motion: &mut [f64]| {
-                for (motion, beta) in motion.chunks_exact_mut(points).zip(&retained) {
-                    for_each([motion], &|_, [motion]| motion.iter_mut().for_each(|d| *d *= beta));
-                }
-            };
-            let tau = dt * dt;
-            run(surface, || Ok(ModeDamped { tau, stiffness_limit: 2.0 * (1.0 + least) / tau, retain }), budget, watch)
+            let axes = response.components().axes();
+            let of_components = |numbers: [f64; 3]| axes.iter().map(|axis| numbers[*axis]).collect::<Vec<_>>();
+            let stiffnesses = of_components(response.uniform_stiffness());
+            let method = damped_by_parts(&of_components(factors), &stiffnesses, stiffest, dt)?;
+            run(surface, || Ok(method), budget, watch)
         }
     }
-}
-
-/// The damping of `factor` times the critical η of a mode, with which modes up to `stiffest` are stable.
-fn times_critical(factor: f64, stiffness: f64, stiffest: f64, dt: f64) -> Result<Damping, RelaxError> {
-    let tau = dt * dt;
-    let damping = Damping { beta: 1.0 - factor * Damping::critical(stiffness, dt).eta() * tau, tau };
-    if damping.beta.abs() < 1.0 && stiffest < damping.stiffness_limit() {
-        return Ok(damping);
-    }
-    let allowed = "positive, and small enough for stability with this time step";
-    Err(RelaxError::Parameter { name: "the damping over the critical one", found: factor, allowed })
-}
-
-fn checked(time_step: f64) -> Result<f64, RelaxError> {
-    let name = "the time step over the stability limit";
-    if time_step > 0.0 && time_step < 1.0 {
-        Ok(time_step)
-    } else {
-        Err(RelaxError::Parameter { name, found: time_step, allowed: "above 0 and below 1" })
-    }
-}
-
-/// The stiffness of the uniform displacement along `axis`.
-fn uniform_stiffness(response: &FullResponse, axis: usize) -> Result<f64, RelaxError> {
-    let found = response.uniform_compliance()[axis];
-    if found > 0.0 && found.is_finite() {
-        return Ok(found.recip());
-    }
-    let name = "the compliance of a uniform displacement";
-    Err(RelaxError::Parameter { name, found, allowed: "finite and above zero, as of a compressible slab" })
 }
 
 /// Relaxes with critical damping of every mode of the free surface.
@@ -103,29 +62,18 @@ pub(crate) fn verlet_modes(
 ) -> Run {
     let response = std::sync::Arc::clone(&surface.problem.response);
     let [softest, stiffest] = response.stiffness_range();
-    for &axis in response.components().axes() {
-        uniform_stiffness(&response, axis)?;
+    let uniform = response.uniform_stiffness();
+    if let Some(&axis) = response.components().axes().iter().find(|axis| uniform[**axis].is_infinite()) {
+        let (name, found) = ("the stiffness of a uniform displacement", uniform[axis]);
+        return Err(RelaxError::Parameter { name, found, allowed: "finite, as of a compressible slab" });
     }
     let dt = match time_step {
-        Some(time_step) => checked(time_step)? * 2.0 / stiffest.sqrt(),
+        Some(time_step) => Damping::time_step(time_step, stiffest)?,
         None => Damping::optimal(softest, stiffest).tau.sqrt(),
     };
-    let stiffness = response.stiffness();
-    let operator = stiffness.beside(|mode| {
-        let index = stiffness.grid().index_of(mode.number);
-        let matrix = index.and_then(|index| stiffness.matrices().get(index));
-        matrix.map_or_else(Default::default, |matrix| matrix.function(|k| Damping::critical(k, dt).beta))
-    });
-    let entries = surface.traction.len();
-    let scratch = Mutex::new((response.workspace(), vec![0.0; entries]));
-    let retain = |motion: &mut [f64]| {
-        // Steps are taken one after the other, so that nothing waits here.
-        let (workspace, before) = &mut *scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        before.copy_from_slice(motion);
-        // The lengths are those of the problem.
-        let _ = operator.apply(before, motion, workspace);
-    };
-    let (steps, ending) = run(surface, || Ok(ModeDamped::critical(dt * dt, retain)), budget, watch)?;
+    let retained = response.stiffness().map(|_, matrix| matrix.function(|k| Damping::critical(k, dt).beta));
+    let method = ModeDamped::critical(dt * dt, retained.in_place());
+    let (steps, ending) = run(surface, || Ok(method), budget, watch)?;
     *surface.transforms.counter() += steps * response.components().len() as u64;
     Ok((steps, ending))
 }

@@ -57,7 +57,8 @@ mod solve;
 mod surface;
 
 pub use error::MixedError;
+pub use gfmd_relax::Factors;
 pub use prescribed::Prescribed;
-pub use problem::{Factors, Method, MixedProblem};
+pub use problem::{Method, MixedProblem};
 pub use punch::{Edge, FlatPunch};
 pub use solution::MixedSolution;

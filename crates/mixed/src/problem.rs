@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_relax::Factors;
 use gfmd_response::FullResponse;
 
 use crate::{MixedError, Prescribed};
@@ -34,16 +35,6 @@ pub enum Method {
     },
     /// The fast inertial relaxation engine (Bitzek et al. 2006).
     Fire,
-}
-
-/// Damping coefficients η over critical ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Factors {
-    /// One η for all, over the critical one of the softest mode (the source's eq. 4.8).
-    Softest(f64),
-    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m, C44/z_m,
-    /// C11/z_m on a bonded slab (the source's eq. 4.5).
-    Components([f64; 3]),
 }
 
 impl Method {

@@ -1,8 +1,8 @@
-use gfmd_relax::{Budget, Ending, Watch, Why};
+use gfmd_relax::{Budget, Ending, Factors, Watch, Why};
 use ndarray::Array3;
 
 use crate::surface::Surface;
-use crate::{Factors, Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
+use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
 impl MixedProblem {
     /// The state of a traction, with its residual, from new transforms. The effort counts those alone.

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use clap::ValueEnum as _;
+use gfmd_cli::contact::Unknown;
 use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
@@ -74,17 +76,20 @@ impl Problem {
         law: (String, Vec<(String, f64)>),
         hardness: Option<f64>,
         boundary: &str,
+        components: &str,
         solver: &str,
         threads: usize,
     ) -> PyResult<Self> {
         let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
+        let unknown = Unknown::from_str(components, false).map_err(|error| refused(py, &error))?;
         let body = body_of(&body).map_err(|failure| refused(py, &failure))?;
         let (kind, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
-        let (made, raised) =
-            run(py, threads, None, |_| Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness), solver))?;
+        let (made, raised) = run(py, threads, None, |_| {
+            Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness), unknown, solver)
+        })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
         made.map_err(|failure| refused(py, &failure))
@@ -155,6 +160,12 @@ impl State {
         this.get().rest.fields().map(|field| lent(&this, &field))
     }
 
+    /// The lateral displacement, if it was unknown, without a copy.
+    #[getter]
+    fn lateral(this: Bound<'_, Self>) -> Vec<Array<'_>> {
+        this.get().rest.lateral().iter().map(|field| lent(&this, &field.view())).collect()
+    }
+
     /// The plastic depth of a contact with a hardness, without a copy.
     #[getter]
     fn plastic_depth(this: Bound<'_, Self>) -> Option<Array<'_>> {
@@ -177,12 +188,17 @@ impl Problem {
         grid: Grid,
         (body, boundary): (&Body, Boundary),
         (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
+        unknown: Unknown,
         solver: Solver,
     ) -> Result<Self, Failure> {
+        if let Some(other) = unknown.clash(kind, boundary, hardness, body) {
+            return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
+        }
         if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
             return Err(Failure::value("hardness", hardness, "absent with a law"));
         }
         let held = match (kind, boundary) {
+            _ if unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
             (Kind::HardWall, Boundary::Periodic) if hardness.is_none() => Held::HARD_WALL,
             (Kind::HardWall, _) => Held::FREE,
             (_, Boundary::Periodic) => Held::LAW,
@@ -200,7 +216,8 @@ impl Problem {
             Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };
-        let loads = Loads::new((grid, body, boundary), heights, (kind, law, hardness), solver).map_err(refuse)?;
+        let loads =
+            Loads::new((grid, body, boundary), heights, (kind, law, hardness), unknown, solver).map_err(refuse)?;
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
         Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient })
     }

@@ -18,7 +18,8 @@ use crate::failure::{failed, refused};
 use crate::surface::grid;
 use crate::worker::quick;
 
-/// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth.
+/// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth, with all
+/// components also u_x and u_y.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
 /// Writes contacts of one surface. `surface` is heights, lengths, unit, description.
@@ -49,7 +50,8 @@ pub(crate) fn save(
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
         let is_plastic = records.iter().any(|record| record.plastic_fraction.is_some());
-        let recording = Recording { is_plastic, ..Recording::plain(with_law, boundary) };
+        let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(3 + usize::from(is_plastic)));
+        let recording = Recording { is_plastic, lateral, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         for (index, fields) in fields.iter().enumerate() {

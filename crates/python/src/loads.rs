@@ -3,17 +3,19 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use gfmd_cli::contact::Unknown;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
 use gfmd_contact::{
-    Boundary, Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch,
+    Boundary, Budget, Contact, Equilibrium, Fields, FullContact, FullSolution, Load, Refusal, Solution, SolveError,
+    Solver, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::NormalResponse;
+use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.
@@ -24,6 +26,7 @@ pub(crate) struct Loads {
 
 enum Kindred {
     Wall(Contact),
+    Full(FullContact),
     Law(Interface),
 }
 
@@ -36,6 +39,7 @@ pub(crate) struct Rest {
 /// The state that the next load starts from.
 enum Reached {
     Wall(Box<Solution>),
+    Full(Box<FullSolution>),
     /// A state with a law, and the pressure that follows from its traction.
     Law(Box<State>, Array2<f64>),
 }
@@ -55,14 +59,20 @@ impl Rest {
     pub(crate) fn plastic_depth(&self) -> Option<ArrayView2<'_, f64>> {
         match &self.reached {
             Reached::Wall(solution) => solution.plastic.as_ref().map(|plastic| plastic.depth.view()),
-            Reached::Law(..) => None,
+            Reached::Full(_) | Reached::Law(..) => None,
         }
+    }
+
+    /// The lateral displacement, if it was unknown.
+    pub(crate) fn lateral(&self) -> &[Array2<f64>] {
+        if let Reached::Full(solution) = &self.reached { &solution.lateral } else { &[] }
     }
 
     /// Pressure, displacement, gap.
     pub(crate) fn fields(&self) -> [ArrayView2<'_, f64>; 3] {
         match &self.reached {
             Reached::Wall(solution) => [solution.pressure.view(), solution.displacement_z(), solution.gap()],
+            Reached::Full(solution) => [solution.normal.pressure.view(), solution.displacement_z(), solution.gap()],
             Reached::Law(state, pressure) => [pressure.view(), state.displacement_z(), state.gap()],
         }
     }
@@ -70,6 +80,10 @@ impl Rest {
 
 fn wall(solution: Solution) -> Reached {
     Reached::Wall(Box::new(solution))
+}
+
+fn full(solution: FullSolution) -> Reached {
+    Reached::Full(Box::new(solution))
 }
 
 fn with_pressure(state: State) -> Reached {
@@ -82,11 +96,16 @@ impl Loads {
         (grid, body, boundary): (Grid, &Body, Boundary),
         heights: &ArrayRef2<f64>,
         (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
+        unknown: Unknown,
         solver: Solver,
     ) -> Result<Self, Refusal> {
-        let (contact, allowed) = if kind == Kind::HardWall {
+        let (contact, allowed) = if unknown == Unknown::All {
+            let contact = FullContact::on(FullResponse::new(grid, body), heights)?;
+            let allowed = contact.solvers();
+            (Kindred::Full(contact), allowed)
+        } else if kind == Kind::HardWall {
             let contact = match boundary {
-                Boundary::Periodic => Contact::on(NormalResponse::new(grid, body), heights)?,
+                Boundary::Periodic => Contact::on(unknown.response(grid, body), heights)?,
                 Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
             };
             let contact = match hardness {
@@ -135,6 +154,12 @@ impl Loads {
                 rest.record = rest.record.bounded(contact.boundary(), contact.surface().grid());
                 Ok((rest, failure))
             }
+            Kindred::Full(contact) => {
+                let start = if let Some(Reached::Full(start)) = last { Some(&**start) } else { None };
+                let (state, failure) = self.press(contact, load, budget, start, watch)?;
+                let seconds = started.elapsed().as_secs_f64();
+                Ok((Rest::of(state, full, scales, budget.tolerance, seconds), failure))
+            }
             Kindred::Law(interface) => {
                 let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(interface, load, budget, start, watch)?;
@@ -155,7 +180,9 @@ impl Loads {
         match contact.equilibrate(load.into(), self.solver, budget, start, watch) {
             Ok(state) => Ok((state, None)),
             Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::Interrupted("interrupted".into())))),
-            Err(SolveError::Refused(error @ Refusal::Approach { .. })) => Err(Failure::input("approach", error)),
+            Err(SolveError::Refused(error @ (Refusal::Approach { .. } | Refusal::NoApproach))) => {
+                Err(Failure::input("approach", error))
+            }
             Err(SolveError::Refused(error)) => Err(Failure::Input(error.to_string())),
             Err(error) => {
                 let text = error.to_string();
@@ -174,6 +201,11 @@ impl Loads {
             Kindred::Wall(contact) => {
                 let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
                 Ok(Rest::of(solution, wall, scales, f64::INFINITY, 0.0))
+            }
+            Kindred::Full(contact) => {
+                let mean = kept.pressure.mean().unwrap_or(f64::NAN);
+                let solution = contact.certify(kept.pressure, Load::MeanPressure(mean)).map_err(refuse)?;
+                Ok(Rest::of(solution, full, scales, f64::INFINITY, 0.0))
             }
             Kindred::Law(interface) => {
                 let state = interface.recall(kept).map_err(refuse)?;

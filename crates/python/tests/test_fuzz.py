@@ -138,7 +138,8 @@ ENTRIES = {
         gfmd.punch,
         dict(
             body=bodies, length=positive, n=st.integers(4, 16), dim=st.integers(2, 3), punch_fraction=st.floats(0.1, 0.9), depth=st.floats(1e-4, 1e-2), contact=st.sampled_from(["sticking", "frictionless"]),
-            nodes=st.sampled_from(["strict", "inclusive"]), solver=st.sampled_from(["auto", "cg", "fire", "verlet"]), tolerance=st.floats(1e-8, 0.1), max_iterations=st.integers(1, 200), refine=st.integers(1, 2), threads=st.integers(0, 3),
+            nodes=st.sampled_from(["strict", "inclusive"]), solver=st.sampled_from(["auto", "cg", "fire", "verlet", "verlet-critical", "verlet-modes"]), dt=st.floats(0.05, 1.1), damping=st.one_of(positive, st.lists(positive, min_size=1, max_size=3)),
+            history=st.booleans(), history_modes=st.lists(st.tuples(st.integers(-2, 2), st.integers(-2, 2), st.sampled_from(["x", "y", "z"])), max_size=2), history_points=st.lists(st.tuples(signed, signed, st.sampled_from(["x", "z"])), max_size=2), tolerance=st.floats(1e-8, 0.1), max_iterations=st.integers(1, 200), refine=st.integers(1, 2), threads=st.integers(0, 3),
         ),
     ),
     "interior": (

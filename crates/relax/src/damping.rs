@@ -2,6 +2,8 @@
 
 use std::f64::consts::LN_10;
 
+use crate::RelaxError;
+
 /// The two numbers of the damped scheme u₊ = u + β (u − u₋) + τ f (theory.md, section 6.1, scheme A).
 ///
 /// For f = −k u the error of a mode follows λ² − (1 + β − τ k) λ + β = 0. Stiffness is per mass throughout, in 1/time².
@@ -22,6 +24,16 @@ pub struct Damping {
     pub beta: f64,
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
+}
+
+/// Damping coefficients η over critical ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factors {
+    /// One η for all, over the critical one of the softest mode (eq. 4.8 of the source).
+    Softest(f64),
+    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m, C44/z_m,
+    /// C11/z_m on a bonded slab (eq. 4.5 of the source).
+    Components([f64; 3]),
 }
 
 /// The evolution of the error of one mode.
@@ -54,6 +66,32 @@ impl Damping {
     /// η = 2√k/Δt − k (theory.md, section 6.1).
     pub fn critical(k: f64, dt: f64) -> Self {
         Self { beta: (1.0 - k.sqrt() * dt).powi(2), tau: dt * dt }
+    }
+
+    /// `factor` times the critical η of a mode of stiffness `k` at time step `dt`, if modes up to `k_max` are stable with it.
+    ///
+    /// # Errors
+    /// A factor that is not positive, or too large for the time step.
+    pub fn times_critical(factor: f64, k: f64, k_max: f64, dt: f64) -> Result<Self, RelaxError> {
+        let tau = dt * dt;
+        let critical = Self::critical(k, dt);
+        // Exactly the critical damping with a factor of one.
+        let damping = Self { beta: critical.beta - (factor - 1.0) * critical.eta() * tau, tau };
+        let stable = damping.beta.abs() < 1.0 && k_max < damping.stiffness_limit();
+        let allowed = "positive, and small enough for stability with this time step";
+        RelaxError::check_parameter("the damping over the critical one", factor, stable, allowed)?;
+        Ok(damping)
+    }
+
+    /// The time step that is `fraction` of the stability limit without damping, 2/√`k_max`.
+    ///
+    /// # Errors
+    /// A fraction that is not between 0 and 1.
+    pub fn time_step(fraction: f64, k_max: f64) -> Result<f64, RelaxError> {
+        let within = fraction > 0.0 && fraction < 1.0;
+        let name = "the time step over the stability limit";
+        RelaxError::check_parameter(name, fraction, within, "above 0 and below 1")?;
+        Ok(fraction * 2.0 / k_max.sqrt())
     }
 
     /// The largest time step for which the stiffest mode is stable with [`Damping::critical`] of the softest mode:

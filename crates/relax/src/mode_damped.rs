@@ -2,7 +2,7 @@
 
 use gfmd_vector::for_each;
 
-use crate::{Landscape, Method, RelaxError, State, Trail, bounds::within, verlet::advance};
+use crate::{Damping, Landscape, Method, RelaxError, State, Trail, bounds::within, verlet::advance};
 
 /// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), for damping coefficients
 /// η(q) that depend on the mode: B = 1 − τ η.
@@ -26,6 +26,36 @@ impl<B: Fn(&mut [f64])> ModeDamped<B> {
     pub fn critical(tau: f64, retain: B) -> Self {
         Self { tau, stiffness_limit: 4.0 / tau, retain }
     }
+}
+
+/// Damping with a coefficient for each of several equally long parts of the entries: `factors` times the critical η of the
+/// `stiffnesses`, at one time step `dt`, if modes up to `k_max` are stable. Inertia is one number, so that all parts together
+/// are stable if each alone is.
+///
+/// # Errors
+/// A stiffness that is not positive and finite, or a factor that is out of its range ([`Damping::times_critical`]).
+pub fn damped_by_parts(
+    factors: &[f64],
+    stiffnesses: &[f64],
+    k_max: f64,
+    dt: f64,
+) -> Result<ModeDamped<impl Fn(&mut [f64]) + use<>>, RelaxError> {
+    let mut retained = Vec::new();
+    for (&factor, &stiffness) in factors.iter().zip(stiffnesses) {
+        let known = stiffness > 0.0 && stiffness.is_finite();
+        let name = "the stiffness of a uniform displacement";
+        RelaxError::check_parameter(name, stiffness, known, "finite and above zero, as of a compressible slab")?;
+        retained.push(Damping::times_critical(factor, stiffness, k_max, dt)?.beta);
+    }
+    let tau = dt * dt;
+    let least = retained.iter().copied().fold(1.0, f64::min);
+    let retain = move |motion: &mut [f64]| {
+        let length = motion.len() / retained.len().max(1);
+        for (motion, beta) in motion.chunks_mut(length.max(1)).zip(&retained) {
+            for_each([motion], &|_, [motion]| motion.iter_mut().for_each(|d| *d *= beta));
+        }
+    };
+    Ok(ModeDamped { tau, stiffness_limit: 2.0 * (1.0 + least) / tau, retain })
 }
 
 impl<B: Fn(&mut [f64])> Method for ModeDamped<B> {

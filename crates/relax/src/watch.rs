@@ -58,6 +58,8 @@ pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
     pub before: u64,
     /// Visits the variables of the whole.
     pub outer: F,
+    /// True if the variables of the part are not those of the problem, and [`layer`](Watch::layer) is not passed on.
+    pub hides_layer: bool,
 }
 
 impl<F: FnMut(&mut dyn Visit)> Watch for Onlooker<'_, F> {
@@ -66,7 +68,9 @@ impl<F: FnMut(&mut dyn Visit)> Watch for Onlooker<'_, F> {
     }
 
     fn layer(&mut self, energy: f64, u: &[f64]) {
-        self.watch.layer(energy, u);
+        if !self.hides_layer {
+            self.watch.layer(energy, u);
+        }
     }
 
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {

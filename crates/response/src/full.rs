@@ -74,6 +74,12 @@ impl FullResponse {
         self.uniform_compliance
     }
 
+    /// 1/G_xx(0), 1/G_yy(0), 1/G_zz(0) in stress/length; infinite where the mean displacement does not depend on the mean
+    /// traction.
+    pub fn uniform_stiffness(&self) -> [f64; 3] {
+        self.uniform_compliance.map(f64::recip)
+    }
+
     /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus

@@ -1,5 +1,5 @@
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gfmd_field::{Grid, Mode, ShapeError, Transform};
 use num_complex::Complex64;
@@ -33,6 +33,27 @@ impl Operator {
     /// Another operator on the grid of this one, with shared planned transforms.
     pub fn beside(&self, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         Self::on(Arc::clone(&self.transform), matrix)
+    }
+
+    /// The operator on this grid with `f` of each mode and its matrix.
+    pub fn map(&self, f: impl Fn(&Mode, Hermitian) -> Hermitian + Sync) -> Self {
+        let Self { transform, components, matrices } = self;
+        let grid = *transform.grid();
+        let matrices = matrices.par_iter().enumerate().with_min_len(CHUNK);
+        let matrices = matrices.map(|(index, matrix)| f(&grid.mode_at(index), *matrix)).collect();
+        Self { transform: Arc::clone(transform), components: *components, matrices }
+    }
+
+    /// The function field ← F⁻¹\[M F\[field\]\], with memory of its own. A field that does not have the size of the grid stays as it is.
+    pub fn in_place(self) -> impl Fn(&mut [f64]) {
+        let scratch = Mutex::new((self.workspace(), Vec::new()));
+        move |field| {
+            let (workspace, before) = &mut *scratch.lock().unwrap_or_else(PoisonError::into_inner);
+            before.clear();
+            before.extend_from_slice(field);
+            // A field of another size is refused before anything is written.
+            let _ = self.apply(before, field, workspace);
+        }
     }
 
     fn on(transform: Arc<Transform>, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {

@@ -72,7 +72,10 @@ impl Surface {
         let displacement =
             (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
-            (Some(load), _) => format!("{name}, load {load}, with the lateral displacement of a frictionless surface"),
+            (Some(load), Kind::Normal) => {
+                format!("{name}, load {load}, with the lateral displacement of a frictionless surface")
+            }
+            (Some(load), Kind::Full) => format!("{name}, load {load}, without lateral displacement"),
             (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
             (None, Kind::Full) => name.into(),
         };
@@ -156,7 +159,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if boundary != "periodic" {
         return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
     }
-    let (values, load) = match (normal, shape.len()) {
+    // The surface of such a contact has no lateral displacement.
+    let is_held = normal && record.get("components").and_then(toml::Value::as_str) == Some("held");
+    let (mut values, load): (Vec<f64>, _) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);
             let load = load.unwrap_or(loads.saturating_sub(1));
@@ -171,7 +176,12 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
-    let kind = if normal { Kind::Normal } else { Kind::Full };
+    let kind = if normal && !is_held { Kind::Normal } else { Kind::Full };
+    if is_held {
+        let components = if points[1] == 1 { 2 } else { 3 };
+        values = values.iter().flat_map(|u| std::iter::repeat_n(0.0, components - 1).chain([*u])).collect();
+        shape = vec![points[0], points[1], components];
+    }
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
     Ok(Found { shape, values, kind, lengths, unit, record, load, scan })

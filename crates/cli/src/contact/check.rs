@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, Load, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, Contact, FullContact, Load, SteepContact, Stiffness};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
-use gfmd_response::NormalResponse;
+use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{Measured, Stored, arrays, through};
-use super::{Args, Prepared};
+use super::{Args, Prepared, Unknown};
 use crate::base::{BaseArgs, MovedBase, stored_base};
 use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
@@ -19,8 +19,9 @@ use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
-/// The scalars that the fields do not determine: the effort, and the way to the state.
-const OF_THE_SOLVE: [&str; 5] = ["iterations", "transform_pairs", "seconds", "passed_instability", "lowest_curvature"];
+/// The scalars that the fields do not determine: the effort, the way to the state, and the lateral traction that the dynamics left.
+const OF_THE_SOLVE: [&str; 6] =
+    ["iterations", "transform_pairs", "seconds", "passed_instability", "lowest_curvature", "residual_lateral_traction"];
 
 /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
 pub(crate) fn check(
@@ -53,7 +54,7 @@ pub(crate) fn check(
         return Ok(());
     }
     let tolerance = args.solver.tol;
-    let recording = prepared.recording(&args);
+    let recording = args.recording(surface);
     let mut file = Checked {
         reader,
         surface,
@@ -61,6 +62,7 @@ pub(crate) fn check(
         scales,
         tolerance,
         recording,
+        unknown: args.components,
         measured: Vec::new(),
     };
     if args.finite_slope {
@@ -68,15 +70,24 @@ pub(crate) fn check(
         for (index, load) in controls.iter().enumerate().take(count) {
             let pressure = file.field("pressure", index)?;
             if solved(&pressure) {
-                let state = contact.certify(&pressure, *load).map_err(refuse)?;
-                file.compare(index, *load, &state, None, comparison)?;
+                file.compare(index, *load, &contact.certify(&pressure, *load).map_err(refuse)?, None, comparison)?;
+            }
+        }
+        return file.compare_statistics(comparison);
+    }
+    if args.components == Unknown::All {
+        let contact = FullContact::on(FullResponse::new(surface.grid, body), heights).map_err(refuse)?;
+        for (index, load) in controls.iter().enumerate().take(count) {
+            let pressure = file.field("pressure", index)?;
+            if solved(&pressure) {
+                file.compare(index, *load, &contact.certify(&pressure, *load).map_err(refuse)?, None, comparison)?;
             }
         }
         return file.compare_statistics(comparison);
     }
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
-            Boundary::Periodic => Contact::on(NormalResponse::new(surface.grid, body), heights),
+            Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
             Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
         let contact = match args.hardness {
@@ -115,6 +126,7 @@ struct Checked<'a> {
     scales: Scales,
     tolerance: f64,
     recording: Recording,
+    unknown: Unknown,
     /// The statistics of the loads so far, from the fields of the file.
     measured: Vec<Measured>,
 }
@@ -145,7 +157,9 @@ impl Checked<'_> {
             ("/fields/gap", state.gap().iter().copied().collect()),
         ];
         let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
-        for (path, values) in fields.iter().chain(&depth).filter(|(path, _)| reader.contains(path)) {
+        let lateral = ["/fields/displacement_x", "/fields/displacement_y"].into_iter().zip(state.lateral());
+        let lateral: Vec<_> = lateral.map(|(path, field)| (path, field.iter().copied().collect())).collect();
+        for (path, values) in fields.iter().chain(&depth).chain(&lateral).filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
         let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
@@ -158,7 +172,7 @@ impl Checked<'_> {
             let repulsion = stored("pressure", state.pressure().view())?.mapv(|p| p.max(0.0));
             let gap = stored("gap", state.gap())?;
             if recording.statistics {
-                let modulus = scales.contact_modulus;
+                let modulus = self.unknown.conducting(scales.contact_modulus);
                 self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);
             }
             if recording.flow {

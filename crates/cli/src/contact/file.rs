@@ -18,6 +18,7 @@ use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::source::Surface;
+use crate::trace::Trace;
 
 /// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
 pub struct ContactFile<'a> {
@@ -26,56 +27,60 @@ pub struct ContactFile<'a> {
     chosen: Chosen,
 }
 
-const FIELDS: [(&str, &str, &str); 3] = [
+/// The fields of a load: path, units, meaning.
+const FIELDS: [(&str, &str, &str); 6] = [
     ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
     ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
     ("/fields/gap", "length", "distance between the surfaces"),
+    ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching"),
+    ("/fields/displacement_x", "length", "displacement of the elastic surface along x"),
+    ("/fields/displacement_y", "length", "displacement of the elastic surface along y"),
 ];
-
-/// With a hardness.
-const PLASTIC_DEPTH: (&str, &str, &str) =
-    ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching");
 
 /// The fields of each load that go into a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen([bool; 4]);
+pub struct Chosen([bool; 6]);
 
 /// Words that name no fields.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("it must be none, or some of {}, with commas between them", names().collect::<Vec<_>>().join(", "))]
 pub struct ChosenError;
 
-fn all() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
-    FIELDS.into_iter().chain([PLASTIC_DEPTH])
+/// The names of the fields.
+fn names() -> impl Iterator<Item = &'static str> {
+    FIELDS.into_iter().map(|(path, ..)| path.trim_start_matches("/fields/"))
 }
 
-/// The names of the fields, in the order of a state's.
-fn names() -> impl Iterator<Item = &'static str> {
-    all().map(|(path, ..)| path.trim_start_matches("/fields/"))
+impl Recording {
+    /// The fields that the loads have.
+    fn fields(self) -> [bool; 6] {
+        [true, true, true, self.is_plastic, self.lateral > 0, self.lateral > 1]
+    }
 }
 
 impl Chosen {
     /// All fields.
-    pub const ALL: Self = Self([true; 4]);
+    pub const ALL: Self = Self([true; 6]);
 
-    /// True if the depth of plastic indentation is among them, and named as such.
-    pub(super) fn names_plastic_depth(&self) -> bool {
-        *self != Self::ALL && self.0[3]
+    /// The first of the fields named that the loads do not have.
+    pub(super) fn missing(&self, recording: Recording) -> Option<&'static str> {
+        let named = self.0.map(|chosen| chosen && *self != Self::ALL);
+        let mut fields = names().zip(named.into_iter().zip(recording.fields()));
+        fields.find(|(_, (named, has))| *named && !has).map(|(name, _)| name)
     }
 
     /// The places of pressure and gap among the chosen fields, if both are.
     pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
-        let place = |field: usize| self.of(0..4).position(|chosen| chosen == field);
+        let place = |field: usize| self.of(0..6).position(|chosen| chosen == field);
         Some([place(0)?, place(2)?])
     }
 
-    /// The chosen ones of the items that belong to the fields of a state.
+    /// The chosen ones of the items, one for each field.
     fn of<T>(&self, items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
         items.into_iter().zip(self.0).filter(|(_, chosen)| *chosen).map(|(item, _)| item)
     }
 
-    /// The chosen fields of a state, in the order of the file: pressure, displacement and gap, with a hardness also plastic
-    /// depth.
+    /// The chosen ones of the fields that a state has, in the order of the file.
     pub(super) fn fields<'s>(
         &self,
         state: &'s impl Recorded,
@@ -85,9 +90,9 @@ impl Chosen {
             Some(lift) => (&state.displacement_z() + lift).into(),
             None => state.displacement_z().into(),
         };
-        let mut fields = vec![state.pressure(), displacement, state.gap().into()];
-        fields.extend(state.plastic().map(|plastic| plastic.depth.view().into()));
-        self.of(fields).collect()
+        let [x, y] = [0, 1].map(|axis| state.lateral().get(axis).map(|field| field.view().into()));
+        let depth = state.plastic().map(|plastic| plastic.depth.view().into());
+        self.of([Some(state.pressure()), Some(displacement), Some(state.gap().into()), depth, x, y]).flatten().collect()
     }
 }
 
@@ -95,7 +100,7 @@ impl FromStr for Chosen {
     type Err = ChosenError;
 
     fn from_str(text: &str) -> Result<Self, ChosenError> {
-        let mut chosen = [false; 4];
+        let mut chosen = [false; 6];
         if text == "none" {
             return Ok(Self(chosen));
         }
@@ -119,6 +124,11 @@ impl Serialize for Chosen {
     }
 }
 
+/// The fields that the loads have and that are chosen.
+fn written(recording: Recording, chosen: &Chosen) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    chosen.of(FIELDS.into_iter().zip(recording.fields())).filter(|(_, has)| *has).map(|(field, _)| field)
+}
+
 impl<'a> ContactFile<'a> {
     /// A file for `loads` loads of a surface.
     ///
@@ -137,8 +147,7 @@ impl<'a> ContactFile<'a> {
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         surface.write(&mut archive, [&x, &y])?;
-        let fields = FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH));
-        for (path, units, long_name) in chosen.of(fields) {
+        for (path, units, long_name) in written(recording, &chosen) {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
@@ -167,13 +176,13 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
-        for ((path, ..), field) in self.chosen.of(all()).zip(fields) {
+        for ((path, ..), field) in written(self.recording, &self.chosen).zip(fields) {
             self.archive.write_slab(path, index, field)?;
         }
         Ok(())
     }
 
-    /// Writes the chosen fields of one load, in the order pressure, displacement, gap, plastic depth.
+    /// Writes the chosen fields of one load, in the order pressure, u_z, gap, plastic depth, u_x, u_y.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -182,7 +191,7 @@ impl<'a> ContactFile<'a> {
         index: usize,
         fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
     ) -> Result<(), Failure> {
-        for ((path, ..), field) in self.chosen.of(all()).zip(fields) {
+        for ((path, ..), field) in written(self.recording, &self.chosen).zip(fields) {
             self.archive.write_slab(path, index, field.as_standard_layout().as_slice().unwrap_or_default())?;
         }
         Ok(())
@@ -191,6 +200,11 @@ impl<'a> ContactFile<'a> {
     /// Writes patches, distributions and spectra of the loads.
     pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
         statistics::write(&mut self.archive, surface, loads)
+    }
+
+    /// Writes the record of the search for the load.
+    pub(super) fn write_history(&mut self, history: &Trace, unit: &str) -> Result<(), Failure> {
+        history.write(&mut self.archive, unit)
     }
 
     /// Writes the loads at which the flow stops.

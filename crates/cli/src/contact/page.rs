@@ -59,6 +59,11 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
     if !word("boundary").is_empty() {
         page.asked.push(Fact::new("boundary of the cell", &word("boundary")));
     }
+    match word("components").as_str() {
+        "all" => page.asked.push(Fact::new("unknown displacement", "all components, without lateral traction")),
+        "held" => page.asked.push(Fact::new("lateral displacement", "held at zero on the whole surface")),
+        _ => {}
+    }
     page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));
     let tolerance = of(&table, "tol");
     page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));

@@ -4,7 +4,7 @@ use std::fmt;
 
 use gfmd_contact::Boundary;
 
-use super::Report;
+use super::{Report, Unknown};
 use crate::session::list_files;
 
 impl fmt::Display for Report {
@@ -23,8 +23,15 @@ impl fmt::Display for Report {
         };
         writeln!(
             f,
-            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}\n",
-            self.rms_gradient, self.rms_height, self.e_star
+            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}{}\n",
+            self.rms_gradient,
+            self.rms_height,
+            self.e_star,
+            match self.components {
+                Unknown::Normal => "",
+                Unknown::All => "; u_x, u_y and u_z unknown, no lateral traction",
+                Unknown::Held => "; u_x and u_y held at zero",
+            }
         )?;
         if let Some(body) = &self.body {
             writeln!(f, "elastic body: {body}\n")?;

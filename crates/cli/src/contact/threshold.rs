@@ -124,7 +124,8 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         };
         let budget = args.solver.budget();
         let history = History::default();
-        let mut watch = Watching { index: 0, progress, session, history, kept: None, closing: false, failed: None };
+        let (kept, tracer) = (None, None);
+        let mut watch = Watching { index: 0, progress, session, history, tracer, kept, closing: false, failed: None };
         let press = contact.press(load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
         let (state, stopped) = reached(press.watch(&mut watch).solve())?;
         if let Some(stopped) = stopped {

@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::resume::Kept;
 use crate::session::Session;
+use crate::trace::Tracer;
 
 /// The watcher of one load: progress, history, interruption, and copies of the solve.
 pub(super) struct Watching<'a, 'k> {
@@ -16,6 +17,7 @@ pub(super) struct Watching<'a, 'k> {
     pub(super) progress: &'a Progress,
     pub(super) session: &'a Session,
     pub(super) history: History,
+    pub(super) tracer: Option<Tracer>,
     pub(super) kept: Option<&'a mut Kept<'k>>,
     /// True after an interruption, which waits for the next copy.
     pub(super) closing: bool,
@@ -28,11 +30,20 @@ impl Watch for Watching<'_, '_> {
         let note = format!("load {}, iteration {iteration}, residual {residual:.1e}", self.index);
         self.progress.advance(0.0, &note);
         self.history.see(iteration, residual);
+        if let Some(tracer) = &mut self.tracer {
+            tracer.see(iteration, residual);
+        }
         if self.failed.is_some() || self.closing || (self.session.is_interrupted() && self.kept.is_none()) {
             return ControlFlow::Break(());
         }
         self.closing = self.session.is_interrupted();
         ControlFlow::Continue(())
+    }
+
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        if let Some(tracer) = &mut self.tracer {
+            tracer.layer(energy, u);
+        }
     }
 
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, integer, number, numbers, texts, word
+from ._check import Array, flag, integer, number, numbers, shown, texts, word
 from ._command import flags
 from ._contact import Contact
 from ._errors import InputError
@@ -35,6 +35,8 @@ class Punch(Record):
         residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
+        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if asked for, each
+            a Record with `mode` or `point`, `component`, and `re` and `im` (length) or `u` (length).
 
     Example:
         >>> punch.displacement.shape, punch.components
@@ -164,6 +166,11 @@ def punch(
     shift: Sequence[float] = (),
     traction: Optional[npt.ArrayLike] = None,
     solver: str = "auto",
+    dt: Optional[float] = None,
+    damping: float | Sequence[float] | None = None,
+    history: bool = False,
+    history_modes: Sequence[tuple[int, int, str]] = (),
+    history_points: Sequence[tuple[float, float, str]] = (),
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     refine: int = 1,
@@ -183,7 +190,14 @@ def punch(
         nodes: "strict" (default) leaves out the points on its edge, "inclusive" takes them in.
         shift: lateral displacement (x, y) of a sticking punch, length; (x,) of a strip.
         traction: traction where the punch does not hold, stress, [n, n, 3], or [n, 2] of a strip.
-        solver: "auto", "cg", "verlet", "verlet-critical" or "fire".
+        solver: "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
+        dt: time step over its stability limit without damping, of "verlet-critical" and "verlet-modes".
+        damping: damping of "verlet-critical" over the critical one of the softest mode; or three numbers, that of each component
+            over the critical one of its own uniform mode.
+        history: record every step, in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves no
+            displacement).
+        history_modes: modes (m, n, component) of the displacement to record, in `history.modes`, as (1, 0, "x").
+        history_points: points (x, y, component) whose displacement to record, in `history.points`; lengths.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
         refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
@@ -213,10 +227,19 @@ def punch(
         nodes=None if nodes is None else word("nodes", nodes),
         shift=numbers("shift", shift) if len(shift) else None,
         solver=word("solver", solver),
+        dt=None if dt is None else number("dt", dt),
+        damping=None if damping is None else numbers("damping", damping),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
         refine=None if refine == 1 else integer("refine", refine, 1, 8),
     )
+    words += ["--history"] if flag("history", history) else []
+    for first, second, component in _threes("history_modes", history_modes):
+        numbers_of = [integer("history_modes", entry, -(2**31), 2**31 - 1) for entry in (first, second)]
+        words += flags(history_mode=[*numbers_of, word("history_modes", component)])
+    for first, second, component in _threes("history_points", history_points):
+        position = [number("history_points", entry) for entry in (first, second)]
+        words += flags(history_point=[*position, word("history_points", component)])
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("mask", mask), ("traction", traction)):
             if array is not None:
@@ -229,7 +252,27 @@ def punch(
         values["height"] = math.inf
     for name in ("mask", "traction"):  # files that are removed with their folder
         values.pop(name, None)
+    if history:
+        values["history"] = _history(values["history"])
     return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+
+
+def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
+    try:
+        return [(first, second, component) for first, second, component in rows]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {shown(rows)}; it must have entries of three: two numbers and a component") from error
+
+
+def _history(values: dict[str, Any]) -> dict[str, Any]:
+    """The record of a search, with arrays, and NaN in place of null."""
+
+    def told(name: str, value: Any) -> Any:
+        if name in ("modes", "points"):
+            return [{name: told(name, entry) for name, entry in row.items()} for row in value]
+        return value if name in ("mode", "point", "component") else np.array(value, dtype=np.float64)
+
+    return {name: told(name, value) for name, value in values.items()}
 
 
 def interior(

@@ -41,7 +41,7 @@ class Contact(Record):
         mean_pressure_in_contact, pressure_deviation_in_contact: mean and standard deviation over the points in contact, stress.
         pressure_moment_2: mean square pressure over the whole surface, stress^2.
         elastic_energy: elastic energy per area, stress * length.
-        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN with a law, for a profile
+        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN with a law, with all components, for a profile
             with free boundaries, and in full contact if the mean level is fixed (half-space), where it is infinite.
         stiffness_error: its relative error.
         iterations, transform_pairs: effort of the solve.
@@ -53,6 +53,7 @@ class Contact(Record):
         plastic_fraction, plastic_volume: points whose pressure is the hardness over all points, mean plastic depth (length);
             with a hardness only.
         hardness: the hardness given, stress, or None.
+        components: "normal", "all" or "held", as given.
         interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
         passed_instability: True if the surfaces jumped on the way from `start`.
         lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
@@ -99,28 +100,31 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float, str, Optional[float]]
+    _settings: tuple[str, float, str, Optional[float], str]
     _state: Any
     _plastic_depth: Optional[Array]
+    _lateral: tuple[Array, ...]
 
     def __init__(
         self,
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float, str, Optional[float]] = ("auto", 1e-8, "periodic", None),
+        settings: tuple[str, float, str, Optional[float], str] = ("auto", 1e-8, "periodic", None, "normal"),
         state: Any = None,
         plastic_depth: Optional[Array] = None,
+        lateral: tuple[Array, ...] = (),
     ) -> None:
         super().__init__(values)
         object.__setattr__(self, "_plastic_depth", None if plastic_depth is None else frozen(plastic_depth))
+        object.__setattr__(self, "_lateral", tuple(frozen(field) for field in lateral))
         names = ("surface", "body", "law", "_pressure", "_displacement_z", "_gap", "_settings", "_state")
         for name, value in zip(names, (*parts, *(frozen(field) for field in fields), settings, state)):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         fields = (self._pressure, self._displacement_z, self._gap)
-        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._plastic_depth)
+        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._plastic_depth, self._lateral)
 
     @property
     def pressure(self) -> Array:
@@ -146,6 +150,21 @@ class Contact(Record):
     def hardness(self) -> Optional[float]:
         """The largest pressure of a contact with a hardness, stress."""
         return self._settings[3]
+
+    @property
+    def components(self) -> str:
+        """The components of the surface displacement that were unknown: "normal", "all" or "held"."""
+        return self._settings[4]
+
+    @property
+    def displacement_x(self) -> Optional[Array]:
+        """Displacement of the elastic surface along x [x, y], length; None unless all components were unknown. Read-only."""
+        return self._lateral[0] if self._lateral else None
+
+    @property
+    def displacement_y(self) -> Optional[Array]:
+        """Displacement along y, as `displacement_x`; None for a profile. Read-only."""
+        return self._lateral[1] if len(self._lateral) > 1 else None
 
     @property
     def plastic_depth(self) -> Optional[Array]:

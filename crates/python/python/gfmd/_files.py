@@ -54,6 +54,7 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         **_others(body),
         "pressure": [contact["mean_pressure"] for contact in contacts],
         "boundary": first.boundary,
+        **({} if first.components == "normal" else {"components": first.components}),
         **({} if first.hardness is None else {"hardness": first.hardness}),
         "solver": first._settings[0],
         "tol": first._settings[1],
@@ -62,7 +63,7 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
     }
     def fields_of(contact: Contact) -> list[Array]:
         depth = contact.plastic_depth
-        return [contact.pressure, contact.displacement_z, contact.gap, *([] if depth is None else [depth])]
+        return [contact.pressure, contact.displacement_z, contact.gap, *([] if depth is None else [depth]), *contact._lateral]
 
     loads = [(_toml(contact._values), fields_of(contact)) for contact in contacts]
     given = (surface.heights, surface.size, surface.unit, surface.description)
@@ -108,7 +109,9 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         names.append("force")
     if hardness is not None:
         names += ["plastic_fraction", "plastic_volume"]
+    components = str(config.get("components", "normal"))
     parts = _RESIDUALS if hardness is None else (*_RESIDUALS, "saturation")
+    parts = (*parts, "lateral_traction") if components == "all" else parts
     residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in parts}
     columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual" and key not in _STIFFNESS}
     for key in _STIFFNESS:
@@ -129,9 +132,11 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         return bool(value) if key in _FLAGS else value
 
     depths = None if hardness is None else _gfmd.read_array(name, "/fields/plastic_depth")
-    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")), hardness)
+    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")), hardness, components)
+    axes = () if components != "all" else ("x",) if surface.n[1] == 1 else ("x", "y")
+    lateral = [_gfmd.read_array(name, f"/fields/displacement_{axis}") for axis in axes]
     contacts = [
-        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings, None, None if depths is None else np.ascontiguousarray(depths[index]))  # type: ignore[arg-type]
+        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings, None, None if depths is None else np.ascontiguousarray(depths[index]), tuple(np.ascontiguousarray(field[index]) for field in lateral))  # type: ignore[arg-type]
         for index in range(len(fields[0]))
         if np.isfinite(columns["mean_pressure"][index])
     ]

@@ -35,6 +35,7 @@ _Tick = Optional[Callable[[int, float], None]]
 class State:
     fields: tuple[_Array, _Array, _Array]
     plastic_depth: Optional[_Array]
+    lateral: list[_Array]
 
 @final
 class Problem:
@@ -46,6 +47,7 @@ class Problem:
         law: tuple[str, list[tuple[str, float]]],
         hardness: Optional[float],
         boundary: str,
+        components: str,
         solver: str,
         threads: int,
     ) -> Problem: ...

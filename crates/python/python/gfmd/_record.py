@@ -89,6 +89,7 @@ class Residual(Record):
         negative_pressure: largest tension over the mean pressure.
         load: mean pressure less the asked one, over the asked one.
         saturation: with a hardness only, largest gap over the rms height where the pressure is the hardness.
+        lateral_traction: with all components only, largest lateral traction that the dynamics left over the largest pressure.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
@@ -100,6 +101,7 @@ class Residual(Record):
     negative_pressure: float
     load: float
     saturation: float
+    lateral_traction: float
 
     def __float__(self) -> float:
         parts = [float(part) for part in self._values.values()]

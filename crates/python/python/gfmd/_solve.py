@@ -22,18 +22,24 @@ from ._surface import Surface, as_surface
 # The surroundings of a surface.
 BOUNDARIES = ("periodic", "free")
 
+# The components of the surface displacement that are unknown.
+COMPONENTS = ("normal", "all", "held")
+
 # A problem for each surface that is in use.
-_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Optional[float]], Any]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Optional[float], str], Any]] = WeakKeyDictionary()
 
 
 class _Setup:
     """A surface against a body, checked, with the numbers of the solve."""
 
-    def __init__(self, surface: Any, body: Any, boundary: Any, law: Any, hardness: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
+    def __init__(self, surface: Any, body: Any, boundary: Any, law: Any, hardness: Any, components: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
         self.boundary = word("boundary", boundary)
         self.hardness = None if hardness is None else number("hardness", hardness)
+        self.components = word("components", components)
+        if self.components not in COMPONENTS:
+            raise InputError(f"components is {components!r}; it must be one of {', '.join(map(repr, COMPONENTS))}")
         if self.boundary not in BOUNDARIES:
             raise InputError(f"boundary is {boundary!r}; it must be one of {', '.join(map(repr, BOUNDARIES))}")
         if self.solver not in _gfmd.solvers():
@@ -49,12 +55,12 @@ class _Setup:
 
     def _problem(self) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        asked = (self.body, self.law, self.boundary, self.solver, self.hardness)
+        asked = (self.body, self.law, self.boundary, self.solver, self.hardness, self.components)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
             heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
             law = self.law._native
-            last = asked, _gfmd.Problem(heights, size, given, law, self.hardness, self.boundary, self.solver, self.threads)
+            last = asked, _gfmd.Problem(heights, size, given, law, self.hardness, self.boundary, self.components, self.solver, self.threads)
             _LAST[self.surface] = last
         return last[1]
 
@@ -65,6 +71,8 @@ class _Setup:
             raise InputError(f"start has the boundary {start.boundary}; it must be {self.boundary} as of the contact")
         if (start.law["name"] == "hard-wall") != (self.law["name"] == "hard-wall"):
             raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
+        if start.components != self.components:
+            raise InputError(f"start has the components {start.components}; they must be {self.components} as of the contact")
         if start._state is not None:
             return start._state
         return self.problem.recall(start.pressure, start.displacement_z, start.gap, start.approach)
@@ -82,7 +90,8 @@ class _Setup:
         values["residual"] = Residual(without_null(values["residual"]))
         parts = (self.surface, self.body, self.law)
         pressure, displacement, gap = state.fields
-        contact = Contact(without_null(values), parts, (pressure, displacement, gap), (self.solver, self.tolerance, self.boundary, self.hardness), state, state.plastic_depth)
+        settings = (self.solver, self.tolerance, self.boundary, self.hardness, self.components)
+        contact = Contact(without_null(values), parts, (pressure, displacement, gap), settings, state, state.plastic_depth, tuple(state.lateral))
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:
@@ -111,6 +120,7 @@ def contact(
     boundary: str = "periodic",
     law: Law | str | None = None,
     hardness: Optional[float] = None,
+    components: str = "normal",
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -129,6 +139,9 @@ def contact(
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
         hardness: largest pressure, stress, of a hard wall; where it is reached the surfaces are pressed into each other.
+        components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and u_y follow
+            from the pressure), "all" (all are moved by damped dynamics, under a mean pressure; the same u_z at a higher cost),
+            or "held" (u_z, with u_x and u_y held at zero).
         solver: a name of docs/solvers.md.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
@@ -148,7 +161,7 @@ def contact(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     value = number(control, given)
-    setup = _Setup(surface, body, boundary, law, hardness, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, hardness, components, solver, tolerance, max_iterations, threads, start)
     setup.check(control, value)
     with Progress("contact") as progress:
         return setup.solve(control, value, setup.start, progress)
@@ -164,6 +177,7 @@ def contacts(
     boundary: str = "periodic",
     law: Law | str | None = None,
     hardness: Optional[float] = None,
+    components: str = "normal",
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -175,7 +189,7 @@ def contacts(
     Args:
         surface, body: as of `contact`.
         mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
-        boundary, law, hardness, solver, tolerance, max_iterations, threads, start: as of `contact`.
+        boundary, law, hardness, components, solver, tolerance, max_iterations, threads, start: as of `contact`.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -188,7 +202,7 @@ def contacts(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     values = numbers(control, given)
-    setup = _Setup(surface, body, boundary, law, hardness, solver, tolerance, max_iterations, threads, start)
+    setup = _Setup(surface, body, boundary, law, hardness, components, solver, tolerance, max_iterations, threads, start)
     for value in values:
         setup.check(control, value)
     done: list[Contact] = []

@@ -1,0 +1,71 @@
+//! The flags of damped dynamics that several commands share: time step and damping.
+
+use clap::Args;
+use gfmd_contact::Factors;
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Flags of the dynamics.
+#[derive(Args, Clone, Debug, Default, Serialize)]
+pub struct DynamicsArgs {
+    /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dt: Option<f64>,
+    /// Damping of verlet-critical over the critical one of the softest mode (default: 1); or, with three numbers, that of each
+    /// component over the critical one of its own uniform mode
+    #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    damping: Vec<f64>,
+}
+
+/// The method for which the flags are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DampedBy {
+    /// Numbers, one or one for each component: `verlet-critical`.
+    Numbers,
+    /// Modes: `verlet-modes`.
+    Modes,
+    /// Another method.
+    Other,
+}
+
+impl DynamicsArgs {
+    /// Checks that the method takes the flags.
+    ///
+    /// # Errors
+    /// A flag that the method does not take; two numbers in place of one or three.
+    pub(crate) fn check(&self, method: DampedBy) -> Result<(), Failure> {
+        if let (Some(dt), DampedBy::Other) = (self.dt, method) {
+            return Err(Failure::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
+        }
+        if let (Some(factor), false) = (self.damping.first(), method == DampedBy::Numbers) {
+            return Err(Failure::value("--damping", factor, "left out without --solver verlet-critical"));
+        }
+        self.factors().map(drop)
+    }
+
+    /// The time step over its stability limit.
+    pub(crate) fn time_step(&self) -> Option<f64> {
+        self.dt
+    }
+
+    /// The damping over a critical one.
+    ///
+    /// # Errors
+    /// Two numbers.
+    pub(crate) fn factors(&self) -> Result<Factors, Failure> {
+        match self.damping[..] {
+            [] => Ok(Factors::Softest(1.0)),
+            [factor] => Ok(Factors::Softest(factor)),
+            [x, y, z] => Ok(Factors::Components([x, y, z])),
+            _ => Err(Failure::value("--damping", format!("{:?}", self.damping), "one number, or three")),
+        }
+    }
+
+    /// Returns true if a flag is given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.dt.is_some() || !self.damping.is_empty()
+    }
+}
