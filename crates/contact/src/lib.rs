@@ -32,7 +32,8 @@
 //!
 //! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface. Other crates generate heights (`gfmd-surface`),
+//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface,
+//! [`SqueezedContact`] is a slab between two rigid surfaces. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod boundary;
@@ -59,6 +60,7 @@ mod load_search;
 mod pull_push;
 mod resumable;
 mod solve;
+mod squeezed;
 mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
@@ -75,5 +77,6 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use squeezed::{SqueezedContact, SqueezedSolution};
 pub use stiffness::Stiffness;
 pub use units::Units;
