@@ -14,10 +14,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness};
+use gfmd_contact::{
+    Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, SqueezedContact, Stiffness,
+};
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
-use gfmd_green::Body;
+use gfmd_green::{BaseKind, Body, Height};
 use gfmd_interface::Interface;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
@@ -34,6 +36,7 @@ use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
+use crate::lower::LowerArgs;
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
@@ -58,6 +61,7 @@ use watching::Watching;
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
+  gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -69,6 +73,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     base: BaseArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    lower: LowerArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
@@ -98,7 +105,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
-    /// Fields of each load that go into --out: some of pressure, displacement_z, gap and plastic_depth, or none; default: all
+    /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, lower_pressure, lower_displacement_z and lower_gap, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
@@ -112,7 +119,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with the statistics also
+    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with a lower surface also its
+    /// map PREFIX-lower-map, with the statistics also
     /// patches, distributions and spectrum, with the flow its flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
@@ -169,6 +177,8 @@ pub struct Report {
     pub body: Option<String>,
     #[serde(flatten)]
     pub base: BaseArgs,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Lower>,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<f64>,
@@ -184,6 +194,17 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
+/// The surface below the slab, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Lower {
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    pub rms_gradient: f64,
+    pub rms_height: f64,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -197,6 +218,8 @@ struct Prepared {
     surface: Surface,
     body: Body,
     base: Option<MovedBase>,
+    /// Below the slab.
+    lower: Option<Surface>,
     law: Arc<dyn Law>,
     controls: Vec<Load>,
     output: Option<Output>,
@@ -241,7 +264,15 @@ impl Prepared {
         {
             return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
         }
+        check_lower(args)?;
         let surface = args.source.bounded(args.boundary, session)?;
+        let lower = args.lower.read(&args.source, &surface, session)?;
+        if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
+            return Err(Failure::input(
+                &args.source.name(),
+                "the heights are all equal; with a lower surface only that may be flat",
+            ));
+        }
         if args.flow_threshold {
             threshold::check(args)?;
         }
@@ -249,6 +280,7 @@ impl Prepared {
             return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
         }
         let fields = match (args.law.law, args.boundary) {
+            _ if lower.is_some() => Held::SQUEEZED,
             (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
                 let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
                 if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
@@ -266,7 +298,7 @@ impl Prepared {
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, base, law, controls, output })
+        Ok(Self { surface, body, base, lower, law, controls, output })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -291,6 +323,7 @@ impl Prepared {
             is_plastic: args.hardness.is_some(),
             statistics: args.statistics,
             flow: args.flow,
+            is_squeezed: self.lower.is_some(),
         }
     }
 
@@ -300,6 +333,10 @@ impl Prepared {
             _ => Failure::input(&args.source.name(), refusal),
         };
         let (body, Surface { grid, .. }) = (&self.body, &self.surface);
+        if let Some(lower) = &self.lower {
+            let contact = SqueezedContact::new(body, grid, &self.surface.heights, &lower.heights).map_err(refuse)?;
+            return self.press(&contact, contact.surfaces()[0], args, session);
+        }
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
@@ -347,6 +384,12 @@ impl Prepared {
             others: args.body.others.clone(),
             body: args.body.words(),
             base: args.base.clone(),
+            lower: self.lower.as_ref().map(|lower| Lower {
+                surface: lower.description.clone(),
+                scan: lower.scan.clone(),
+                rms_gradient: lower.rms_gradient(),
+                rms_height: lower.statistics.moments.rms_height(),
+            }),
             boundary: self.surface.boundary.name(),
             hardness: args.hardness,
             loads: Vec::new(),
@@ -361,7 +404,8 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
-                let head = session.identity(&config, &self.surface) + &base;
+                let lower = self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
+                let head = session.identity(&config, &self.surface) + &base + &lower;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
@@ -384,6 +428,36 @@ impl Prepared {
         let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&written));
         Ok(Outcome { report, failure })
+    }
+}
+
+/// Refuses flags that do not go with a surface below the slab.
+fn check_lower(args: &Args) -> Result<(), Failure> {
+    let Some(lower) = args.lower.flag() else {
+        return match &args.fields {
+            Some(fields) if fields.names_lower() => {
+                Err(Failure::value("--fields", fields, "without fields of the lower face, or with --lower-surface or --lower-seed"))
+            }
+            _ => Ok(()),
+        };
+    };
+    let refuse = |flag: &str, found: String, allowed: &str| Err(Failure::value(flag, found, format!("{allowed} with {lower}")));
+    let others = &args.body.others;
+    match () {
+        () if args.body.height == Height::Infinite => refuse("--height", "inf".into(), "finite"),
+        () if others.base != BaseKind::Bonded => refuse("--base", others.base.to_string(), "left out (nothing but the two surfaces holds the slab)"),
+        () if args.base.base_displacement.is_some() => refuse("--base-displacement", "given".into(), "left out"),
+        () if args.base.base_traction.is_some() => refuse("--base-traction", "given".into(), "left out"),
+        () if args.law.law != Kind::HardWall => refuse("--law", args.law.law.to_string(), "hard-wall"),
+        () if args.boundary == Boundary::Free => refuse("--boundary", args.boundary.to_string(), "periodic"),
+        () if args.statistics => refuse("--statistics", "given".into(), "left out"),
+        () if args.flow => refuse("--flow", "given".into(), "left out"),
+        () if args.flow_threshold => refuse("--flow-threshold", "given".into(), "left out"),
+        () => match (&others.second_body, args.hardness) {
+            (Some(second), _) => refuse("--second-body", second.to_string(), "left out"),
+            (_, Some(hardness)) => refuse("--hardness", hardness.to_string(), "left out"),
+            _ => Ok(()),
+        },
     }
 }
 
@@ -412,7 +486,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, base, controls, output, .. }, contact, args, session } = *self;
+        let Self { prepared: Prepared { surface, base, lower, controls, output, .. }, contact, args, session } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = self.prepared.recording(args);
@@ -422,6 +496,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let mut file = output.as_ref().map(create).transpose()?;
         if let (Some(file), Some(base)) = (&mut file, base) {
             file.write_base(base, surface)?;
+        }
+        if let (Some(file), Some(lower)) = (&mut file, lower) {
+            file.write_lower(lower)?;
         }
         let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
@@ -502,6 +579,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
             report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
+            if let Some(lower) = state.lower() {
+                report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
+            }
             let variance = self.prepared.pressure_variance();
             report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }

@@ -15,6 +15,8 @@ impl Held {
     pub const HARD_WALL_ONCE: Self = Self(10);
     /// A contact with a hard wall and free boundaries.
     pub const FREE: Self = Self(26);
+    /// A slab between two surfaces.
+    pub const SQUEEZED: Self = Self(50);
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
     /// A path of u_z alone, with the states before and after a jump.

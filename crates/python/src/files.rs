@@ -49,7 +49,8 @@ pub(crate) fn save(
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
         let is_plastic = records.iter().any(|record| record.plastic_fraction.is_some());
-        let recording = Recording { is_plastic, ..Recording::plain(with_law, boundary) };
+        let is_squeezed = records.iter().any(|record| record.lower.is_some());
+        let recording = Recording { is_plastic, is_squeezed, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         for (index, fields) in fields.iter().enumerate() {

@@ -156,6 +156,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if boundary != "periodic" {
         return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
     }
+    if crate::lower::is_stored(&reader) {
+        return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
+    }
     let (values, load) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);

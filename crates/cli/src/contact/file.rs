@@ -17,6 +17,7 @@ use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
+use crate::lower;
 use crate::source::Surface;
 
 /// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
@@ -36,9 +37,19 @@ const FIELDS: [(&str, &str, &str); 3] = [
 const PLASTIC_DEPTH: (&str, &str, &str) =
     ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching");
 
+/// Between two surfaces.
+const LOWER: [(&str, &str, &str); 3] = [
+    ("/fields/lower_pressure", "stress", "pressure on the lower face of the slab"),
+    ("/fields/lower_displacement_z", "length", "normal displacement of the lower face of the slab, positive upwards"),
+    ("/fields/lower_gap", "length", "distance between the lower face of the slab and the lower surface"),
+];
+
 /// The fields of each load that go into a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen([bool; 4]);
+pub struct Chosen([bool; COUNT]);
+
+/// The number of fields.
+const COUNT: usize = 7;
 
 /// Words that name no fields.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -46,7 +57,12 @@ pub struct Chosen([bool; 4]);
 pub struct ChosenError;
 
 fn all() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
-    FIELDS.into_iter().chain([PLASTIC_DEPTH])
+    FIELDS.into_iter().chain([PLASTIC_DEPTH]).chain(LOWER)
+}
+
+/// For each field, whether the loads have it.
+fn are_there(is_plastic: bool, is_squeezed: bool) -> [bool; COUNT] {
+    std::array::from_fn(|field| [true, true, true, is_plastic].get(field).copied().unwrap_or(is_squeezed))
 }
 
 /// The names of the fields, in the order of a state's.
@@ -56,16 +72,26 @@ fn names() -> impl Iterator<Item = &'static str> {
 
 impl Chosen {
     /// All fields.
-    pub const ALL: Self = Self([true; 4]);
+    pub const ALL: Self = Self([true; COUNT]);
 
     /// True if the depth of plastic indentation is among them, and named as such.
     pub(super) fn names_plastic_depth(&self) -> bool {
         *self != Self::ALL && self.0[3]
     }
 
+    /// True if fields of the lower face are among them, and named as such.
+    pub(super) fn names_lower(&self) -> bool {
+        *self != Self::ALL && self.0[4..].contains(&true)
+    }
+
+    /// Those that the loads have.
+    fn among(&self, there: [bool; COUNT]) -> Self {
+        Self(std::array::from_fn(|field| self.0[field] && there[field]))
+    }
+
     /// The places of pressure and gap among the chosen fields, if both are.
     pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
-        let place = |field: usize| self.of(0..4).position(|chosen| chosen == field);
+        let place = |field: usize| self.of(0..COUNT).position(|chosen| chosen == field);
         Some([place(0)?, place(2)?])
     }
 
@@ -75,7 +101,7 @@ impl Chosen {
     }
 
     /// The chosen fields of a state, in the order of the file: pressure, displacement and gap, with a hardness also plastic
-    /// depth.
+    /// depth, between two surfaces also pressure, displacement and gap of the lower face.
     pub(super) fn fields<'s>(
         &self,
         state: &'s impl Recorded,
@@ -87,7 +113,12 @@ impl Chosen {
         };
         let mut fields = vec![state.pressure(), displacement, state.gap().into()];
         fields.extend(state.plastic().map(|plastic| plastic.depth.view().into()));
-        self.of(fields).collect()
+        if let Some(lower) = state.lower() {
+            fields.extend([lower.pressure.view().into(), (-&lower.displacement).into(), lower.gap.view().into()]);
+        }
+        let there = are_there(state.plastic().is_some(), state.lower().is_some());
+        let chosen = self.0.into_iter().zip(there).filter_map(|(chosen, there)| there.then_some(chosen));
+        fields.into_iter().zip(chosen).filter(|(_, chosen)| *chosen).map(|(field, _)| field).collect()
     }
 }
 
@@ -95,7 +126,7 @@ impl FromStr for Chosen {
     type Err = ChosenError;
 
     fn from_str(text: &str) -> Result<Self, ChosenError> {
-        let mut chosen = [false; 4];
+        let mut chosen = [false; COUNT];
         if text == "none" {
             return Ok(Self(chosen));
         }
@@ -137,8 +168,8 @@ impl<'a> ContactFile<'a> {
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         surface.write(&mut archive, [&x, &y])?;
-        let fields = FIELDS.into_iter().chain(recording.is_plastic.then_some(PLASTIC_DEPTH));
-        for (path, units, long_name) in chosen.of(fields) {
+        let chosen = chosen.among(are_there(recording.is_plastic, recording.is_squeezed));
+        for (path, units, long_name) in chosen.of(all()) {
             let units = if units == "length" { unit } else { units };
             archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
         }
@@ -152,6 +183,15 @@ impl<'a> ContactFile<'a> {
     pub(super) fn write_base(&mut self, base: &MovedBase, surface: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&surface.grid, surface.unit());
         base.write(&mut self.archive, [&x, &y], surface.unit())
+    }
+
+    /// Writes the group `/lower`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&lower.grid, lower.unit());
+        lower::write(lower, &mut self.archive, [&x, &y])
     }
 
     /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
@@ -173,7 +213,7 @@ impl<'a> ContactFile<'a> {
         Ok(())
     }
 
-    /// Writes the chosen fields of one load, in the order pressure, displacement, gap, plastic depth.
+    /// Writes the chosen fields of one load, in the order pressure, displacement, gap, plastic depth, and those of the lower face.
     ///
     /// # Errors
     /// A file that cannot be written.
