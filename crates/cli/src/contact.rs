@@ -36,7 +36,7 @@ use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
-use crate::lower::LowerArgs;
+use crate::lower::{self, LowerArgs};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
@@ -382,7 +382,7 @@ impl Prepared {
             rms_height: rigid.rms_height(),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
-            body: args.body.words(),
+            body: args.body.words(args.lower.flag().map(|_| lower::BETWEEN)),
             base: args.base.clone(),
             lower: self.lower.as_ref().map(|lower| Lower {
                 surface: lower.description.clone(),
@@ -448,7 +448,7 @@ fn check_lower(args: &Args) -> Result<(), Failure> {
         () if others.base != BaseKind::Bonded => refuse("--base", others.base.to_string(), "left out (nothing but the two surfaces holds the slab)"),
         () if args.base.base_displacement.is_some() => refuse("--base-displacement", "given".into(), "left out"),
         () if args.base.base_traction.is_some() => refuse("--base-traction", "given".into(), "left out"),
-        () if args.law.law != Kind::HardWall => refuse("--law", args.law.law.to_string(), "hard-wall"),
+        () if args.law.law != Kind::HardWall => refuse("--law", args.law.law.name().into(), "hard-wall"),
         () if args.boundary == Boundary::Free => refuse("--boundary", args.boundary.to_string(), "periodic"),
         () if args.statistics => refuse("--statistics", "given".into(), "left out"),
         () if args.flow => refuse("--flow", "given".into(), "left out"),

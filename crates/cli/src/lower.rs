@@ -24,6 +24,9 @@ pub struct LowerArgs {
     pub lower_seed: Option<u64>,
 }
 
+/// What the words for a slab say in place of its base.
+pub(crate) const BETWEEN: &str = "between two rigid surfaces";
+
 /// The group of a file.
 const GROUP: &str = "/lower";
 

@@ -105,9 +105,9 @@ fn a_thick_slab_has_two_contacts_of_half_spaces() {
     };
     let [thin, middle, thick] = [0.4, 0.8, 4.0].map(difference);
     assert!(thick < 1e-8, "{thick:e}");
-    // The longest wave of these surfaces has q = 4π.
+    // The longest wave has q = 2π.
     let rate = (thin / middle).ln() / 0.4;
-    assert!((0.5..1.5).contains(&(rate / (4.0 * std::f64::consts::PI))), "{rate} from {thin:e} {middle:e}");
+    assert!((0.5..1.5).contains(&(rate / std::f64::consts::TAU)), "{rate} from {thin:e} {middle:e}");
 }
 
 #[test]

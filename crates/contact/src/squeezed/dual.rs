@@ -72,7 +72,7 @@ impl Dual {
         let wave = |periods: usize| std::f64::consts::TAU * periods as f64 / longer;
         let floating = matches!(load, Load::MeanPressure(_));
         let face = || PullPush::new(points, floating, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).squeezing);
-        let shared = PullPush::new(points, true, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).bending);
+        let shared = PullPush::new(points, true, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).bending).bending();
         let indentation = vec![0.0; linear.len()];
         let row = if grid.is_line() { grid.len() } else { points[1] };
         Self {
