@@ -404,7 +404,8 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
-                let lower = self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
+                let lower =
+                    self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
                 let head = session.identity(&config, &self.surface) + &base + &lower;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
@@ -435,17 +436,22 @@ impl Prepared {
 fn check_lower(args: &Args) -> Result<(), Failure> {
     let Some(lower) = args.lower.flag() else {
         return match &args.fields {
-            Some(fields) if fields.names_lower() => {
-                Err(Failure::value("--fields", fields, "without fields of the lower face, or with --lower-surface or --lower-seed"))
-            }
+            Some(fields) if fields.names_lower() => Err(Failure::value(
+                "--fields",
+                fields,
+                "without fields of the lower face, or with --lower-surface or --lower-seed",
+            )),
             _ => Ok(()),
         };
     };
-    let refuse = |flag: &str, found: String, allowed: &str| Err(Failure::value(flag, found, format!("{allowed} with {lower}")));
+    let refuse =
+        |flag: &str, found: String, allowed: &str| Err(Failure::value(flag, found, format!("{allowed} with {lower}")));
     let others = &args.body.others;
     match () {
         () if args.body.height == Height::Infinite => refuse("--height", "inf".into(), "finite"),
-        () if others.base != BaseKind::Bonded => refuse("--base", others.base.to_string(), "left out (nothing but the two surfaces holds the slab)"),
+        () if others.base != BaseKind::Bonded => {
+            refuse("--base", others.base.to_string(), "left out (nothing but the two surfaces holds the slab)")
+        }
         () if args.base.base_displacement.is_some() => refuse("--base-displacement", "given".into(), "left out"),
         () if args.base.base_traction.is_some() => refuse("--base-traction", "given".into(), "left out"),
         () if args.law.law != Kind::HardWall => refuse("--law", args.law.law.name().into(), "hard-wall"),

@@ -1,7 +1,8 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
 use gfmd_contact::{
-    Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, SqueezedContact, SqueezedSolution, Stiffness,
+    Boundary, Contact, Effort, Equilibrium, Fields, Plastic, Residual, Solution, SqueezedContact, SqueezedSolution,
+    Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_interface::{Interface, State};
@@ -527,7 +528,9 @@ pub const LOWER: &[Column<LoadRecord>] = &[
     lower!("residual_negative_pressure", "1", "max(0, -min p) / mean p of the lower face", |r| {
         r.residual.negative_pressure
     }),
-    lower!("residual_load", "1", "|mean p - asked| / asked of the lower face, or as residual_load", |r| r.residual.load),
+    lower!("residual_load", "1", "|mean p - asked| / asked of the lower face, or as residual_load", |r| r
+        .residual
+        .load),
 ];
 
 /// The scalars whose meaning is different between two surfaces. All others are of the upper face.

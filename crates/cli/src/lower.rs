@@ -62,7 +62,11 @@ impl LowerArgs {
             source.surface(session)?
         } else if let Some(seed) = self.lower_seed {
             if source.surface.is_some() {
-                return Err(Failure::value("--lower-seed", seed, "left out with --surface; --lower-surface FILE is a surface of its own"));
+                return Err(Failure::value(
+                    "--lower-seed",
+                    seed,
+                    "left out with --surface; --lower-surface FILE is a surface of its own",
+                ));
             }
             let generator = GeneratorArgs { seed, ..source.generator.clone() };
             SourceArgs { generator, ..source.clone() }.surface(session)?
@@ -75,7 +79,11 @@ impl LowerArgs {
                 let ([nx, ny], [x, y]) = (surface.grid.points(), surface.grid.lengths());
                 format!("{nx} x {ny} points in a cell {x:?} x {y:?}")
             };
-            return refuse(format!("it has {}; it must have those of the upper surface, {}", words(&lower), words(upper)));
+            return refuse(format!(
+                "it has {}; it must have those of the upper surface, {}",
+                words(&lower),
+                words(upper)
+            ));
         }
         if let (Some(found), Some(expected)) = (&lower.unit, &upper.unit)
             && found != expected

@@ -146,7 +146,7 @@ fn cases(folder: &Path) -> Vec<Case> {
     all_of(COMMANDS, folder)
 }
 
-fn all_of(commands: [&'static str; 8], folder: &Path) -> Vec<Case> {
+fn all_of(commands: [&'static str; 9], folder: &Path) -> Vec<Case> {
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
     let small =
         SWEEP.replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]").replace("realisations = 3", "realisations = 2");

@@ -31,7 +31,9 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
         let number = |value: &Value| value.as_f64().unwrap();
         let lower = &load["lower"];
         assert!((number(&lower["mean_pressure"]) / number(&load["mean_pressure"]) - 1.0).abs() < 1e-12);
-        assert!(number(&lower["area_fraction"]) > 0.01 && number(&lower["displacement"]) < number(&load["displacement"]));
+        assert!(
+            number(&lower["area_fraction"]) > 0.01 && number(&lower["displacement"]) < number(&load["displacement"])
+        );
         for key in ["complementarity", "penetration", "negative_pressure", "load"] {
             let (larger, own) = (number(&load["residual"][key]), number(&lower["residual"][key]));
             assert!(own <= larger && larger <= 1e-8, "{key}");
@@ -40,7 +42,8 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
     }
     let file = Reader::open(folder.join("s.h5")).unwrap();
     assert_eq!(file.shape("/fields/lower_gap").unwrap(), [2, 32, 32]);
-    let [u, v]: [Vec<f64>; 2] = ["displacement_z", "lower_displacement_z"].map(|name| file.slab(&format!("/fields/{name}"), 1).unwrap());
+    let [u, v]: [Vec<f64>; 2] =
+        ["displacement_z", "lower_displacement_z"].map(|name| file.slab(&format!("/fields/{name}"), 1).unwrap());
     let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
     assert!(mean(&v) > 0.0 && (mean(&u) + mean(&v)).abs() < 1e-9 * mean(&v), "{} {}", mean(&u), mean(&v));
     let heights: Vec<f64> = file.values("/lower/height").unwrap();
@@ -56,7 +59,7 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
     assert_eq!(run(folder, "check s.h5 --json")["differing"], 0);
     assert_eq!(run(folder, "check s.h5 --rerun --json")["differing"], 0);
     assert!(gfmd(folder, &words("report s.h5 --out page.html")).status.success());
-    let inside = gfmd(folder, &words("body --surface s.h5 --depth 0.01"));
+    let inside = gfmd(folder, &words("body --surface s.h5 --depths 0.01"));
     assert_eq!(inside.status.code(), Some(2));
     let text = String::from_utf8_lossy(&inside.stderr).into_owned();
     assert!(text.contains("two surfaces"), "{text}");
@@ -107,7 +110,10 @@ fn a_file_has_the_fields_that_were_chosen() {
         drop(file);
         let check = gfmd(folder, &words("check f.h5"));
         let text = String::from_utf8_lossy(&check.stderr).into_owned();
-        assert!(check.status.success() && text.contains("fields-missing") != fields.contains("lower_pressure"), "{text}");
+        assert!(
+            check.status.success() && text.contains("has no /fields/") != fields.contains("lower_pressure"),
+            "{text}"
+        );
         assert_eq!(run(folder, "check f.h5 --rerun --json")["differing"], 0, "{fields}");
     }
 }
@@ -139,7 +145,10 @@ fn what_does_not_go_together_is_refused() {
             "contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-surface flat.npy".to_owned(),
             ["flat.npy", "equal"],
         ),
-        ("contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-seed 2".to_owned(), ["--lower-seed", "--surface"]),
+        (
+            "contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-seed 2".to_owned(),
+            ["--lower-seed", "--surface"],
+        ),
     ] {
         let output = gfmd(folder, &words(&flags));
         let text = String::from_utf8_lossy(&output.stderr);

@@ -54,12 +54,7 @@ impl SqueezedContact {
     /// # Errors
     /// A body that is no slab and no stack of layers; heights of another shape than the grid, not finite, or both flat; E*
     /// h_rms / L too large or small for a number.
-    pub fn new(
-        body: &Body,
-        grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
-    ) -> Result<Self, Refusal> {
+    pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let plate = Plate::of(body)?;
         let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
         let rougher = rougher(&surfaces);
@@ -87,11 +82,7 @@ impl SqueezedContact {
     ///
     /// # Errors
     /// A pressure of another shape than the grid.
-    pub fn certify(
-        &self,
-        pressures: [&ArrayRef2<f64>; 2],
-        load: Load,
-    ) -> Result<SqueezedSolution, Refusal> {
+    pub fn certify(&self, pressures: [&ArrayRef2<f64>; 2], load: Load) -> Result<SqueezedSolution, Refusal> {
         let stress = self.units.stress();
         let mut both = Vec::new();
         for pressure in pressures {

@@ -1,8 +1,8 @@
 //! A slab between two rough surfaces: limits that are contacts of one surface, exact identities, and refusals.
 
 use gfmd_contact::{
-    Budget, Contact, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, SqueezedContact, SqueezedSolution,
-    Tape,
+    Budget, Contact, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, SqueezedContact,
+    SqueezedSolution, Tape,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Material};
@@ -252,5 +252,7 @@ fn unusable_input_is_refused() {
     assert!(matches!(other, SolveError::Refused(Refusal::Solver { .. })));
     let few = Budget { tolerance: 1e-12, max_iterations: 3 };
     let unmet = contact.press(Load::MeanPressure(0.01)).budget(few).solve().unwrap_err();
-    assert!(matches!(&unmet, SolveError::NotConverged { .. }) && unmet.state().is_some_and(|state| state.worst() > 1e-12));
+    assert!(
+        matches!(&unmet, SolveError::NotConverged { .. }) && unmet.state().is_some_and(|state| state.worst() > 1e-12)
+    );
 }

@@ -112,7 +112,7 @@ pub use landscape::Landscape;
 pub use mode_damped::ModeDamped;
 pub use nesterov::{Momentum, Nesterov};
 pub use observer::{Every, Observer};
-pub use paired_cg::{Means, Paired, PairedCg};
+pub use paired_cg::{Paired, PairedCg};
 pub use polonsky_keer::PolonskyKeer;
 pub use preconditioned::Preconditioned;
 pub use preconditioned_cg::PreconditionedCg;

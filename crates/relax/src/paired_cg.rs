@@ -1,7 +1,7 @@
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
 use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Minimum};
-use crate::{Budget, Ending, RelaxError, Target, Visit, Watch, Why};
+use crate::{Ending, RelaxError, Target, Visit, Watch, Why};
 
 /// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables that form two halves of one vector, for
 /// [`PairedCg`]. A is symmetric and positive semi-definite, and has a preconditioner.
@@ -23,17 +23,11 @@ pub trait Paired {
     }
 }
 
-/// The constraint on the means of the two halves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Means {
-    /// Each half has this mean. The gradient is determined up to a constant on each half.
-    Both(f64),
-    /// The two means are equal. The gradient is determined up to a constant with opposite signs on the two halves.
-    Equal,
-}
-
 /// Projected conjugate gradients for two halves of variables that are coupled by A and by their means, with a preconditioner
 /// close to the inverse of A on the free variables ([`Paired`]).
+///
+/// Each half has the prescribed mean of the [`Target`], and the gradient is determined up to a constant on each half. Without a
+/// prescribed mean the two means are equal, and it is determined up to a constant with opposite signs on the two halves.
 ///
 /// The steps are those of [`PreconditionedCg`](crate::PreconditionedCg), in double precision: x goes to `max(0, x − z − μ)`
 /// with a constant μ for each half that keeps the means, and back to the minimum on this segment if that lies inside of it.
@@ -61,7 +55,7 @@ const MEAN: f64 = 1e-14;
 const SHIFTS: usize = 200;
 
 impl PairedCg {
-    /// Minimises from the start `x`, in place; `watch` sees every iterate. Gradients are measured by `gradient_scale`.
+    /// Minimises from the start `x`, in place; `watch` sees every iterate, with the multiplier of the first half.
     ///
     /// # Errors
     /// An invalid start or target. A search without success is not an error but an [`Ending`].
@@ -69,16 +63,14 @@ impl PairedCg {
         &self,
         problem: &mut impl Paired,
         x: &mut [f64],
-        means: Means,
-        (gradient_scale, budget): (f64, Budget),
+        target: &Target,
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
-        let mean = if let Means::Both(mean) = means { Some(mean) } else { None };
-        let target = Target { mean, gradient_scale, budget };
+        let &Target { mean, gradient_scale, budget } = target;
         target.check_between(x, problem.linear().len(), f64::INFINITY)?;
         let even = x.len().is_multiple_of(2);
         RelaxError::check_parameter("the number of variables", x.len() as f64, even, "even")?;
-        let mut search = Search::new(x.len(), means);
+        let mut search = Search::new(x.len(), mean.map_or(Means::Equal, Means::Both));
         search.refresh(problem, x);
         if let Some(kept) = watch.recall() {
             search.visit(problem, x, kept);
@@ -101,6 +93,15 @@ impl PairedCg {
             search.refresh(problem, x);
         }
     }
+}
+
+/// The constraint on the means of the two halves.
+#[derive(Clone, Copy)]
+enum Means {
+    /// Both are this number.
+    Both(f64),
+    /// They are equal.
+    Equal,
 }
 
 /// The state of a search.
@@ -300,7 +301,8 @@ impl Search {
         let middle = x.len() / 2;
         let mut path = Path { length, shifts: [0.0; 2], slope: 0.0 };
         for _ in 0..HALVINGS {
-            path.shifts = path.kept(*means, [&x[..middle], &x[middle..]], [&direction[..middle], &direction[middle..]])?;
+            path.shifts =
+                path.kept(*means, [&x[..middle], &x[middle..]], [&direction[..middle], &direction[middle..]])?;
             path.slope = sum(x.len(), &|range| {
                 let term = |k: usize| gradient[k] * (path.end(usize::from(k >= middle), x[k], direction[k]) - x[k]);
                 range.map(term).sum()

@@ -1,6 +1,6 @@
 //! Two halves of variables, coupled by a matrix and by their means, against every active set.
 
-use gfmd_relax::{Budget, Ending, Means, Paired, PairedCg, RelaxError, Tape, Visit, Watch};
+use gfmd_relax::{Budget, Ending, Paired, PairedCg, RelaxError, Tape, Target, Visit, Watch};
 
 /// A dense matrix, with its diagonal as the preconditioner.
 struct Dense {
@@ -17,7 +17,9 @@ impl Dense {
             (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
         };
         let b: Vec<f64> = (0..n * n).map(|_| number()).collect();
-        let entry = |i: usize, j: usize| (0..n).map(|k| b[i * n + k] * b[j * n + k]).sum::<f64>() + if i == j { 0.1 } else { 0.0 };
+        let entry = |i: usize, j: usize| {
+            (0..n).map(|k| b[i * n + k] * b[j * n + k]).sum::<f64>() + if i == j { 0.1 } else { 0.0 }
+        };
         let matrix = (0..n * n).map(|k| entry(k / n, k % n)).collect();
         Self { matrix, linear: (0..n).map(|_| number()).collect() }
     }
@@ -47,10 +49,12 @@ impl Paired for Dense {
     }
 }
 
-const BUDGET: Budget = Budget { tolerance: 1e-11, max_iterations: 20_000 };
+fn target(mean: Option<f64>) -> Target {
+    Target { mean, gradient_scale: 1.0, budget: Budget { tolerance: 1e-11, max_iterations: 20_000 } }
+}
 
 /// The largest violation of the conditions of the minimum, with multipliers from the positive variables.
-fn violation(problem: &Dense, x: &[f64], means: Means) -> f64 {
+fn violation(problem: &Dense, x: &[f64], mean: Option<f64>) -> f64 {
     let middle = x.len() / 2;
     let mut gradient = problem.gradient(x);
     let of = |range: std::ops::Range<usize>, gradient: &[f64]| {
@@ -58,9 +62,9 @@ fn violation(problem: &Dense, x: &[f64], means: Means) -> f64 {
         inside.fold((0.0, 0.0), |(sum, count), k| (sum + gradient[k], count + 1.0))
     };
     let ((a, na), (b, nb)) = (of(0..middle, &gradient), of(middle..x.len(), &gradient));
-    let multipliers = match means {
-        Means::Both(_) => [a / na, b / nb],
-        Means::Equal => [(a - b) / (na + nb), (b - a) / (na + nb)],
+    let multipliers = match mean {
+        Some(_) => [a / na, b / nb],
+        None => [(a - b) / (na + nb), (b - a) / (na + nb)],
     };
     (0..x.len()).for_each(|k| gradient[k] -= multipliers[usize::from(k >= middle)]);
     let wrong = |k: usize| if x[k] > 0.0 { gradient[k].abs() } else { -gradient[k] };
@@ -70,34 +74,34 @@ fn violation(problem: &Dense, x: &[f64], means: Means) -> f64 {
 #[test]
 fn the_conditions_of_the_minimum_hold_and_the_means_are_kept() {
     for seed in 1..30 {
-        for means in [Means::Both(0.3), Means::Equal] {
+        for mean in [Some(0.3), None] {
             let mut problem = Dense::new(12, seed);
             problem.linear.iter_mut().for_each(|b| *b -= 0.2);
             let mut x = vec![0.3; 12];
-            let minimum = PairedCg.minimise(&mut problem, &mut x, means, (1.0, BUDGET), &mut ()).unwrap();
-            assert_eq!(minimum.ending, Ending::Converged, "{seed} {means:?}: {minimum:?}");
+            let minimum = PairedCg.minimise(&mut problem, &mut x, &target(mean), &mut ()).unwrap();
+            assert_eq!(minimum.ending, Ending::Converged, "{seed} {mean:?}: {minimum:?}");
             let [first, second]: [f64; 2] = [0, 6].map(|start| x[start..start + 6].iter().sum::<f64>() / 6.0);
-            let asked = if let Means::Both(mean) = means { mean } else { first };
+            let asked = mean.unwrap_or(first);
             assert!((first - asked).abs() < 1e-14 && (second - asked).abs() < 1e-13, "{seed}: {first} {second}");
             assert!(x.iter().all(|x| *x >= 0.0));
-            let wrong = violation(&problem, &x, means);
-            assert!(wrong < 1e-9 || first < 1e-9, "{seed} {means:?}: {wrong} {x:?}");
+            let wrong = violation(&problem, &x, mean);
+            assert!(wrong < 1e-9 || first < 1e-9, "{seed} {mean:?}: {wrong} {x:?}");
         }
     }
 }
 
 #[test]
 fn unusable_starts_are_refused() {
-    let minimise = |x: &mut [f64], means| {
+    let minimise = |x: &mut [f64], mean| {
         let mut problem = Dense::new(x.len(), 3);
-        PairedCg.minimise(&mut problem, x, means, (1.0, BUDGET), &mut ())
+        PairedCg.minimise(&mut problem, x, &target(mean), &mut ())
     };
-    assert!(matches!(minimise(&mut [1.0; 5], Means::Equal), Err(RelaxError::Parameter { .. })));
-    assert!(matches!(minimise(&mut [0.0; 4], Means::Both(1.0)), Err(RelaxError::AllZero)));
-    assert!(matches!(minimise(&mut [1.0, f64::NAN, 1.0, 1.0], Means::Equal), Err(RelaxError::Start { .. })));
-    assert!(matches!(minimise(&mut [1.0; 4], Means::Both(-1.0)), Err(RelaxError::Parameter { .. })));
+    assert!(matches!(minimise(&mut [1.0; 5], None), Err(RelaxError::Parameter { .. })));
+    assert!(matches!(minimise(&mut [0.0; 4], Some(1.0)), Err(RelaxError::AllZero)));
+    assert!(matches!(minimise(&mut [1.0, f64::NAN, 1.0, 1.0], None), Err(RelaxError::Start { .. })));
+    assert!(matches!(minimise(&mut [1.0; 4], Some(-1.0)), Err(RelaxError::Parameter { .. })));
     let mut problem = Dense::new(4, 3);
-    let refused = PairedCg.minimise(&mut problem, &mut [1.0; 6], Means::Equal, (1.0, BUDGET), &mut ());
+    let refused = PairedCg.minimise(&mut problem, &mut [1.0; 6], &target(None), &mut ());
     assert!(refused.is_err());
 }
 
@@ -131,7 +135,7 @@ impl Watch for Keeper {
 fn a_search_continues_bit_for_bit() {
     let solve = |keeper: &mut Keeper| {
         let mut x = vec![0.3; 16];
-        PairedCg.minimise(&mut Dense::new(16, 8), &mut x, Means::Both(0.3), (1.0, BUDGET), keeper).unwrap();
+        PairedCg.minimise(&mut Dense::new(16, 8), &mut x, &target(Some(0.3)), keeper).unwrap();
         x
     };
     let mut whole = Keeper::default();

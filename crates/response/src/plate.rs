@@ -177,7 +177,8 @@ impl PlateTransforms {
         let level = uniform * 0.5 * (upper[0] + lower[0]);
         (&mut *upper, &mut *lower, table).into_par_iter().with_min_len(CHUNK).for_each(|(upper, lower, m)| {
             let (sum, difference) = (0.5 * (*upper + *lower), 0.5 * (*upper - *lower));
-            let (in_sum, in_difference) = (sum * m.sum + difference * m.mixed, sum * m.mixed + difference * m.difference);
+            let (in_sum, in_difference) =
+                (sum * m.sum + difference * m.mixed, sum * m.mixed + difference * m.difference);
             (*upper, *lower) = (in_sum + in_difference, in_sum - in_difference);
         });
         (upper[0], lower[0]) = (level, level);

@@ -160,7 +160,9 @@ impl Checked<'_> {
                 ("/fields/lower_gap", lower.gap.iter().copied().collect()),
             ]
         });
-        for (path, values) in fields.iter().chain(&depth).chain(lower.iter().flatten()).filter(|(path, _)| reader.contains(path)) {
+        for (path, values) in
+            fields.iter().chain(&depth).chain(lower.iter().flatten()).filter(|(path, _)| reader.contains(path))
+        {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
         let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
@@ -187,7 +189,8 @@ impl Checked<'_> {
             let path = format!("/loads/{name}");
             let stored: Vec<f64> = reader.values(&path)?;
             // Residuals are small beside 1, and rounding makes them.
-            let is_residual = name.trim_start_matches("lower_").starts_with("residual_") || ["stiffness_error", "flow_residual"].contains(name);
+            let is_residual = name.trim_start_matches("lower_").starts_with("residual_")
+                || ["stiffness_error", "flow_residual"].contains(name);
             let floor = if is_residual { 1e-3 } else { 0.0 };
             let stored = stored.get(index).copied().unwrap_or(f64::NAN);
             comparison.number(&path, stored, value(&record), floor);

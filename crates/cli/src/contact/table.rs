@@ -31,7 +31,11 @@ impl fmt::Display for Report {
         }
         if let Some(lower) = &self.lower {
             writeln!(f, "lower surface: {}", lower.surface)?;
-            writeln!(f, "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n", lower.rms_gradient, lower.rms_height)?;
+            writeln!(
+                f,
+                "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n",
+                lower.rms_gradient, lower.rms_height
+            )?;
         }
         if let Some(hardness) = self.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
@@ -86,7 +90,10 @@ impl Report {
         if self.lower.is_some() {
             let head = ["p*", "approach", "area", "corrected", "mean gap", "peak p", "residual"];
             let [p, approach, area, corrected, gap, peak, residual] = head;
-            writeln!(f, "\nlower face\n{p:>11} {approach:>11} {area:>9} {corrected:>9} {gap:>11} {peak:>11} {residual:>9}")?;
+            writeln!(
+                f,
+                "\nlower face\n{p:>11} {approach:>11} {area:>9} {corrected:>9} {gap:>11} {peak:>11} {residual:>9}"
+            )?;
         }
         for load in &self.loads {
             let Some(lower) = load.lower else { continue };

@@ -2,7 +2,7 @@
 //! prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
-use gfmd_relax::{Budget, Ending, Means, Paired, PairedCg, RelaxError, Visit, Watch};
+use gfmd_relax::{Budget, Ending, Paired, PairedCg, RelaxError, Target, Visit, Watch};
 use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
 
@@ -31,13 +31,12 @@ pub(super) fn solve(
     start: Option<Vec<f64>>,
     watch: &mut dyn Watch,
 ) -> Result<Ended, RelaxError> {
-    let means = if let Load::MeanPressure(mean) = load { Means::Both(mean) } else { Means::Equal };
+    let mean = if let Load::MeanPressure(mean) = load { Some(mean) } else { None };
     let mut dual = Dual::new(contact, load);
-    let uniform = if let Load::MeanPressure(mean) = load { mean } else { 0.0 };
-    let mut pressure = start.unwrap_or_else(|| vec![uniform; dual.linear.len()]);
+    let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); dual.linear.len()]);
     let within = Budget { tolerance: MARGIN * budget.tolerance, ..*budget };
-    let minimum =
-        PairedCg.minimise(&mut dual, &mut pressure, means, (contact.length_scale(load), within), watch)?;
+    let target = Target { mean, gradient_scale: contact.length_scale(load), budget: within };
+    let minimum = PairedCg.minimise(&mut dual, &mut pressure, &target, watch)?;
     let effort = Effort { iterations: minimum.reached.iteration, transform_pairs: dual.transforms.pairs() };
     Ok(Ended { pressure, effort, ending: minimum.ending })
 }
@@ -199,11 +198,8 @@ impl Extension {
         let points = self.joint.len();
         let Self { joint_x, joint, own, rows, wave, followed, shared, faces, .. } = self;
         // Pressures may be too small or too large for single precision.
-        let largest = gfmd_vector::reduce(
-            out.len(),
-            &|range| out[range].iter().fold(0.0_f64, |a, b| a.max(b.abs())),
-            &f64::max,
-        );
+        let largest =
+            gfmd_vector::reduce(out.len(), &|range| out[range].iter().fold(0.0_f64, |a, b| a.max(b.abs())), &f64::max);
         let unit = if largest > 0.0 { largest } else { 1.0 };
         wave.fill(0.0);
         for (face, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -211,8 +207,7 @@ impl Extension {
             for_each((&mut rows[range.clone()], &out[range.clone()]), &|_, (row, out)| {
                 row.iter_mut().zip(out).for_each(|(row, out)| *row = (out / unit) as f32);
             });
-            let known =
-                Known { x: &x[range.clone()], gradient: &own[range.clone()], level: 0.0, upper: f64::INFINITY };
+            let known = Known { x: &x[range.clone()], gradient: &own[range.clone()], level: 0.0, upper: f64::INFINITY };
             faces[face].transpose(known, &mut rows[range.clone()]);
             for_each((&mut wave[..], &out[range.clone()], &rows[range]), &|_, (wave, out, row)| {
                 let all = wave.iter_mut().zip(out.iter().zip(row));
@@ -236,7 +231,8 @@ impl Extension {
             for (k, (above, below)) in above.iter_mut().zip(below).enumerate() {
                 let touches = [x[start + k] > 0.0, x[points + start + k] > 0.0];
                 let share = f64::from(joint[k]) * if touches == [true; 2] { 0.5 } else { 1.0 };
-                let of = |touches: bool, row: f32, share: f64| part * (f64::from(row) + if touches { share } else { 0.0 });
+                let of =
+                    |touches: bool, row: f32, share: f64| part * (f64::from(row) + if touches { share } else { 0.0 });
                 *above = of(touches[0], first[k], share);
                 *below = of(touches[1], second[k], -share);
             }
