@@ -20,23 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{gfmd, numbers};
-
-const SWEEP: &str = "
-[points]
-eps_t_inv = [1.0, 2.0]
-eps_f_inv = [4, 8]
-eps_c_inv = [4, 8]
-centre = [2, 4, 4]
-[loads]
-p_star = [0.02, 0.05]
-[statistics]
-realisations = 3
-[fit]
-p_star = 0.05
-alpha_c = 1
-resamples = 50
-";
+use common::{gfmd, numbers, sweep};
 
 /// Commands that write a file. The first word is a name for messages.
 const COMMANDS: [&str; 9] = [
@@ -147,9 +131,8 @@ fn cases(folder: &Path) -> Vec<Case> {
 }
 
 fn all_of(commands: [&'static str; 9], folder: &Path) -> Vec<Case> {
-    std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
-    let small =
-        SWEEP.replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]").replace("realisations = 3", "realisations = 2");
+    std::fs::write(folder.join("sweep.toml"), sweep(3, 50)).unwrap();
+    let small = sweep(2, 50).replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]");
     std::fs::write(folder.join("small.toml"), small.replace("centre = [2, 4, 4]", "centre = [1, 4, 4]")).unwrap();
     let punch = gfmd(folder, &["punch", "--n", "32", "--out", "whole-punch.h5", "-q"]);
     assert!(punch.status.success());

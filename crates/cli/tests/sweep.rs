@@ -5,41 +5,11 @@ mod common;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use common::{gfmd, json};
+use common::{gfmd, json, numbers, sweep};
 use gfmd_files::{Journal, Reader};
 
-const SMALL: &str = "
-[points]
-eps_t_inv = [1.0, 2.0]
-eps_f_inv = [4, 8]
-eps_c_inv = [4, 8]
-centre = [2, 4, 4]
-[loads]
-p_star = [0.02, 0.05]
-[statistics]
-realisations = 4
-[fit]
-p_star = 0.05
-alpha_c = 1
-resamples = 200
-";
-
 fn write_config(folder: &Path) {
-    std::fs::write(folder.join("sweep.toml"), SMALL).unwrap();
-}
-
-/// All variables of a file that must be equal after a repetition.
-fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
-    let file = Reader::open(path).unwrap();
-    let mut all = Vec::new();
-    for group in ["/runs", "/points", "/fit", "/theory", "/example"] {
-        for name in file.names(group) {
-            if let Ok(values) = file.values::<f64>(&format!("{group}/{name}")) {
-                all.push((format!("{group}/{name}"), values.iter().map(|v| v.to_bits()).collect()));
-            }
-        }
-    }
-    all
+    std::fs::write(folder.join("sweep.toml"), sweep(4, 200)).unwrap();
 }
 
 #[test]

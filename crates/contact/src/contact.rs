@@ -151,7 +151,7 @@ impl Contact {
         let mut compliance = Compliance::of(self);
         let mut displacement = vec![0.0; n];
         compliance.apply(response.compliance(), &pressure, &mut displacement);
-        let uniform = self.uniform_compliance() * gfmd_vector::sum(n, &|range| pressure[range].iter().sum()) / n as f64;
+        let uniform = self.uniform_compliance() * gfmd_vector::total(&pressure) / n as f64;
         // u_z = −G p.
         for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
         let length_scale = self.scaled.length_scale(load);

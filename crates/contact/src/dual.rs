@@ -78,7 +78,7 @@ impl<'a> Dual<'a> {
         let extension = PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]);
         let upper = contact.hardness.unwrap_or(f64::INFINITY);
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
-        Self { compliance, linear, floating, upper, row: response.row(), transforms, rounded, extension }
+        Self { compliance, linear, floating, upper, row: response.grid().rows()[1], transforms, rounded, extension }
     }
 
     /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement

@@ -10,7 +10,7 @@ use gfmd_relax::{
     Bounds, Budget, Fire, Landscape, Method, State, Variables as _, Verlet, Visit, Watch, relax_until, worst,
 };
 use gfmd_response::{FullResponse, FullTransforms};
-use gfmd_vector::{pass, sum};
+use gfmd_vector::{pass, total};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::dynamics::SOURCE_TIME_STEP;
@@ -89,9 +89,9 @@ impl FullContact {
         let mut pressure: Vec<f64> = (lateral..state.u.len())
             .map(|i| if state.u[i] >= layer.wall[i] { state.force[i].max(0.0) } else { 0.0 })
             .collect();
-        let total = sum(points, &|range| pressure[range].iter().sum());
-        if total > 0.0 {
-            let factor = layer.push * points as f64 / total;
+        let sum = total(&pressure);
+        if sum > 0.0 {
+            let factor = layer.push * points as f64 / sum;
             pressure.iter_mut().for_each(|p| *p *= factor);
         }
         let left = worst(state.force[..lateral].iter().map(|f| f.abs()));
@@ -302,7 +302,7 @@ impl Landscape for Layer<'_> {
         self.transforms.stiffness(u, force);
         let points = self.contact.surface.clearance().len();
         let first = u.len() - points;
-        let mean = sum(points, &|range| u[first..][range].iter().sum()) / points as f64;
+        let mean = total(&u[first..]) / points as f64;
         let lift = self.uniform * mean;
         pass(
             [force],

@@ -125,7 +125,7 @@ impl<'a> Layer<'a> {
 
     /// Scales the pressure so that the wall carries the prescribed load.
     fn carry(&self, mut pressure: Vec<f64>) -> Vec<f64> {
-        let sum = gfmd_vector::sum(pressure.len(), &|range| pressure[range].iter().sum());
+        let sum = gfmd_vector::total(&pressure);
         if self.push > 0.0 && sum > 0.0 {
             let factor = self.push * pressure.len() as f64 / sum;
             pressure.iter_mut().for_each(|p| *p *= factor);

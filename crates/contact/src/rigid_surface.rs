@@ -48,7 +48,7 @@ impl RigidSurface {
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
         let n = clearance.len() as f64;
-        let mean_clearance = gfmd_vector::sum(clearance.len(), &|range| clearance[range].iter().sum()) / n;
+        let mean_clearance = gfmd_vector::total(&clearance) / n;
         let highest = clearance.iter().copied().fold(0.0, f64::max);
         // The squares of very large or small heights are no numbers. A power of two changes no digit.
         let unit = unit_of(highest);

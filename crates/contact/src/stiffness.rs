@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use gfmd_relax::{Preconditioned as _, Why};
-use gfmd_vector::for_each;
+use gfmd_vector::{dot, for_each, total};
 
 use crate::dual::Dual;
 use crate::pull_push::Known;
@@ -229,14 +229,4 @@ impl<'a> Unit<'a> {
         let work = self.refresh();
         [work, self.precondition() * self.dual.unit()]
     }
-}
-
-fn dot(a: &[f32], b: &[f32]) -> f64 {
-    gfmd_vector::sum(a.len(), &|range| {
-        a[range.clone()].iter().zip(&b[range]).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
-    })
-}
-
-fn total(field: &[f32]) -> f64 {
-    gfmd_vector::sum(field.len(), &|range| field[range].iter().map(|value| f64::from(*value)).sum())
 }

@@ -1,11 +1,8 @@
 use std::fmt;
 
-use gfmd_vector::{Rows, Split};
+use gfmd_vector::Split;
 
-use crate::line::Line;
-use crate::plane::Plane;
-use crate::real::copy;
-use crate::transform::{Plan, check, check_rows, rows_of};
+use crate::plan::Plan;
 use crate::{Grid, Real, ShapeError, Workspace};
 
 /// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with
@@ -27,8 +24,6 @@ use crate::{Grid, Real, ShapeError, Workspace};
 /// ```
 pub struct Convolution<T = f64> {
     grid: Grid,
-    /// The points of the transforms.
-    padded: [usize; 2],
     plan: Plan<T>,
     kernel: Vec<T>,
 }
@@ -36,27 +31,15 @@ pub struct Convolution<T = f64> {
 impl<T: Real> Convolution<T> {
     /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along y.
     pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
-        let [nx, ny] = grid.points();
-        let is_row = grid.points().contains(&1);
-        let (padded, plan) = if is_row {
-            let length = padded_length(grid.len());
-            ([length, 1], Plan::Line(Line::padded(length, grid.len())))
-        } else {
-            let padded = [nx, ny].map(padded_length);
-            (padded, Plan::Plane(Plane::padded(padded, [nx, ny])))
-        };
-        let mut memory = plan.workspace(padded);
-        let along_x = is_row && ny == 1;
-        let row = |i: usize, row: &mut [T]| {
+        let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
+        let plan = Plan::new(&grid, points);
+        let is_line = grid.is_line();
+        let kernel = plan.even(|i, row| {
             for (j, value) in row.iter_mut().enumerate() {
-                *value = T::nearest(kernel(if along_x { [j, 0] } else { [i, j] }));
+                *value = T::nearest(kernel(if is_line { [j, i] } else { [i, j] }));
             }
-        };
-        let kernel = match &plan {
-            Plan::Line(line) => line.even(&row, &mut memory.line),
-            Plan::Plane(plane) => plane.even(&row, &mut memory.plane),
-        };
-        Self { grid, padded, plan, kernel }
+        });
+        Self { grid, plan, kernel }
     }
 
     /// The grid of the fields.
@@ -66,7 +49,7 @@ impl<T: Real> Convolution<T> {
 
     /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
     pub fn workspace(&self) -> Workspace<T> {
-        self.plan.workspace(self.padded)
+        self.plan.workspace()
     }
 
     /// Computes `out` = Σ k `field`.
@@ -74,11 +57,7 @@ impl<T: Real> Convolution<T> {
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
     pub fn apply(&self, field: &[T], out: &mut [T], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
-        check("output", out.len(), self.grid.len())?;
-        check("field", field.len(), self.grid.len())?;
-        let source = rows_of(field);
-        self.apply_ahead((), |i, (), row| source(i, row), ws)?;
-        self.apply_back(Rows(out, self.row()), copy, ws)
+        self.plan.convolve(&self.kernel, field, out, ws)
     }
 
     /// The first half of [`apply`](Self::apply), of a field that is made row by row, as by
@@ -92,13 +71,7 @@ impl<T: Real> Convolution<T> {
         source: impl Fn(usize, I, &mut [T]) + Sync,
         ws: &mut Workspace<T>,
     ) -> Result<(), ShapeError> {
-        check_rows(&input, self.grid.len() / self.row())?;
-        self.check_workspace(ws)?;
-        match &self.plan {
-            Plan::Line(line) => line.convolve(&self.kernel, input, &source, &mut ws.line),
-            Plan::Plane(plane) => plane.convolve(&self.kernel, input, &source, &mut ws.plane),
-        }
-        Ok(())
+        self.plan.ahead(&self.kernel, input, source, ws)
     }
 
     /// The second half, as by [`Transform::convolve_back`](crate::Transform::convolve_back).
@@ -111,18 +84,7 @@ impl<T: Real> Convolution<T> {
         sink: impl Fn(usize, &mut [T], O) + Sync,
         ws: &mut Workspace<T>,
     ) -> Result<(), ShapeError> {
-        check_rows(&output, self.grid.len() / self.row())?;
-        self.check_workspace(ws)?;
-        self.plan.back(output, &sink, ws);
-        Ok(())
-    }
-
-    /// The number of points in a row.
-    fn row(&self) -> usize {
-        match self.plan {
-            Plan::Line(_) => self.grid.len(),
-            Plan::Plane(_) => self.grid.points()[1],
-        }
+        self.plan.back(output, sink, ws)
     }
 
     /// Returns Σ_r f(r) Σ_s k(r − s) f(s). It takes about half the work of [`apply`](Self::apply).
@@ -130,18 +92,8 @@ impl<T: Real> Convolution<T> {
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
     pub fn quadratic_form(&self, field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
-        check("field", field.len(), self.grid.len())?;
-        self.check_workspace(ws)?;
-        let mean = match &self.plan {
-            Plan::Line(line) => line.quadratic_form(&self.kernel, &rows_of(field), &mut ws.line),
-            Plan::Plane(plane) => plane.quadratic_form(&self.kernel, &rows_of(field), &mut ws.plane),
-        };
-        Ok(mean * (self.padded[0] * self.padded[1]) as f64)
-    }
-
-    fn check_workspace(&self, ws: &Workspace<T>) -> Result<(), ShapeError> {
-        check("workspace along x", ws.points[0], self.padded[0])?;
-        check("workspace along y", ws.points[1], self.padded[1])
+        let [nx, ny] = self.plan.points();
+        Ok(self.plan.quadratic_form(&self.kernel, field, ws)? * (nx * ny) as f64)
     }
 }
 
@@ -153,12 +105,8 @@ impl Convolution {
 
     /// The convolution with `factor` times the kernel, in single precision.
     pub fn rounded(&self, factor: f64) -> Convolution<f32> {
-        let Self { grid, padded, plan, kernel } = self;
-        let plan = match plan {
-            Plan::Line(_) => Plan::Line(Line::padded(padded[0], grid.len())),
-            Plan::Plane(_) => Plan::Plane(Plane::padded(*padded, grid.points())),
-        };
-        Convolution { grid: *grid, padded: *padded, plan, kernel: kernel.iter().map(|k| (k * factor) as f32).collect() }
+        let plan = Plan::new(&self.grid, self.plan.points());
+        Convolution { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| (k * factor) as f32).collect() }
     }
 }
 

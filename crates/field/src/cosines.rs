@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::FftPlanner;
 
-use crate::transform::{check, check_rows};
+use crate::plan::{check, check_rows};
 use crate::{Grid, Real, ShapeError};
 
 /// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny): those of fields that
@@ -57,7 +57,7 @@ const TILE: usize = 32;
 impl<T: Real> Cosines<T> {
     /// Plans the transforms of `grid`.
     pub fn new(grid: Grid) -> Self {
-        let shape = if grid.points().contains(&1) { [1, grid.len()] } else { grid.points() };
+        let shape = grid.rows();
         let mut planner = DctPlanner::new();
         Self { grid, shape, along_x: planner.plan_dct2(shape[0]), along_y: planner.plan_dct2(shape[1]) }
     }

@@ -120,6 +120,11 @@ impl Grid {
         self.points[0] * self.points[1]
     }
 
+    /// The number of rows of a field, and of points in each. A grid with one point along an axis is a single row.
+    pub fn rows(&self) -> [usize; 2] {
+        if self.points.contains(&1) { [1, self.len()] } else { self.points }
+    }
+
     /// Returns true for a line along x (one point along y).
     pub fn is_line(&self) -> bool {
         self.points[1] == 1

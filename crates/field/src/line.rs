@@ -30,12 +30,8 @@ pub(crate) struct Memory<T> {
 }
 
 impl<T: Real> Line<T> {
-    pub(crate) fn new(points: usize) -> Self {
-        Self::padded(points, points)
-    }
-
     /// Plans for fields that fill the first `shown` points.
-    pub(crate) fn padded(points: usize, shown: usize) -> Self {
+    pub(crate) fn new(points: usize, shown: usize) -> Self {
         let mut planner = RealFftPlanner::new();
         Self { points, shown, to_half: planner.plan_fft_forward(points), from_half: planner.plan_fft_inverse(points) }
     }

@@ -70,12 +70,8 @@ impl<T: Real> Plane<T> {
     /// of a panel: columns that lie a power of two apart would evict each other from the cache.
     const GAP: usize = LINE / size_of::<Complex<T>>();
 
-    pub(crate) fn new(points: [usize; 2]) -> Self {
-        Self::padded(points, points)
-    }
-
     /// Plans for fields that fill the `corner` of the points.
-    pub(crate) fn padded([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
+    pub(crate) fn new([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
         let width = (PANEL / size_of::<Complex<T>>() / rows).clamp(Self::GAP, WIDTH * Self::GAP);

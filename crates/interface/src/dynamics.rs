@@ -5,7 +5,7 @@ use gfmd_relax::{
     Bounds, Budget, Ending, Fire, Landscape, Method as _, Onlooker, RelaxError, Visit, Watch, Why, relax_until,
 };
 use gfmd_response::Transforms;
-use gfmd_vector::{for_each, sum};
+use gfmd_vector::{for_each, sum, total};
 
 use crate::certify::certify;
 use crate::ended::{End, Ended};
@@ -121,7 +121,7 @@ impl Landscape for Motion<'_> {
             for_each([force], &net);
         }
         let law = sum(points, &|range| range.map(|i| interface.law.opening_energy(frame.separation(u, i).0)).sum());
-        let work: f64 = frame.push * sum(points, &|range| u[z * points..][range].iter().sum());
+        let work: f64 = frame.push * total(&u[z * points..][..points]);
         self.hold_means(force);
         // Without a potential of the law this is not an energy, only a monitor for divergence.
         elastic + law - work

@@ -1,7 +1,7 @@
 //! States from kept fields.
 
 use gfmd_contact::{Load, Refusal};
-use gfmd_vector::sum;
+use gfmd_vector::total;
 use ndarray::{Array2, ArrayRef2};
 
 use crate::certify::certify;
@@ -39,7 +39,7 @@ impl Interface {
         }
         let n = expected as f64;
         let pressures: Vec<f64> = pressure.iter().copied().collect();
-        let mean = sum(expected, &|range| pressures[range].iter().sum()) / n;
+        let mean = total(&pressures) / n;
         let frame = self.frame(Load::MeanPressure(mean).into())?;
         // In the frame of a load, the elastic surface moves in place of the rigid one.
         let position: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();

@@ -1,10 +1,10 @@
 //! Means and extremes of fields.
 
-use gfmd_vector::{add, reduce, sum};
+use gfmd_vector::{add, reduce, total};
 
 /// The mean of a field.
 pub(crate) fn mean(field: &[f64]) -> f64 {
-    sum(field.len(), &|range| field[range].iter().sum()) / field.len() as f64
+    total(field) / field.len() as f64
 }
 
 /// The mean of a field over the points that count; 0 if there are none.

@@ -1,11 +1,11 @@
 mod path;
 mod sums;
 
-use gfmd_vector::{LEAF, add, for_each, pass, pass_by, reduce};
+use gfmd_vector::{LEAF, add, for_each, pass, pass_by, reduce, total};
 use path::{Path, Start};
 use sums::{BLOCK, Sums, View, active_blocks, is_idle, lane_sums};
 
-use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale, total};
+use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale};
 use crate::{Ending, Preconditioned, RelaxError, Visit, Watch, Why};
 
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
@@ -26,7 +26,7 @@ use crate::{Ending, Preconditioned, RelaxError, Visit, Watch, Why};
 /// a step that lowers the function converge for any steps in between (Bertsekas 1976).
 ///
 /// The variables have double precision. Steps, their images and the gradient to which these are added have single precision,
-/// which halves the memory and the time. Whenever the residual has fallen to 1e-4 of what it was,
+/// which halves their memory and nearly the time of a transform. Whenever the residual has fallen to 1e-4 of what it was,
 /// and before the search ends, the gradient is computed anew from x in double precision: rounding errors then are
 /// relative to a smaller gradient and smaller steps, so that no accuracy is lost (Sleijpen and van der Vorst 1996).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

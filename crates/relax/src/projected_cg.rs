@@ -1,7 +1,7 @@
-use gfmd_vector::{add, for_each, pass};
+use gfmd_vector::{add, for_each, pass, total};
 
 use crate::quadratic::{
-    Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, total, turn,
+    Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 

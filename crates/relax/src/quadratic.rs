@@ -1,4 +1,4 @@
-use gfmd_vector::{for_each, pass, reduce};
+use gfmd_vector::{for_each, pass};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Visit, Watch, Why, worst};
 
@@ -114,10 +114,6 @@ pub(crate) fn rescale(x: &mut [f64], sum: f64, mean: Option<f64>) {
     if factor != 1.0 {
         for_each([x], &|_, [x]| x.iter_mut().for_each(|x| *x *= factor));
     }
-}
-
-pub(crate) fn total(x: &[f64]) -> f64 {
-    reduce(x.len(), &|range| x[range].iter().sum::<f64>(), &|a, b| a + b)
 }
 
 /// g ← g + b; returns Σ g over x > 0, and the number of these entries.

@@ -262,5 +262,5 @@ fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {
 }
 
 fn mean(field: &[f64]) -> f64 {
-    gfmd_vector::sum(field.len(), &|range| field[range].iter().sum()) / field.len() as f64
+    gfmd_vector::total(field) / field.len() as f64
 }

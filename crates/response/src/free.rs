@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Split};
 use gfmd_green::{Body, GreenError, patch_compliance};
-use gfmd_vector::for_each;
+use gfmd_vector::{for_each, total};
 
 use crate::elastic::fits;
 use crate::rounded::power_of_two;
@@ -65,12 +65,6 @@ impl FreeCompliance {
         self.convolution.grid()
     }
 
-    /// The number of points in a row of a field; a line is one row.
-    fn row(&self) -> usize {
-        let [nx, ny] = self.grid().points();
-        if nx.min(ny) == 1 { nx * ny } else { ny }
-    }
-
     /// `out` ← the approximate stiffness, times the unit, of the displacement whose rows `source(i, row)` fills.
     fn weighted(&self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32], ws: &mut CosineWorkspace<f32>) {
         let [along_x, along_y] = &self.weights;
@@ -85,7 +79,7 @@ impl FreeCompliance {
             weigh(i, row);
             out.copy_from_slice(row);
         };
-        fits(self.cosines.apply(&self.stiffness, (), source, Rows(out, self.row()), sink, ws));
+        fits(self.cosines.apply(&self.stiffness, (), source, Rows(out, self.grid().rows()[1]), sink, ws));
     }
 }
 
@@ -98,10 +92,6 @@ fn weight(i: usize, points: usize) -> f64 {
 
 fn swapped<T>([x, y]: [T; 2]) -> [T; 2] {
     [y, x]
-}
-
-fn total(field: &[f32]) -> f64 {
-    gfmd_vector::sum(field.len(), &|range| field[range].iter().map(|value| f64::from(*value)).sum())
 }
 
 /// The transforms of a [`FreeCompliance`], with their memory and a counter.

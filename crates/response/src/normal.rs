@@ -70,12 +70,6 @@ impl NormalResponse {
         rounded.get_or_init(|| Rounded::of(*transform.grid(), compliance, *softest))
     }
 
-    /// The number of points in a row of a field; a line is one row.
-    pub fn row(&self) -> usize {
-        let [nx, ny] = self.grid().points();
-        if nx.min(ny) == 1 { nx * ny } else { ny }
-    }
-
     /// G_zz(q) in length/stress, laid out as [`Grid::modes`]; 0 at q = 0, see
     /// [`uniform_compliance`](Self::uniform_compliance).
     pub fn compliance(&self) -> &[f64] {

@@ -101,7 +101,7 @@ impl RoundedTransforms {
         let Self { response, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
-        let columns = response.row();
+        let [_, columns] = response.grid().rows();
         let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
         let source = |i: usize, (): (), row: &mut [f32]| source(i, row);
         fits(rounded.transform.convolve_rows(table, (), source, Rows(out, columns), copy, workspace));

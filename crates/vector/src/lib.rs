@@ -119,9 +119,16 @@ pub fn add<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// The scalar product Σ a b over the shorter length.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    sum(a.len().min(b.len()), &|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum())
+/// The sum of all values, in double precision.
+pub fn total<T: Copy + Into<f64> + Sync>(values: &[T]) -> f64 {
+    sum(values.len(), &|range| values[range].iter().map(|value| (*value).into()).sum())
+}
+
+/// The scalar product Σ a b over the shorter length, in double precision.
+pub fn dot<T: Copy + Into<f64> + Sync>(a: &[T], b: &[T]) -> f64 {
+    sum(a.len().min(b.len()), &|range| {
+        a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum()
+    })
 }
 
 /// The index at which a stretch longer than a leaf is cut, a whole number of leaves; `None` for a shorter stretch.

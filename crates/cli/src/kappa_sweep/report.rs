@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
-use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Shard, Study};
+use gfmd_surface::Discretisation;
+use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Point, Shard, Study};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
@@ -31,14 +32,21 @@ pub struct Report {
     pub peak_bytes: u64,
 }
 
+/// The surfaces of one point of a sweep, and their grid.
 #[derive(Clone, Debug, Serialize)]
-pub struct PointReport {
+pub struct Cell {
     pub dim: u8,
     pub hurst: f64,
     pub eps_t_inv: f64,
     pub eps_f_inv: f64,
     pub eps_c_inv: f64,
     pub n: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct PointReport {
+    #[serde(flatten)]
+    pub cell: Cell,
     pub p_star: f64,
     pub realisations: usize,
     pub kappa: f64,
@@ -122,6 +130,23 @@ pub struct TheoryReport {
     pub bush_gibson_thomas: f64,
 }
 
+impl Cell {
+    /// The heads of the columns that it prints.
+    const HEADS: &str = "   H 1/eps_t 1/eps_f 1/eps_c      n";
+
+    fn new(plan: &Plan, point: &Point) -> Self {
+        let Discretisation { eps_t_inv, eps_f_inv, eps_c_inv } = point.discretisation;
+        Self { dim: plan.config.surface.dim, hurst: point.hurst, eps_t_inv, eps_f_inv, eps_c_inv, n: point.n() }
+    }
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { hurst, eps_t_inv, eps_f_inv, eps_c_inv, n, .. } = self;
+        write!(f, "{hurst:>4} {eps_t_inv:>7} {eps_f_inv:>7} {eps_c_inv:>7} {n:>6}")
+    }
+}
+
 impl FitReport {
     fn new(extrapolation: &Extrapolation) -> Self {
         let Extrapolation { hurst, p_star, area, fit, .. } = extrapolation;
@@ -179,12 +204,7 @@ impl Report {
             let point = &plan.points[key.point];
             let corrected = analysis.data.get(&Key { area: Area::Corrected, ..*key });
             PointReport {
-                dim: plan.config.surface.dim,
-                hurst: point.hurst,
-                eps_t_inv: point.discretisation.eps_t_inv,
-                eps_f_inv: point.discretisation.eps_f_inv,
-                eps_c_inv: point.discretisation.eps_c_inv,
-                n: point.n(),
+                cell: Cell::new(plan, point),
                 p_star: plan.config.loads.p_star[key.load],
                 realisations: raw.kappa.len(),
                 kappa: raw.mean(),
@@ -207,26 +227,11 @@ impl fmt::Display for Report {
             Some(error) => format!("{value:.4} ± {error:.4}"),
             None => format!("{value:.4}"),
         };
-        writeln!(
-            f,
-            "{:>4} {:>7} {:>7} {:>7} {:>6} {:>9} {:>5}  {:>17}  {:>17}",
-            "H", "1/eps_t", "1/eps_f", "1/eps_c", "n", "p*", "runs", "kappa", "corrected"
-        )?;
+        writeln!(f, "{} {:>9} {:>5}  {:>17}  {:>17}", Cell::HEADS, "p*", "runs", "kappa", "corrected")?;
         for p in &self.points {
             let corrected = p.kappa_corrected.map_or_else(|| "-".into(), |k| with_error(k, p.kappa_corrected_sem));
-            writeln!(
-                f,
-                "{:>4} {:>7} {:>7} {:>7} {:>6} {:>9} {:>5}  {:>17}  {:>17}",
-                p.hurst,
-                p.eps_t_inv,
-                p.eps_f_inv,
-                p.eps_c_inv,
-                p.n,
-                p.p_star,
-                p.realisations,
-                with_error(p.kappa, p.kappa_sem),
-                corrected
-            )?;
+            let kappa = with_error(p.kappa, p.kappa_sem);
+            writeln!(f, "{} {:>9} {:>5}  {kappa:>17}  {corrected:>17}", p.cell, p.p_star, p.realisations)?;
         }
         for fit in &self.fits {
             let area = if fit.area == Area::Raw { "raw area" } else { "corrected area" };
@@ -335,12 +340,8 @@ pub struct PlanReport {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct PlannedPoint {
-    pub dim: u8,
-    pub hurst: f64,
-    pub eps_t_inv: f64,
-    pub eps_f_inv: f64,
-    pub eps_c_inv: f64,
-    pub n: usize,
+    #[serde(flatten)]
+    pub cell: Cell,
     pub realisations: usize,
     pub memory_bytes: u64,
     pub seconds: f64,
@@ -359,12 +360,7 @@ impl PlanReport {
             let point = &plan.points[plan.runs[runs[0]].point];
             let side_by_side = if point.is_small() { threads.min(runs.len()) } else { 1 };
             points.push(PlannedPoint {
-                dim: plan.config.surface.dim,
-                hurst: point.hurst,
-                eps_t_inv: point.discretisation.eps_t_inv,
-                eps_f_inv: point.discretisation.eps_f_inv,
-                eps_c_inv: point.discretisation.eps_c_inv,
-                n: point.n(),
+                cell: Cell::new(plan, point),
                 realisations: runs.len(),
                 memory_bytes: Held::HARD_WALL.bytes(point.grid.points()).saturating_mul(side_by_side as u64),
                 seconds: plan.work(point) * pair * runs.len() as f64,
@@ -387,24 +383,10 @@ impl PlanReport {
 impl fmt::Display for PlanReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-        writeln!(
-            f,
-            "{:>4} {:>7} {:>7} {:>7} {:>6} {:>5} {:>11} {:>9}",
-            "H", "1/eps_t", "1/eps_f", "1/eps_c", "n", "runs", "memory/MiB", "time/s"
-        )?;
+        writeln!(f, "{} {:>5} {:>11} {:>9}", Cell::HEADS, "runs", "memory/MiB", "time/s")?;
         for p in &self.points {
-            writeln!(
-                f,
-                "{:>4} {:>7} {:>7} {:>7} {:>6} {:>5} {:>11.1} {:>9.1}",
-                p.hurst,
-                p.eps_t_inv,
-                p.eps_f_inv,
-                p.eps_c_inv,
-                p.n,
-                p.realisations,
-                mebibytes(p.memory_bytes),
-                p.seconds
-            )?;
+            let memory = mebibytes(p.memory_bytes);
+            writeln!(f, "{} {:>5} {memory:>11.1} {:>9.1}", p.cell, p.realisations, p.seconds)?;
         }
         writeln!(
             f,

@@ -24,6 +24,14 @@ alpha_c = 1
 resamples = 20
 ";
 
+/// The same with other numbers of surfaces and of refits.
+#[allow(dead_code, reason = "not every test file changes the sweep")]
+pub(crate) fn sweep(realisations: usize, resamples: usize) -> String {
+    SWEEP
+        .replace("realisations = 2", &format!("realisations = {realisations}"))
+        .replace("resamples = 20", &format!("resamples = {resamples}"))
+}
+
 /// Runs the program with `arguments` in `folder`, under the emulator that `GFMD_EMULATOR` names, if any.
 pub(crate) fn gfmd(folder: &Path, arguments: &[&str]) -> Output {
     let emulator = std::env::var("GFMD_EMULATOR").unwrap_or_default();

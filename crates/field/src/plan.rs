@@ -1,0 +1,229 @@
+use std::fmt;
+
+use gfmd_vector::{Rows, Split};
+use num_complex::Complex;
+
+use crate::line::{self, Line};
+use crate::plane::{self, Plane};
+use crate::prefetch::prefetch;
+use crate::real::copy;
+use crate::{Grid, Real};
+
+/// The planned transforms of the fields of a grid, which may be a corner of a larger one. Every call checks that its
+/// arguments fit.
+pub(crate) struct Plan<T> {
+    /// The rows of a field, and the points in each.
+    rows: [usize; 2],
+    /// The points of the transforms.
+    points: [usize; 2],
+    kind: Kind<T>,
+}
+
+enum Kind<T> {
+    Line(Line<T>),
+    Plane(Plane<T>),
+}
+
+/// The working memory of one caller, made by [`Transform::workspace`](crate::Transform::workspace) or
+/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (a convolution: two), and
+/// 16 columns for each thread. A call itself allocates nothing.
+pub struct Workspace<T = f64> {
+    points: [usize; 2],
+    line: line::Memory<T>,
+    plane: plane::Memory<T>,
+}
+
+/// A slice of the wrong length, or a workspace of another grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the {what} has {found} values; it must have {expected} on this grid")]
+pub struct ShapeError {
+    /// The argument.
+    pub what: &'static str,
+    /// Its length.
+    pub found: usize,
+    /// The length it must have.
+    pub expected: usize,
+}
+
+impl<T: Real> Plan<T> {
+    /// Plans the transforms, with at least as many `points` as the grid.
+    pub(crate) fn new(grid: &Grid, points: [usize; 2]) -> Self {
+        let rows = grid.rows();
+        let kind = match rows {
+            [1, shown] => Kind::Line(Line::new(points[0] * points[1], shown)),
+            corner => Kind::Plane(Plane::new(points, corner)),
+        };
+        Self { rows, points, kind }
+    }
+
+    /// The points of the transforms.
+    pub(crate) fn points(&self) -> [usize; 2] {
+        self.points
+    }
+
+    /// The number of points in a row of a field.
+    pub(crate) fn row(&self) -> usize {
+        self.rows[1]
+    }
+
+    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
+    pub(crate) fn workspace(&self) -> Workspace<T> {
+        let (line, plane) = match &self.kind {
+            Kind::Line(line) => (line.memory(), plane::Memory::default()),
+            Kind::Plane(plane) => (line::Memory::default(), plane.memory(rayon::current_num_threads())),
+        };
+        Workspace { points: self.points, line, plane }
+    }
+
+    /// Writes the spectrum of a field.
+    pub(crate) fn forward(
+        &self,
+        field: &[T],
+        spectrum: &mut [Complex<T>],
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        self.check_field("field", field)?;
+        check("spectrum", spectrum.len(), self.spectrum_len())?;
+        self.check_workspace(ws)?;
+        match &self.kind {
+            Kind::Line(line) => line.forward(&rows_of(field), spectrum, &mut ws.line),
+            Kind::Plane(plane) => plane.forward(&rows_of(field), spectrum, &mut ws.plane),
+        }
+        Ok(())
+    }
+
+    /// Writes the field of a spectrum.
+    pub(crate) fn inverse(
+        &self,
+        spectrum: &[Complex<T>],
+        field: &mut [T],
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        check("spectrum", spectrum.len(), self.spectrum_len())?;
+        self.check_field("field", field)?;
+        self.check_workspace(ws)?;
+        match &self.kind {
+            Kind::Line(line) => line.inverse(spectrum, field, &mut ws.line),
+            Kind::Plane(plane) => plane.inverse(spectrum, field, &mut ws.plane),
+        }
+        Ok(())
+    }
+
+    /// Computes `out` = F⁻¹\[k F\[field\]\].
+    pub(crate) fn convolve(
+        &self,
+        kernel: &[T],
+        field: &[T],
+        out: &mut [T],
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        self.check_field("field", field)?;
+        self.check_field("output", out)?;
+        let source = rows_of(field);
+        self.ahead(kernel, (), |i, (), row: &mut [T]| source(i, row), ws)?;
+        self.back(Rows(out, self.row()), copy, ws)
+    }
+
+    /// The first half of a convolution, which leaves the half spectra of the rows of the result in the workspace.
+    pub(crate) fn ahead<I: Split>(
+        &self,
+        kernel: &[T],
+        input: I,
+        source: impl Fn(usize, I, &mut [T]) + Sync,
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        self.check_kernel(kernel)?;
+        check_rows(&input, self.rows[0])?;
+        self.check_workspace(ws)?;
+        match &self.kind {
+            Kind::Line(line) => line.convolve(kernel, input, &source, &mut ws.line),
+            Kind::Plane(plane) => plane.convolve(kernel, input, &source, &mut ws.plane),
+        }
+        Ok(())
+    }
+
+    /// The second half of a convolution: the rows of the half spectra in the workspace.
+    pub(crate) fn back<O: Split>(
+        &self,
+        output: O,
+        sink: impl Fn(usize, &mut [T], O) + Sync,
+        ws: &mut Workspace<T>,
+    ) -> Result<(), ShapeError> {
+        check_rows(&output, self.rows[0])?;
+        self.check_workspace(ws)?;
+        match &self.kind {
+            Kind::Line(line) => line.row_back(output, &sink, &mut ws.line),
+            Kind::Plane(plane) => plane.rows_back(output, &sink, &mut ws.plane),
+        }
+        Ok(())
+    }
+
+    /// Returns Σ_q w k |f̃|², with w the weight of a mode.
+    pub(crate) fn quadratic_form(&self, kernel: &[T], field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
+        self.check_kernel(kernel)?;
+        self.check_field("field", field)?;
+        self.check_workspace(ws)?;
+        Ok(match &self.kind {
+            Kind::Line(line) => line.quadratic_form(kernel, &rows_of(field), &mut ws.line),
+            Kind::Plane(plane) => plane.quadratic_form(kernel, &rows_of(field), &mut ws.plane),
+        })
+    }
+
+    /// The part of the spectrum of an even kernel that is stored, from rows of its values at the distances 0, 1, ….
+    pub(crate) fn even(&self, source: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
+        let mut ws = self.workspace();
+        match &self.kind {
+            Kind::Line(line) => line.even(&source, &mut ws.line),
+            Kind::Plane(plane) => plane.even(&source, &mut ws.plane),
+        }
+    }
+
+    fn spectrum_len(&self) -> usize {
+        match (&self.kind, self.points) {
+            (Kind::Line(_), [nx, ny]) => nx * ny / 2 + 1,
+            (Kind::Plane(_), [nx, ny]) => nx * (ny / 2 + 1),
+        }
+    }
+
+    /// Of a kernel that is even along x, too, a quarter suffices.
+    fn check_kernel(&self, kernel: &[T]) -> Result<(), ShapeError> {
+        let [nx, ny] = self.points;
+        let is_quarter = matches!(self.kind, Kind::Plane(_)) && kernel.len() == (nx / 2 + 1) * (ny / 2 + 1);
+        if is_quarter { Ok(()) } else { check("kernel", kernel.len(), self.spectrum_len()) }
+    }
+
+    fn check_field(&self, what: &'static str, field: &[T]) -> Result<(), ShapeError> {
+        check(what, field.len(), self.rows[0] * self.rows[1])
+    }
+
+    fn check_workspace(&self, ws: &Workspace<T>) -> Result<(), ShapeError> {
+        check("workspace along x", ws.points[0], self.points[0])?;
+        check("workspace along y", ws.points[1], self.points[1])
+    }
+}
+
+/// A source that copies the rows of a field and prefetches the next one.
+fn rows_of<T: Real>(field: &[T]) -> impl Fn(usize, &mut [T]) + Sync {
+    move |i, row| {
+        let (here, next) = field[i * row.len()..].split_at(row.len());
+        row.copy_from_slice(here);
+        if field.len() > plane::LARGE {
+            prefetch(&next[..row.len().min(next.len())]);
+        }
+    }
+}
+
+pub(crate) fn check(what: &'static str, found: usize, expected: usize) -> Result<(), ShapeError> {
+    if found == expected { Ok(()) } else { Err(ShapeError { what, found, expected }) }
+}
+
+/// Checks that what goes into a convolution, or comes out of it, has a part for each row.
+pub(crate) fn check_rows(parts: &impl Split, rows: usize) -> Result<(), ShapeError> {
+    if parts.fits(rows) { Ok(()) } else { Err(ShapeError { what: "rows", found: parts.length(), expected: rows }) }
+}
+
+impl<T> fmt::Debug for Workspace<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").field("points", &self.points).finish_non_exhaustive()
+    }
+}
