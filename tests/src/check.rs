@@ -1,5 +1,5 @@
 use gfmd_body::InteriorError;
-use gfmd_contact::{Refusal, Solution, SolveError};
+use gfmd_contact::{Refusal, Solution, SolveError, SqueezedSolution};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
 use gfmd_interface::{FrictionState, State};
@@ -57,6 +57,9 @@ pub enum ValidationError {
     /// A contact that could not be solved.
     #[error(transparent)]
     Contact(#[from] SolveError<Solution>),
+    /// A slab between two surfaces that could not be solved.
+    #[error(transparent)]
+    Squeezed(#[from] SolveError<SqueezedSolution>),
     /// A contact that could not be posed.
     #[error(transparent)]
     Refused(#[from] Refusal),

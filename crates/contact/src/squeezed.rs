@@ -102,8 +102,7 @@ impl SqueezedContact {
         let mut displacement = vec![0.0; pressure.len()];
         transforms.compliance(0.0, &pressure, &mut displacement);
         displacement.iter_mut().for_each(|u| *u = -*u);
-        let sum = |half: &[f64]| gfmd_vector::sum(half.len(), &|range| half[range].iter().sum());
-        let [upper, lower] = [sum(&pressure[..points]), sum(&pressure[points..])];
+        let [upper, lower] = [&pressure[..points], &pressure[points..]].map(gfmd_vector::total);
         let sinking = self.response.uniform_compliance() * 0.5 * (upper + lower) / points as f64;
         let loads = match load {
             Load::MeanPressure(_) => [load; 2],

@@ -400,9 +400,7 @@ fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
 /// Scales the halves to the means that they must have, from which they differ by rounding errors.
 fn keep_means(x: &mut [f64], means: Means) {
     let points = x.len() / 2;
-    let sums: Vec<f64> =
-        x.chunks(points.max(1)).map(|half| sum(half.len(), &|range| half[range].iter().sum())).collect();
-    let [first, second] = sums[..] else { return };
+    let [first, second] = [&x[..points], &x[points..]].map(gfmd_vector::total);
     let asked = match means {
         Means::Both(mean) => mean * points as f64,
         Means::Equal => 0.5 * (first + second),

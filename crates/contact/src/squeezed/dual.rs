@@ -73,7 +73,7 @@ impl Dual {
         let face = || PullPush::new(points, floating, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).squeezing);
         let shared = PullPush::new(points, true, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).bending).bending();
         let indentation = vec![0.0; linear.len()];
-        let row = if grid.is_line() { grid.len() } else { points[1] };
+        let [_, row] = grid.rows();
         Self {
             uniform,
             scale: contact.length_scale(load),
