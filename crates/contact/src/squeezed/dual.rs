@@ -244,6 +244,57 @@ impl Extension {
 fn spread(extension: &mut PullPush, known: Known, row: usize, out: &mut [f32]) {
     extension.prepare(known);
     let extension = &*extension;
-    let fill = |i: usize, Rows(out, _): Rows<&mut [f32]>| extension.row(known, i, out);
-    gfmd_vector::pass_by(1, Rows(out, row), &|i, out| fill(i, out), &|(), ()| ());
+    gfmd_vector::pass_by(1, Rows(out, row), &|i, Rows(out, _)| extension.row(known, i, out), &|(), ()| ());
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_field::Grid;
+    use gfmd_green::{Body, Material};
+    use ndarray::Array2;
+
+    use super::*;
+
+    const N: usize = 32;
+
+    /// The preconditioner on contacts that are half of each face, applied to a field of the contacts.
+    fn preconditioned(height: f64, load: Load, fields: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let grid = Grid::square(N, 1.0).unwrap();
+        let body = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), height).unwrap();
+        let bumps = |k: usize| Array2::from_shape_fn((N, N), |(i, j)| 0.01 * ((k * i + 3 * j) % 11) as f64);
+        let contact = SqueezedContact::new(&body, &grid, &bumps(1), &bumps(2)).unwrap();
+        let x: Vec<f64> = (0..2 * N * N).map(|k| f64::from(u8::from((k / 5 + k / 70) % 2 == 0))).collect();
+        let mut dual = Dual::new(&contact, load);
+        let images = fields.iter().map(|field| {
+            // No point is about to enter a contact.
+            let gradient: Vec<f64> = field.iter().zip(&x).map(|(g, x)| if *x > 0.0 { *g } else { 1e3 }).collect();
+            let mut image = vec![0.0; gradient.len()];
+            dual.precondition(&x, &gradient, &mut image);
+            image
+        });
+        let images = images.collect();
+        (x, images)
+    }
+
+    #[test]
+    fn the_preconditioner_is_symmetric_and_positive() {
+        for height in [0.03, 0.2, 3.0] {
+            for load in [Load::MeanPressure(0.1), Load::Approach(0.01)] {
+                let wave = |k: f64| (0..2 * N * N).map(|i| (0.3 + k * i as f64).sin()).collect::<Vec<f64>>();
+                let fields = [wave(0.1), wave(0.77), vec![1.0; 2 * N * N]];
+                let (x, images) = preconditioned(height, load, &fields);
+                let product = |a: usize, b: usize| {
+                    let all = fields[a].iter().zip(&images[b]).zip(&x);
+                    all.map(|((f, m), x)| f * m * x).sum::<f64>()
+                };
+                for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+                    let size = (product(a, a) * product(b, b)).abs().sqrt();
+                    let skew = (product(a, b) - product(b, a)).abs();
+                    assert!(skew < 1e-4 * size.max(product(0, 0)), "{height} {load:?}: {skew} of {size}");
+                }
+                assert!(product(0, 0) > 0.0 && product(1, 1) > 0.0);
+                assert!(images.iter().flatten().zip(x.iter().cycle()).all(|(m, x)| *x > 0.0 || *m == 0.0));
+            }
+        }
+    }
 }
