@@ -1,5 +1,5 @@
 use gfmd_body::InteriorError;
-use gfmd_contact::{Refusal, Solution, SolveError, SteepSolution};
+use gfmd_contact::{Refusal, Solution, SolveError, SqueezedSolution, SteepSolution};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
 use gfmd_interface::{FrictionState, State};
@@ -60,6 +60,9 @@ pub enum ValidationError {
     /// A contact with finite slopes that could not be solved.
     #[error(transparent)]
     Steep(#[from] SolveError<SteepSolution>),
+    /// A slab between two surfaces that could not be solved.
+    #[error(transparent)]
+    Squeezed(#[from] SolveError<SqueezedSolution>),
     /// A contact that could not be posed.
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -20,6 +20,7 @@ mod limits;
 mod moving;
 mod punch;
 mod reference;
+mod squeezed;
 mod steep;
 
 use std::sync::Arc;
@@ -34,7 +35,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 13] = [
+pub const TOPICS: [Topic; 14] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -47,6 +48,7 @@ pub const TOPICS: [Topic; 13] = [
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
     Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },
     Topic { name: "moving", title: "A base that moves", checks: moving::checks },
+    Topic { name: "squeezed", title: "A slab between two rough surfaces", checks: squeezed::checks },
     Topic { name: "steep", title: "Finite slopes", checks: steep::checks },
 ];
 

@@ -29,7 +29,9 @@ macro_rules! topics {
         }
     };
 }
-topics!(limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws, friction, moving, steep);
+topics!(
+    limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws, friction, moving, squeezed, steep
+);
 
 #[test]
 fn a_missing_file_is_named() {

@@ -7,6 +7,7 @@ mod page;
 mod statistics;
 mod table;
 mod threshold;
+mod together;
 mod watching;
 
 use std::path::PathBuf;
@@ -15,8 +16,8 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::{
-    Boundary, Contact, Dynamics, Factors, Fields, FullContact, Load, Refusal, Resumable, RigidSurface, SolveError,
-    Solver, SteepContact, Stiffness,
+    Boundary, Contact, Dynamics, Fields, FullContact, Load, Refusal, Resumable, RigidSurface, SolveError,
+    SqueezedContact, SteepContact, Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_files::{Output, contiguous};
@@ -33,12 +34,13 @@ use serde::Serialize;
 use crate::base::{BaseArgs, MovedBase};
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
-use crate::dynamics::{DampedBy, DynamicsArgs};
+use crate::dynamics::DynamicsArgs;
 use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::law::LawArgs;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
+use crate::lower::{self, LowerArgs};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
@@ -65,6 +67,7 @@ use watching::Watching;
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
   gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
+  gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -76,6 +79,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     base: BaseArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    lower: LowerArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
@@ -120,8 +126,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
-    /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x and
-    /// displacement_y, or none; default: all
+    /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x,
+    /// displacement_y, lower_pressure, lower_displacement_z and lower_gap, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
@@ -135,7 +141,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with the statistics also
+    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with a lower surface also its
+    /// map PREFIX-lower-map, with the statistics also
     /// patches, distributions and spectrum, with the flow its flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
@@ -247,6 +254,8 @@ pub struct Report {
     pub body: Option<String>,
     #[serde(flatten)]
     pub base: BaseArgs,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Lower>,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Unknown::is_normal")]
     pub components: Unknown,
@@ -289,6 +298,17 @@ impl Report {
     }
 }
 
+/// The surface below the slab, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Lower {
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    pub rms_gradient: f64,
+    pub rms_height: f64,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -302,6 +322,8 @@ struct Prepared {
     surface: Surface,
     body: Body,
     base: Option<MovedBase>,
+    /// Below the slab.
+    lower: Option<Surface>,
     law: Arc<dyn Law>,
     controls: Vec<Load>,
     output: Option<Output>,
@@ -346,9 +368,21 @@ impl Prepared {
         {
             return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
         }
+        args.check_lower()?;
         let surface = args.source.bounded(args.boundary, session)?;
+        let lower = args.lower.read(&args.source, &surface, session)?;
+        if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
+            return Err(Failure::input(
+                &args.source.name(),
+                "the heights are all equal; with a lower surface only that may be flat",
+            ));
+        }
         if let Some(missing) = args.fields.as_ref().and_then(|fields| fields.missing(args.recording(&surface))) {
-            let needs = if missing == "plastic_depth" { "--hardness" } else { "--components all (a profile has no y)" };
+            let needs = match missing {
+                "plastic_depth" => "--hardness",
+                "displacement_x" | "displacement_y" => "--components all or --finite-slope (a profile has no y)",
+                _ => "--lower-surface or --lower-seed",
+            };
             return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
         }
         args.trace.tracer(&surface.grid, args.axes(&surface))?;
@@ -361,6 +395,7 @@ impl Prepared {
         let fields = match (args.law.law, args.boundary) {
             _ if args.finite_slope => Held::STEEP,
             _ if args.components == Unknown::All => Held::WALL_ALL_COMPONENTS,
+            _ if lower.is_some() => Held::SQUEEZED,
             (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
                 let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
                 if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
@@ -378,7 +413,7 @@ impl Prepared {
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, base, law, controls, output })
+        Ok(Self { surface, body, base, lower, law, controls, output })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -401,6 +436,10 @@ impl Prepared {
             _ => Failure::input(&args.source.name(), refusal),
         };
         let (body, Surface { grid, .. }) = (&self.body, &self.surface);
+        if let Some(lower) = &self.lower {
+            let contact = SqueezedContact::new(body, grid, &self.surface.heights, &lower.heights).map_err(refuse)?;
+            return self.press(&contact, contact.surfaces()[0], args, session);
+        }
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
         if args.finite_slope {
             let contact = SteepContact::new(body, grid, heights).map_err(refuse)?;
@@ -460,8 +499,14 @@ impl Prepared {
             rms_height: rigid.rms_height(),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
-            body: args.body.words(),
+            body: args.body.words(args.lower.flag().map(|_| lower::BETWEEN)),
             base: args.base.clone(),
+            lower: self.lower.as_ref().map(|lower| Lower {
+                surface: lower.description.clone(),
+                scan: lower.scan.clone(),
+                rms_gradient: lower.rms_gradient(),
+                rms_height: lower.statistics.moments.rms_height(),
+            }),
             boundary: self.surface.boundary.name(),
             components: args.components,
             hardness: args.hardness,
@@ -479,7 +524,9 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) if !args.trace.is_wanted() => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
-                let head = session.identity(&config, &self.surface) + &base;
+                let lower =
+                    self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
+                let head = session.identity(&config, &self.surface) + &base + &lower;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             _ => None,
@@ -507,80 +554,6 @@ impl Prepared {
 }
 
 impl Args {
-    /// Checks that the contact can have the unknown components.
-    fn check_components(&self, body: &Body) -> Result<(), Failure> {
-        let Self { components, boundary, law, hardness, base, control, .. } = self;
-        let is_moved = base.base_displacement.is_some() || base.base_traction.is_some();
-        let clash = components.clash(law.law, *boundary, *hardness, body).or(match components {
-            Unknown::All | Unknown::Held if is_moved => Some("a base that moves"),
-            Unknown::All if !control.displacement.is_empty() => Some("--displacement"),
-            _ => None,
-        });
-        match clash {
-            Some(other) => Err(Failure::value("--components", components.name(), format!("normal with {other}"))),
-            None => Ok(()),
-        }
-    }
-
-    /// Refuses flags that do not go with finite slopes.
-    fn check_finite_slope(&self) -> Result<(), Failure> {
-        let Self { components, boundary, law, hardness, base, body, flow_threshold, .. } = self;
-        let second_body = &body.others.second_body;
-        let refused: [(bool, &str, String, &str); 6] = [
-            (law.law != Kind::HardWall, "--law", law.law.name().into(), "hard-wall"),
-            (*boundary == Boundary::Free, "--boundary", boundary.to_string(), "periodic"),
-            (*components != Unknown::Normal, "--components", components.name().into(), "normal"),
-            (
-                hardness.is_some(),
-                "--hardness",
-                hardness.map_or_else(String::new, |hardness| hardness.to_string()),
-                "left out",
-            ),
-            (
-                second_body.is_some(),
-                "--second-body",
-                second_body.map_or_else(String::new, |second| second.to_string()),
-                "left out",
-            ),
-            (*flow_threshold, "--flow-threshold", "given".into(), "left out"),
-        ];
-        let moved = [("--base-displacement", &base.base_displacement), ("--base-traction", &base.base_traction)];
-        let moved = moved
-            .into_iter()
-            .filter(|(_, file)| file.is_some())
-            .map(|(flag, _)| (true, flag, "given".into(), "left out"));
-        match refused.into_iter().chain(moved).find(|(clashes, ..)| *clashes) {
-            Some((_, flag, found, allowed)) => {
-                Err(Failure::value(flag, found, format!("{allowed} with --finite-slope")))
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Checks time step, damping and record of the dynamics.
-    fn check_dynamics(&self) -> Result<(), Failure> {
-        self.dynamics.check(match self.solver.solver {
-            Solver::VerletCritical => DampedBy::Numbers,
-            Solver::VerletModes => DampedBy::Modes,
-            _ => DampedBy::Other,
-        })?;
-        if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
-            return Err(Failure::value("--damping", format!("{factors:?}"), "one number without --components all"));
-        }
-        let control = &self.control;
-        let given = [&control.pressure, &control.p_star, &control.displacement];
-        let loads: usize = given.into_iter().map(|values| numbers(values).count()).sum();
-        match self.trace.is_wanted() {
-            true if loads > 1 => {
-                Err(Failure::Input(format!("--history: {loads} loads; it records the search for one load")))
-            }
-            true if self.resume.resume => {
-                Err(Failure::Input("--history: with --resume; it records a search from its beginning".into()))
-            }
-            _ => Ok(()),
-        }
-    }
-
     fn dynamics(&self) -> Result<Dynamics, Failure> {
         Ok(Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? })
     }
@@ -605,6 +578,7 @@ impl Args {
             statistics: self.statistics,
             flow: self.flow,
             lateral: self.axes(surface).len() - 1,
+            is_squeezed: self.lower.flag().is_some(),
         }
     }
 }
@@ -634,7 +608,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, base, controls, output, .. }, contact, args, session } = *self;
+        let Self { prepared: Prepared { surface, base, lower, controls, output, .. }, contact, args, session } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = args.recording(surface);
@@ -644,6 +618,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let mut file = output.as_ref().map(create).transpose()?;
         if let (Some(file), Some(base)) = (&mut file, base) {
             file.write_base(base, surface)?;
+        }
+        if let (Some(file), Some(lower)) = (&mut file, lower) {
+            file.write_lower(lower)?;
         }
         let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
@@ -732,6 +709,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
             report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
+            if let Some(lower) = state.lower() {
+                report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
+            }
             let variance = self.prepared.pressure_variance(args.components);
             report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }

@@ -157,9 +157,10 @@ impl BodyArgs {
         self.others.below(material, self.height)
     }
 
-    /// The body in words, unless it is a half-space or a slab on a bonded base, and alone.
-    pub fn words(&self) -> Option<String> {
-        if self.others.are_none() {
+    /// The body in words, unless it is a half-space or a slab on a bonded base, and alone. The words `below` stand in
+    /// place of those of the base.
+    pub fn words(&self, below: Option<&str>) -> Option<String> {
+        if self.others.are_none() && below.is_none() {
             return None;
         }
         let top = match self.height {
@@ -167,7 +168,7 @@ impl BodyArgs {
             Height::Infinite => "half-space".to_owned(),
         };
         let modulus = self.e_star.map_or_else(|| format!("E = {}", self.young), |e_star| format!("E* = {e_star}"));
-        Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words()))
+        Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below)))
     }
 
     /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the sides of the
@@ -273,7 +274,8 @@ impl OtherArgs {
     }
 
     /// What these flags add to the words for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a half-space".
-    pub fn words(&self) -> String {
+    /// The words `below` stand in place of those of the base.
+    pub fn words(&self, below: Option<&str>) -> String {
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         let mut parts: Vec<String> = Vec::new();
         for sheet in layer {
@@ -281,6 +283,7 @@ impl OtherArgs {
             parts.push(format!("on a layer of height {height} ({})", sheet.words()));
         }
         match base {
+            _ if below.is_some() => parts.extend(below.map(str::to_owned)),
             BaseKind::Bonded if layer.is_empty() => {}
             BaseKind::Bonded => parts.push("bonded to a rigid base".into()),
             BaseKind::Sliding => parts.push("on a rigid base without friction".into()),

@@ -34,6 +34,7 @@ pub mod json;
 pub mod kappa_sweep;
 pub mod law;
 pub mod load;
+pub mod lower;
 pub mod memory;
 pub mod path;
 pub mod program;

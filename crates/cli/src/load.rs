@@ -2,7 +2,7 @@
 
 use gfmd_contact::{
     Boundary, Contact, Effort, Equilibrium, Fields, FullContact, FullSolution, Plastic, Residual, Solution,
-    SteepContact, SteepSolution, Stiffness,
+    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_interface::{Interface, State};
@@ -62,8 +62,45 @@ pub struct LoadRecord {
     /// With the flow through the gap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<FlowRecord>,
+    /// Of the lower face of a slab between two surfaces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower: Option<LowerRecord>,
     #[serde(flatten)]
     pub law: Option<LawRecord>,
+}
+
+/// The contact of the lower face of a slab between two surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "`LOWER` has the meanings, once for code and files")]
+pub struct LowerRecord {
+    pub mean_pressure: f64,
+    pub displacement: f64,
+    pub area_fraction: f64,
+    pub area_fraction_corrected: f64,
+    pub contact_nodes: u64,
+    pub boundary_links: u64,
+    pub mean_gap: f64,
+    pub max_pressure: f64,
+    pub mean_pressure_in_contact: f64,
+    pub residual: ResidualRecord,
+}
+
+impl From<&Solution> for LowerRecord {
+    fn from(state: &Solution) -> Self {
+        let summary = state.summary();
+        Self {
+            mean_pressure: summary.mean_pressure,
+            displacement: state.approach,
+            area_fraction: summary.area_fraction,
+            area_fraction_corrected: summary.area_fraction_corrected,
+            contact_nodes: summary.contact_nodes,
+            boundary_links: summary.boundary_links,
+            mean_gap: summary.mean_gap,
+            max_pressure: summary.max_pressure,
+            mean_pressure_in_contact: summary.mean_pressure_in_contact,
+            residual: state.residual.into(),
+        }
+    }
 }
 
 /// The patches of a contact.
@@ -173,6 +210,12 @@ impl Stiff for Interface {
     }
 }
 
+impl Stiff for SqueezedContact {
+    fn stiffness_of(&self, _: &SqueezedSolution) -> Result<Option<Stiffness>, (Stiffness, String)> {
+        Ok(None)
+    }
+}
+
 /// The discrete problem has a stiffness of its own in the Nyquist modes of an even grid, which is not computed.
 impl Stiff for FullContact {
     fn stiffness_of(&self, _: &FullSolution) -> Result<Option<Stiffness>, (Stiffness, String)> {
@@ -187,6 +230,11 @@ pub trait Recorded: Fields {
 
     /// What gives way, if the contact has a hardness.
     fn plastic(&self) -> Option<&Plastic> {
+        None
+    }
+
+    /// The contact with a surface below, as seen from there.
+    fn lower(&self) -> Option<&Solution> {
         None
     }
 
@@ -245,6 +293,20 @@ impl Recorded for Solution {
     }
 }
 
+impl Recorded for SqueezedSolution {
+    fn residual_record(&self) -> ResidualRecord {
+        self.residual().into()
+    }
+
+    fn lower(&self) -> Option<&Solution> {
+        Some(&self.lower)
+    }
+
+    fn law_record(&self) -> Option<LawRecord> {
+        None
+    }
+}
+
 impl Recorded for State {
     fn residual_record(&self) -> ResidualRecord {
         let gfmd_interface::Residual { complementarity, penetration, wall_tension, load, .. } = self.residual;
@@ -281,8 +343,8 @@ impl LoadRecord {
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
         let mean_shear = state.steep().map(|steep| steep.mean_shear);
         let projected_area_fraction = state.steep().map(SteepSolution::projected_area);
-        let law = state.law_record();
-        Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, ..wall }
+        let (law, lower) = (state.law_record(), state.lower().map(LowerRecord::from));
+        Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall }
     }
 
     /// The record with the force, if the surface on `grid` does not repeat.
@@ -354,6 +416,7 @@ impl LoadRecord {
             patches: None,
             conductance: None,
             flow: None,
+            lower: None,
             law: None,
         }
     }
@@ -536,6 +599,57 @@ pub const LATERAL_TRACTION: Column<LoadRecord> = Column::new(
     "largest lateral traction that the dynamics left / largest pressure",
     |r| r.residual.lateral_traction.unwrap_or(f64::NAN),
 );
+/// A scalar of the lower face.
+macro_rules! lower {
+    ($name:literal, $units:literal, $meaning:literal, $value:expr) => {
+        Column::new(concat!("lower_", $name), $units, $meaning, |r| r.lower.as_ref().map_or(f64::NAN, $value))
+    };
+}
+
+/// The scalars of the lower face of a slab between two surfaces.
+pub const LOWER: &[Column<LoadRecord>] = &[
+    lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |r| r.mean_pressure),
+    lower!("displacement", "length", "part of the approach at the lower face", |r| r.displacement),
+    lower!("area_fraction", "1", "contact area fraction of the lower face", |r| r.area_fraction),
+    lower!("area_fraction_corrected", "1", "the same less the excess of the pixels along the perimeter", |r| {
+        r.area_fraction_corrected
+    }),
+    lower!("contact_nodes", "1", "number of points in contact at the lower face", |r| r.contact_nodes as f64),
+    lower!("boundary_links", "1", "neighbouring pairs with one point in contact and one not, at the lower face", |r| {
+        r.boundary_links as f64
+    }),
+    lower!("mean_gap", "length", "mean distance between lower face and lower surface", |r| r.mean_gap),
+    lower!("max_pressure", "stress", "largest pressure on the lower face", |r| r.max_pressure),
+    lower!("mean_pressure_in_contact", "stress", "mean pressure over the points in contact at the lower face", |r| {
+        r.mean_pressure_in_contact
+    }),
+    lower!("residual_complementarity", "1", "sum(p gap) / (sum(p) h_rms) of the lower face", |r| {
+        r.residual.complementarity
+    }),
+    lower!("residual_penetration", "1", "max(0, -min gap) / h_rms of the lower face", |r| r.residual.penetration),
+    lower!("residual_negative_pressure", "1", "max(0, -min p) / mean p of the lower face", |r| {
+        r.residual.negative_pressure
+    }),
+    lower!("residual_load", "1", "|mean p - asked| / asked of the lower face, or as residual_load", |r| r
+        .residual
+        .load),
+];
+
+/// The scalars whose meaning is different between two surfaces. All others are of the upper face.
+const MEANINGS_WITH_LOWER: &[(&str, &str)] = &[
+    ("displacement", "approach of the two rigid surfaces beyond the distance at which both touch the undeformed slab"),
+    ("elastic_energy", "elastic energy of the slab per area, by the pressures on both faces"),
+    ("residual_complementarity", "sum(p gap) / (sum(p) h_rms), from the final fields, the larger of the two faces"),
+    ("residual_penetration", "max(0, -min gap) / h_rms, from the final fields, the larger of the two faces"),
+    ("residual_negative_pressure", "max(0, -min p) / mean p, from the final fields, the larger of the two faces"),
+    (
+        "residual_load",
+        "|mean p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their \
+         mean pressures over its mean",
+    ),
+    ("stiffness", "NaN"),
+    ("stiffness_error", "NaN"),
+];
 
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
@@ -603,19 +717,30 @@ pub struct Recording {
     pub flow: bool,
     /// Number of lateral components that are unknown, too.
     pub lateral: usize,
+    /// True between two surfaces.
+    pub is_squeezed: bool,
 }
 
 impl Recording {
     /// The loads of a contact without plastic depth, statistics and flow.
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
-        Self { with_law, boundary, is_plastic: false, is_steep: false, statistics: false, flow: false, lateral: 0 }
+        Self {
+            with_law,
+            boundary,
+            is_plastic: false,
+            is_steep: false,
+            statistics: false,
+            flow: false,
+            lateral: 0,
+            is_squeezed: false,
+        }
     }
 }
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
-    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow, lateral } = kind;
+    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow, lateral, is_squeezed } = kind;
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);
@@ -634,13 +759,21 @@ pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
     if flow {
         columns.extend_from_slice(FLOW);
     }
-    if with_law {
-        for column in &mut columns {
-            if let Some((_, meaning)) = MEANINGS_WITH_LAW.iter().find(|(name, _)| *name == column.name) {
-                column.long_name = meaning;
-            }
+    let meanings = match (with_law, is_squeezed) {
+        (true, _) => MEANINGS_WITH_LAW,
+        (_, true) => MEANINGS_WITH_LOWER,
+        _ => &[],
+    };
+    for column in &mut columns {
+        if let Some((_, meaning)) = meanings.iter().find(|(name, _)| *name == column.name) {
+            column.long_name = meaning;
         }
+    }
+    if with_law {
         columns.extend_from_slice(LAW_SCALARS);
+    }
+    if is_squeezed {
+        columns.extend_from_slice(LOWER);
     }
     columns
 }

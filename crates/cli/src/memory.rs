@@ -19,6 +19,8 @@ impl Held {
     pub const STEEP: Self = Self(48);
     /// A contact with a hard wall whose lateral components are unknown, too.
     pub const WALL_ALL_COMPONENTS: Self = Self(64);
+    /// A slab between two surfaces.
+    pub const SQUEEZED: Self = Self(50);
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
     /// A path of u_z alone, with the states before and after a jump.

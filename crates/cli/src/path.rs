@@ -319,7 +319,7 @@ impl Prepared {
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
-            body: args.body.words(),
+            body: args.body.words(None),
             law: match &self.action {
                 Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
                 Action::Friction(Limit::Tresca(_)) => "tresca".into(),

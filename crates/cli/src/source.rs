@@ -118,21 +118,34 @@ impl Surface {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
-        let long_name = "height of the rigid surface, peaks towards the elastic body";
+        self.write_as(archive, "/surface", "height of the rigid surface, peaks towards the elastic body", axes)
+    }
+
+    /// Writes the surface as a group of a file; the heights have the name `long_name`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(crate) fn write_as(
+        &self,
+        archive: &mut Archive,
+        group: &str,
+        long_name: &str,
+        axes: [&Dimension; 2],
+    ) -> Result<(), Failure> {
         let height = Variable { dimensions: &axes, units: self.unit(), long_name };
-        archive.write("/surface/height", &height, &contiguous(&self.heights))?;
-        archive.attribute("/surface", "description", self.description.as_str())?;
-        archive.attribute("/surface", "rms_gradient", self.rms_gradient())?;
-        archive.attribute("/surface", "boundary", self.boundary.name())?;
-        archive.attribute("/surface", "height_sha256", self.checksum())?;
+        archive.write(&format!("{group}/height"), &height, &contiguous(&self.heights))?;
+        archive.attribute(group, "description", self.description.as_str())?;
+        archive.attribute(group, "rms_gradient", self.rms_gradient())?;
+        archive.attribute(group, "boundary", self.boundary.name())?;
+        archive.attribute(group, "height_sha256", self.checksum())?;
         let [length_x, length_y] = self.grid.lengths();
-        archive.attribute("/surface", "length_x", length_x)?;
-        archive.attribute("/surface", "length_y", length_y)?;
+        archive.attribute(group, "length_x", length_x)?;
+        archive.attribute(group, "length_y", length_y)?;
         if let Some((file, checksum)) = &self.origin {
-            archive.attribute("/surface", "file", file.as_str())?;
-            archive.attribute("/surface", "file_sha256", checksum.as_str())?;
+            archive.attribute(group, "file", file.as_str())?;
+            archive.attribute(group, "file_sha256", checksum.as_str())?;
         }
-        self.scan.iter().try_for_each(|scan| scan.write(archive, "/surface"))
+        self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
 }
 

@@ -23,9 +23,10 @@ use std::time::{Duration, Instant};
 use common::{gfmd, numbers, sweep};
 
 /// Commands that write a file. The first word is a name for messages.
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 9] = [
     "sweep kappa-sweep --config sweep.toml",
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
+    "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
     "relaxation contact --n 64 --eps-f-inv 16 --p-star 0.02 --solver verlet --checkpoint 0.001",
     "law contact --n 64 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 --checkpoint 0.001",
     "path path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 6",
@@ -35,9 +36,10 @@ const COMMANDS: [&str; 8] = [
 ];
 
 /// Smaller ones, of which every system call is tried.
-const SMALL: [&str; 8] = [
+const SMALL: [&str; 9] = [
     "sweep kappa-sweep --config small.toml",
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
+    "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
     "relaxation contact --n 24 --eps-f-inv 4 --p-star 0.05 --solver fire --checkpoint 0.0001",
     "law contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=4e-3 --p-star 0.05,0 --checkpoint 0.0001",
     "path path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 2",
@@ -47,7 +49,7 @@ const SMALL: [&str; 8] = [
 ];
 
 /// The commands that keep finished parts.
-const RESUMABLE: [&str; 6] = ["sweep", "contact", "relaxation", "law", "path", "loop"];
+const RESUMABLE: [&str; 7] = ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop"];
 
 struct Case {
     name: &'static str,
@@ -128,7 +130,7 @@ fn cases(folder: &Path) -> Vec<Case> {
     all_of(COMMANDS, folder)
 }
 
-fn all_of(commands: [&'static str; 8], folder: &Path) -> Vec<Case> {
+fn all_of(commands: [&'static str; 9], folder: &Path) -> Vec<Case> {
     std::fs::write(folder.join("sweep.toml"), sweep(3, 50)).unwrap();
     let small = sweep(2, 50).replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]");
     std::fs::write(folder.join("small.toml"), small.replace("centre = [2, 4, 4]", "centre = [1, 4, 4]")).unwrap();

@@ -7,6 +7,7 @@ use gfmd_vector::for_each;
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
+use crate::solution::Conditions;
 use crate::{Boundary, Dynamics, Load, Refusal, RigidSurface, Solution, Units};
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
@@ -188,15 +189,9 @@ impl Contact {
         let uniform = self.uniform_compliance() * gfmd_vector::total(&pressure) / n as f64;
         // u_z = −G p.
         for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
-        let mut solution = Solution::of(
-            &self.scaled,
-            response.contact_modulus(),
-            pressure,
-            displacement,
-            uniform,
-            load,
-            self.hardness,
-        );
+        let length_scale = self.scaled.length_scale(load);
+        let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness };
+        let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs();
         solution
     }

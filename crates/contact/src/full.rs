@@ -15,7 +15,7 @@ use gfmd_vector::{pass, total};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::layer::STIFFNESS_LENGTH;
-use crate::solution::field;
+use crate::solution::{Conditions, field};
 use crate::{
     Drive, Dynamics, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
     judge,
@@ -123,7 +123,9 @@ impl FullContact {
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
         let load = Load::MeanPressure(push);
         let modulus = self.response.contact_modulus();
-        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, 0.0, load, None);
+        let length_scale = self.surface.length_scale(load);
+        let conditions = Conditions { sinking: 0.0, load, length_scale, hardness: None };
+        let mut normal = Solution::of(&self.surface, modulus, pressure, normal, conditions);
         normal.effort = Effort { iterations: 0, transform_pairs: transforms.pairs() };
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }

@@ -33,7 +33,9 @@
 //!
 //! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] holds it; [`Dynamics`] are time step and damping. Other crates generate heights (`gfmd-surface`),
+//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface,
+//! [`Contact::held_sideways`] holds it; [`Dynamics`] are time step and damping. [`SqueezedContact`] is a slab between two rigid
+//! surfaces, [`SteepContact`] does not take slopes as small. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod boundary;
@@ -60,6 +62,7 @@ mod load_search;
 mod pull_push;
 mod resumable;
 mod solve;
+mod squeezed;
 mod steep;
 mod stiffness;
 
@@ -78,6 +81,7 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use squeezed::{SqueezedContact, SqueezedSolution};
 pub use steep::{SteepContact, SteepSolution};
 pub use stiffness::Stiffness;
 pub use units::Units;

@@ -128,6 +128,13 @@ impl PullPush {
         Self { points, edges, levels, kept }
     }
 
+    /// The map for displacements that resist bending: a value extends to a neighbourhood as large as there is room, since that
+    /// costs the less energy the larger it is.
+    pub(crate) fn bending(mut self) -> Self {
+        self.levels.iter_mut().for_each(|level| level.full = level.full.min(1.0));
+        self
+    }
+
     /// True if constants are extended as constants.
     pub(crate) fn keeps_constants(&self) -> bool {
         self.levels.iter().all(|level| level.trust == 1.0) && self.levels.last().is_none_or(|top| top.full == 0.0)

@@ -102,9 +102,14 @@ impl RigidSurface {
     /// The scale of lengths in the residuals of a contact without attraction: h_rms, or a million times the prescribed
     /// approach if that is less. Errors that are small compared with h_rms may exceed a very small approach.
     pub fn length_scale(&self, load: Load) -> f64 {
+        Self::scale_of(self.rms_height, load)
+    }
+
+    /// The [scale of lengths](Self::length_scale) of an rms height.
+    pub(crate) fn scale_of(rms_height: f64, load: Load) -> f64 {
         match load {
-            Load::Approach(approach) if approach > 0.0 => self.rms_height.min(OF_THE_APPROACH * approach),
-            _ => self.rms_height,
+            Load::Approach(approach) if approach > 0.0 => rms_height.min(OF_THE_APPROACH * approach),
+            _ => rms_height,
         }
     }
 

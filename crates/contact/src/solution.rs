@@ -60,6 +60,18 @@ pub struct Residual {
     pub load: f64,
 }
 
+/// What a solution follows from, beside its pressure and the displacement by it.
+#[derive(Clone, Copy)]
+pub(crate) struct Conditions {
+    /// The uniform displacement of the body downwards, which the displacement does not contain.
+    pub(crate) sinking: f64,
+    pub(crate) load: Load,
+    /// The scale of lengths in the residuals.
+    pub(crate) length_scale: f64,
+    /// The largest pressure that the surfaces carry.
+    pub(crate) hardness: Option<f64>,
+}
+
 impl Residual {
     /// The four residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 4] {
@@ -160,19 +172,17 @@ impl Solution {
     }
 
     /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the size of
-    /// the grid. `sinking` is the uniform displacement of the body downwards, which `displacement` does not contain. `hardness`
-    /// is the largest pressure that the surfaces carry.
+    /// the grid.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
         pressure: Vec<f64>,
         mut displacement: Vec<f64>,
-        sinking: f64,
-        load: Load,
-        hardness: Option<f64>,
+        conditions: Conditions,
     ) -> Self {
+        let Conditions { sinking, load, length_scale, hardness } = conditions;
         let upper = hardness.unwrap_or(f64::INFINITY);
-        let (clearance, length_scale) = (surface.clearance(), surface.length_scale(load));
+        let clearance = surface.clearance();
         let n = pressure.len();
         let [sum, touching] = reduce(
             n,

@@ -10,7 +10,7 @@ use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
 use gfmd_vector::{dot, for_each};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
-use crate::solution::field;
+use crate::solution::{Conditions, field};
 use crate::{
     Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
     judge,
@@ -185,7 +185,9 @@ impl SteepContact {
             load => load,
         };
         let modulus = self.full.contact_modulus();
-        let mut solution = Solution::of(&surface, modulus, pressure, normal, 0.0, displaced, None);
+        let length_scale = self.surface.length_scale(load);
+        let conditions = Conditions { sinking: 0.0, load: displaced, length_scale, hardness: None };
+        let mut solution = Solution::of(&surface, modulus, pressure, normal, conditions);
         solution.approach += lowest;
         solution.effort.transform_pairs = transforms.pairs();
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();

@@ -67,6 +67,11 @@ impl Units {
         self.modulus
     }
 
+    /// The unit of lengths along the surface.
+    pub(crate) fn lateral(&self) -> f64 {
+        self.lateral
+    }
+
     /// The unit of heights, gaps and displacements.
     pub fn length(&self) -> f64 {
         self.normal

@@ -28,6 +28,9 @@ pub enum GreenError {
     /// Two bodies with their surfaces on each other, below a slab.
     #[error("the body below a slab is a pair of bodies; it must be one body")]
     PairBelow,
+    /// A half-space or a pair of bodies, pressed on both faces.
+    #[error("the body is {0}; a body that is pressed on both faces must be a slab or a stack of layers")]
+    Plate(&'static str),
     /// A patch of surface with free boundaries on a body of finite height.
     #[error("the height is {0}; with free boundaries it must be inf, a half-space")]
     FreeBoundary(f64),

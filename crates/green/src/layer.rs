@@ -2,8 +2,9 @@ use num_complex::Complex64;
 
 use crate::{Blocks, Body, GreenError, Material, Matrix2, Matrix3, body::on_axes, slab::LayerMode};
 
-/// A layer whose two faces may both move: the starting point for two-sided contact, or for a base with a prescribed
-/// displacement or traction (theory.md, section 4). Contacts over a base that moves use `gfmd_body::BaseField` instead; this serves problems of your own.
+/// A layer whose two faces may both move, with all components: the starting point for a base with a prescribed displacement or
+/// traction (theory.md, section 4). Contacts over a base that moves use `gfmd_body::BaseField` instead, slabs between two surfaces
+/// [`Plate`](crate::Plate); this serves problems of your own.
 ///
 /// The matrix L gives the outward tractions on top and bottom from the displacements of top and bottom; on the bottom the
 /// traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations cost no

@@ -9,6 +9,7 @@
 //! | plate, free base         | (E* q/2)(sinh² h − h²)/(sinh h cosh h + h)          | theory.md, section 4   |
 //! | coating, stack of layers | layer by layer from below                           | theory.md, section 4   |
 //! | two bodies               | 1/(G_zz of one + G_zz of the other)                 | theory.md, section 4.1 |
+//! | slab pressed on two faces| [`Plate`]                                           | theory.md, section 4.3 |
 //!
 //! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives the stiffness of a wave
 //! vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and stresses inside, [`Layer`] to
@@ -50,6 +51,7 @@ mod hyperbolic;
 mod layer;
 mod material;
 mod patch;
+mod plate;
 mod sagittal;
 mod section;
 mod slab;
@@ -64,6 +66,7 @@ pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
 pub use patch::patch_compliance;
+pub use plate::{Plate, PlateCompliance};
 pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use stacking::{BaseKind, UnknownBase};
 pub use tables::{

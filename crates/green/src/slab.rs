@@ -112,6 +112,13 @@ impl<'a> LayerMode<'a> {
         t.sinh * t.sinh / t.sinh_cosh_plus_h() / self.contact_unit()
     }
 
+    /// The normal compliance of the upper half of a plate that bends: u_x = 0 and no normal traction on the mid-plane
+    /// (theory.md, section 4).
+    pub(crate) fn bending_normal_compliance(&self) -> f64 {
+        let t = &self.t;
+        t.cosh * t.cosh / t.sinh_cosh_minus_h / self.contact_unit()
+    }
+
     /// The numerator of the coupling, s sinh² h + (1 − s) h².
     fn free_coupling(&self) -> f64 {
         let (m, t) = (self.material, &self.t);

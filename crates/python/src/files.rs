@@ -50,8 +50,10 @@ pub(crate) fn save(
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
         let is_plastic = records.iter().any(|record| record.plastic_fraction.is_some());
-        let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(3 + usize::from(is_plastic)));
-        let recording = Recording { is_plastic, lateral, ..Recording::plain(with_law, boundary) };
+        let is_squeezed = records.iter().any(|record| record.lower.is_some());
+        let others = 3 + usize::from(is_plastic) + if is_squeezed { 3 } else { 0 };
+        let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(others));
+        let recording = Recording { is_plastic, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         for (index, fields) in fields.iter().enumerate() {

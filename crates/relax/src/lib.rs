@@ -7,8 +7,9 @@
 //! | [`Nesterov`]                      | force, stiffest mode             | convex problems                         |
 //! | [`Fire`]                          | force, stiffest mode             | landscapes that are not convex          |
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
+//! | [`PreconditionedCg`], [`PairedCg`] | the same, and its near inverse  | [`Preconditioned`]; [`Paired`], two halves |
 //!
-//! For all methods but the last two a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
+//! For all methods but conjugate gradients a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
 //! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
 //! satisfied, and an [`Observer`] may watch. A [`Watch`] may keep checkpoints: every search visits its variables ([`Visit`]),
 //! and continues from them bit by bit. Results are equal bit by bit for any number of threads.
@@ -84,6 +85,7 @@ mod landscape;
 mod mode_damped;
 mod nesterov;
 mod observer;
+mod paired_cg;
 mod polonsky_keer;
 mod preconditioned;
 mod preconditioned_cg;
@@ -112,6 +114,7 @@ pub use landscape::Landscape;
 pub use mode_damped::{ModeDamped, damped_by_parts};
 pub use nesterov::{Momentum, Nesterov};
 pub use observer::{Every, Observer};
+pub use paired_cg::{Paired, PairedCg};
 pub use polonsky_keer::PolonskyKeer;
 pub use preconditioned::Preconditioned;
 pub use preconditioned_cg::PreconditionedCg;

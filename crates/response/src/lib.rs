@@ -3,6 +3,7 @@
 //!
 //! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
 //! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat.
+//! - [`PlateResponse`]: pressure and indentation on both faces of a plate, a 2 × 2 matrix per mode.
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
 //! - [`Elastic`]: either of the two, shared; its [`Transforms`] have the memory and a counter. Each problem owns one.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
@@ -51,6 +52,7 @@ mod full;
 mod hermitian;
 mod normal;
 mod operator;
+mod plate;
 mod rounded;
 mod units;
 
@@ -61,5 +63,6 @@ pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;
 pub use operator::{Operator, Workspace};
+pub use plate::{PlateResponse, PlateTransforms};
 pub use rounded::RoundedTransforms;
 pub use units::unit_of;

@@ -159,6 +159,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if boundary != "periodic" {
         return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
     }
+    if crate::lower::is_stored(&reader) {
+        return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
+    }
     // The surface of such a contact has no lateral displacement.
     let is_held = normal && record.get("components").and_then(toml::Value::as_str) == Some("held");
     let (mut values, load): (Vec<f64>, _) = match (normal, shape.len()) {

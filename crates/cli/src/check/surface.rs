@@ -7,6 +7,7 @@ use gfmd_files::{Checksum, Reader};
 use super::{Comparison, words};
 use crate::base::{BaseArgs, stored_base};
 use crate::failure::Failure;
+use crate::lower::{LowerArgs, stored_lower};
 use crate::source::SourceArgs;
 
 /// Compares the heights of a result with their checksum. Returns the flags of a command that reads them.
@@ -37,17 +38,19 @@ pub(crate) fn stored_surface(reader: &Reader, comparison: &mut Comparison) -> Re
 /// # Errors
 /// A configuration that is not TOML, a file without a surface.
 pub(crate) fn flags_again(reader: &Reader, config: &str, out: &Path) -> Result<Vec<String>, Failure> {
+    let of_the_file = [&BaseArgs::NAMES[..], &LowerArgs::NAMES].concat();
     let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
     let mut flags = match table.contains_key("surface") {
         true => {
             let mut flags = stored_surface(reader, &mut Comparison::default())?;
-            flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES].concat())?);
+            flags.extend(words(config, &[&SourceArgs::names()[..], &of_the_file].concat())?);
             flags
         }
         // Defaults of the flags for files are no flags of a generated surface.
-        false => words(config, &BaseArgs::NAMES)?,
+        false => words(config, &of_the_file)?,
     };
     flags.extend(stored_base(reader));
+    flags.extend(stored_lower(reader));
     flags.push(format!("--out={}", out.display()));
     Ok(flags)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, FullContact, Load, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, Contact, FullContact, Load, SqueezedContact, SteepContact, Stiffness};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
@@ -16,6 +16,7 @@ use crate::base::{BaseArgs, MovedBase, stored_base};
 use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
 use crate::failure::Failure;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
+use crate::lower::{LowerArgs, stored_lower};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
@@ -32,10 +33,11 @@ pub(crate) fn check(
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
     flags.extend(stored_base(reader));
-    flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES].concat())?);
+    flags.extend(stored_lower(reader));
+    flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES, &LowerArgs::NAMES].concat())?);
     let args: Args = parsed(&flags)?;
     let prepared = Prepared::new(&args, session)?;
-    let Prepared { surface, body, base, law, controls, .. } = &prepared;
+    let Prepared { surface, body, base, lower, law, controls, .. } = &prepared;
     let heights = &*MovedBase::under(base.as_ref(), &surface.heights);
     let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
@@ -46,10 +48,11 @@ pub(crate) fn check(
             .differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {}", controls.len()));
     }
     let needed = if args.law.law == Kind::HardWall { "/fields/pressure" } else { "/fields/gap" };
-    if args.fields.is_some() && !reader.contains(needed) {
+    let mut needed = [needed].into_iter().chain(lower.is_some().then_some("/fields/lower_pressure"));
+    if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
         session.warn(
             "fields-missing",
-            format!("the file has no {needed}, from which loads are recomputed; --rerun solves them"),
+            format!("the file has no {missing}, from which loads are recomputed; --rerun solves them"),
         );
         return Ok(());
     }
@@ -84,6 +87,22 @@ pub(crate) fn check(
             }
         }
         return file.compare_statistics(comparison);
+    }
+    if let Some(lower) = lower {
+        if let Ok(stated) = reader.text("/lower", "height_sha256")
+            && lower.checksum() != stated
+        {
+            comparison.differ("/lower/height", "its checksum does not hold".into());
+        }
+        let contact = SqueezedContact::new(body, &surface.grid, heights, &lower.heights).map_err(refuse)?;
+        for (index, load) in controls.iter().enumerate().take(count) {
+            let [upper, lower] = [file.field("pressure", index)?, file.field("lower_pressure", index)?];
+            if solved(&upper) && solved(&lower) {
+                let state = contact.certify([&upper, &lower], *load).map_err(refuse)?;
+                file.compare(index, *load, &state, None, comparison)?;
+            }
+        }
+        return Ok(());
     }
     if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
@@ -159,7 +178,15 @@ impl Checked<'_> {
         let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
         let lateral = ["/fields/displacement_x", "/fields/displacement_y"].into_iter().zip(state.lateral());
         let lateral: Vec<_> = lateral.map(|(path, field)| (path, field.iter().copied().collect())).collect();
-        for (path, values) in fields.iter().chain(&depth).chain(&lateral).filter(|(path, _)| reader.contains(path)) {
+        let lower = state.lower().map(|lower| {
+            [
+                ("/fields/lower_pressure", lower.pressure.iter().copied().collect()),
+                ("/fields/lower_displacement_z", lower.displacement.iter().map(|u| -u).collect()),
+                ("/fields/lower_gap", lower.gap.iter().copied().collect()),
+            ]
+        });
+        let all = fields.iter().chain(&depth).chain(&lateral).chain(lower.iter().flatten());
+        for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
         let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
@@ -186,7 +213,8 @@ impl Checked<'_> {
             let path = format!("/loads/{name}");
             let stored: Vec<f64> = reader.values(&path)?;
             // Residuals are small beside 1, and rounding makes them.
-            let is_residual = name.starts_with("residual_") || ["stiffness_error", "flow_residual"].contains(name);
+            let is_residual = name.trim_start_matches("lower_").starts_with("residual_")
+                || ["stiffness_error", "flow_residual"].contains(name);
             let floor = if is_residual { 1e-3 } else { 0.0 };
             let stored = stored.get(index).copied().unwrap_or(f64::NAN);
             comparison.number(&path, stored, value(&record), floor);

@@ -29,6 +29,17 @@ pub(super) fn draw(
     Ok(files)
 }
 
+/// Draws `PREFIX-lower-map` of the last load.
+pub(super) fn lower(
+    prefix: &Path,
+    report: &Report,
+    grid: &Grid,
+    pressure: &Array2<f64>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let unit = report.unit.as_deref().unwrap_or("length");
+    draw_pressure(&named(prefix, "lower-map"), grid, pressure, report.e_star, unit)
+}
+
 /// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced
 /// pressure, area, corrected area.
 pub(super) fn area(loads: &[[f64; 3]], is_line: bool) -> Chart {

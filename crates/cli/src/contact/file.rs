@@ -17,6 +17,7 @@ use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
+use crate::lower;
 use crate::source::Surface;
 use crate::trace::Trace;
 
@@ -28,18 +29,24 @@ pub struct ContactFile<'a> {
 }
 
 /// The fields of a load: path, units, meaning.
-const FIELDS: [(&str, &str, &str); 6] = [
+const FIELDS: [(&str, &str, &str); 9] = [
     ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
     ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
     ("/fields/gap", "length", "distance between the surfaces"),
     ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching"),
     ("/fields/displacement_x", "length", "displacement of the elastic surface along x"),
     ("/fields/displacement_y", "length", "displacement of the elastic surface along y"),
+    ("/fields/lower_pressure", "stress", "pressure on the lower face of the slab"),
+    ("/fields/lower_displacement_z", "length", "normal displacement of the lower face of the slab, positive upwards"),
+    ("/fields/lower_gap", "length", "distance between the lower face of the slab and the lower surface"),
 ];
+
+/// The number of fields.
+const COUNT: usize = FIELDS.len();
 
 /// The fields of each load that go into a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen([bool; 6]);
+pub struct Chosen([bool; COUNT]);
 
 /// Words that name no fields.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -53,14 +60,15 @@ fn names() -> impl Iterator<Item = &'static str> {
 
 impl Recording {
     /// The fields that the loads have.
-    fn fields(self) -> [bool; 6] {
-        [true, true, true, self.is_plastic, self.lateral > 0, self.lateral > 1]
+    fn fields(self) -> [bool; COUNT] {
+        let Self { is_plastic, lateral, is_squeezed, .. } = self;
+        [true, true, true, is_plastic, lateral > 0, lateral > 1, is_squeezed, is_squeezed, is_squeezed]
     }
 }
 
 impl Chosen {
     /// All fields.
-    pub const ALL: Self = Self([true; 6]);
+    pub const ALL: Self = Self([true; COUNT]);
 
     /// The first of the fields named that the loads do not have.
     pub(super) fn missing(&self, recording: Recording) -> Option<&'static str> {
@@ -71,7 +79,7 @@ impl Chosen {
 
     /// The places of pressure and gap among the chosen fields, if both are.
     pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
-        let place = |field: usize| self.of(0..6).position(|chosen| chosen == field);
+        let place = |field: usize| self.of(0..COUNT).position(|chosen| chosen == field);
         Some([place(0)?, place(2)?])
     }
 
@@ -92,7 +100,14 @@ impl Chosen {
         };
         let [x, y] = [0, 1].map(|axis| state.lateral().get(axis).map(|field| field.view().into()));
         let depth = state.plastic().map(|plastic| plastic.depth.view().into());
-        self.of([Some(state.pressure()), Some(displacement), Some(state.gap().into()), depth, x, y]).flatten().collect()
+        let normal = [Some(state.pressure()), Some(displacement), Some(state.gap().into()), depth, x, y];
+        let lower = match state.lower() {
+            Some(lower) => {
+                [lower.pressure.view().into(), (-&lower.displacement).into(), lower.gap.view().into()].map(Some)
+            }
+            None => [const { None }; 3],
+        };
+        self.of(normal.into_iter().chain(lower)).flatten().collect()
     }
 }
 
@@ -100,7 +115,7 @@ impl FromStr for Chosen {
     type Err = ChosenError;
 
     fn from_str(text: &str) -> Result<Self, ChosenError> {
-        let mut chosen = [false; 6];
+        let mut chosen = [false; COUNT];
         if text == "none" {
             return Ok(Self(chosen));
         }
@@ -163,6 +178,15 @@ impl<'a> ContactFile<'a> {
         base.write(&mut self.archive, [&x, &y], surface.unit())
     }
 
+    /// Writes the group `/lower`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&lower.grid, lower.unit());
+        lower::write(lower, &mut self.archive, [&x, &y])
+    }
+
     /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
     ///
     /// # Errors
@@ -182,7 +206,7 @@ impl<'a> ContactFile<'a> {
         Ok(())
     }
 
-    /// Writes the chosen fields of one load, in the order pressure, u_z, gap, plastic depth, u_x, u_y.
+    /// Writes the chosen fields of one load, in the order of the file.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -5,6 +5,8 @@ use maud::html;
 
 use super::figures;
 use crate::failure::Failure;
+use crate::figures::pressure;
+use crate::lower;
 use crate::report::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole};
 
 const CITED: [&str; 3] = [
@@ -80,6 +82,10 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         mean[load] / (p_star[load] * gradient)
     });
     page.fields(reader, &surface, "pressure", solved.last().copied(), modulus);
+    if lower::is_stored(reader) {
+        page.asked.push(Fact::new("lower surface", &reader.text("/lower", "description").unwrap_or_default()));
+        lower_face(reader, &surface, solved.last().copied(), modulus, &mut page);
+    }
     page.failure(reader, "load");
 
     let names = loads.names("residual_");
@@ -115,6 +121,24 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         Fact(html! { "time" }, html! { (number(loads.sum("seconds"))) " s" }),
     ]);
     Ok(page)
+}
+
+/// Adds the map of the pressure on the lower face of a load.
+fn lower_face(
+    reader: &Reader,
+    surface: &Result<StoredSurface, String>,
+    load: Option<usize>,
+    modulus: f64,
+    page: &mut Page,
+) {
+    let (Ok(surface), Some(load)) = (surface, load) else { return };
+    match surface.field(reader, "lower_pressure", load, modulus) {
+        Ok(values) => {
+            let caption = html! { "Pressure on the lower face over the modulus " i { "E" } "*, state " (load + 1) "." };
+            page.field(&pressure(&surface.grid, &values, &surface.unit), "pressure on the lower face", &caption);
+        }
+        Err(reason) => page.remarks.push(format!("no figure of the lower face: {reason}")),
+    }
 }
 
 /// The prescribed quantity of a configuration.

@@ -36,6 +36,14 @@ impl fmt::Display for Report {
         if let Some(body) = &self.body {
             writeln!(f, "elastic body: {body}\n")?;
         }
+        if let Some(lower) = &self.lower {
+            writeln!(f, "lower surface: {}", lower.surface)?;
+            writeln!(
+                f,
+                "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n",
+                lower.rms_gradient, lower.rms_height
+            )?;
+        }
         if let Some(hardness) = self.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
             writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
@@ -77,12 +85,40 @@ impl fmt::Display for Report {
                 if load.converged { "" } else { "  NOT CONVERGED" }
             )?;
         }
+        self.lower_face(f)?;
         self.statistics(f)?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }
 
 impl Report {
+    /// The lines of the lower face.
+    fn lower_face(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.lower.is_some() {
+            let head = ["p*", "approach", "area", "corrected", "mean gap", "peak p", "residual"];
+            let [p, approach, area, corrected, gap, peak, residual] = head;
+            writeln!(
+                f,
+                "\nlower face\n{p:>11} {approach:>11} {area:>9} {corrected:>9} {gap:>11} {peak:>11} {residual:>9}"
+            )?;
+        }
+        for load in &self.loads {
+            let Some(lower) = load.lower else { continue };
+            writeln!(
+                f,
+                "{:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>11.4e} {:>11.4e} {:>9.1e}",
+                load.p_star,
+                lower.displacement,
+                lower.area_fraction,
+                lower.area_fraction_corrected,
+                lower.mean_gap,
+                lower.max_pressure,
+                lower.residual.worst()
+            )?;
+        }
+        Ok(())
+    }
+
     /// The lines of `--statistics` and `--flow`.
     fn statistics(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let yes = |[x, y]: [bool; 2]| match (x, y) {

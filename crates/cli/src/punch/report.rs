@@ -79,7 +79,7 @@ impl fmt::Display for Report {
             Height::Finite(height) => format!("a slab of height {height}"),
             Height::Infinite => "a half-space".into(),
         };
-        let others = self.others.words();
+        let others = self.others.words(None);
         let others = if others.is_empty() { others } else { format!("; {others}") };
         writeln!(f, "flat {kind} punch on {body}, E = {}, nu = {}{others}", self.young, self.poisson)?;
         writeln!(

@@ -7,6 +7,7 @@ use super::page::{Common, Fact, Page, render};
 use super::write::{given, of, quoted, text};
 use crate::check::{Kind, words};
 use crate::elastic::RecordedBodyArgs;
+use crate::lower::{self, LowerArgs};
 
 /// The warnings of the run, a line each.
 pub(super) fn warnings(reader: &Reader) -> Vec<String> {
@@ -101,7 +102,8 @@ pub(crate) fn body(table: &toml::Table) -> Fact {
         Some(height) => html! { "slab of height " (given(height)) },
         None => html! { "half-space" },
     };
-    let others = RecordedBodyArgs::recorded(table).map(|others| others.words()).unwrap_or_default();
+    let between = LowerArgs::NAMES.iter().any(|name| table.contains_key(*name)).then_some(lower::BETWEEN);
+    let others = RecordedBodyArgs::recorded(table).map(|others| others.words(between)).unwrap_or_default();
     Fact(html! { "elastic body" }, html! { (height) ", " (material) @if !others.is_empty() { "; " (others) } })
 }
 
@@ -117,5 +119,7 @@ mod tests {
         let coated = said("e_star = 2\nheight = 0.5\nbase = \"sliding\"\nlayer = [[3.0, 0.25, 0.1]]");
         let wanted = "slab of height 0.5, <i>E</i>* = 2; on a layer of height 0.1 (E = 3, nu = 0.25), on a rigid base without friction";
         assert_eq!(coated, wanted);
+        let squeezed = said("e_star = 2\nheight = 0.5\nlower_seed = 2");
+        assert_eq!(squeezed, "slab of height 0.5, <i>E</i>* = 2; between two rigid surfaces");
     }
 }

@@ -1,0 +1,330 @@
+//! A slab between two rough rigid surfaces, both contacts solved together (theory.md, section 4.3).
+
+mod dual;
+
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+use gfmd_green::{Body, Plate};
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Budget, Variables as _, Visit, Watch, worst};
+use gfmd_response::{PlateResponse, PlateTransforms};
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+
+use crate::solution::Conditions;
+use crate::{
+    Drive, Effort, Equilibrium, Fields, Load, Refusal, Residual, Resumable, RigidSurface, Solution, SolveError, Solver,
+    Units, judge,
+};
+
+/// A slab, or a stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else holds
+/// the slab: the mean pressures on its two faces are equal. Clones share the data.
+#[derive(Clone, Debug)]
+pub struct SqueezedContact {
+    /// In `units`.
+    plate: Plate,
+    /// In `units`.
+    response: Arc<PlateResponse>,
+    /// The surfaces, in `units`.
+    scaled: [Arc<RigidSurface>; 2],
+    surfaces: [Arc<RigidSurface>; 2],
+    contact_modulus: f64,
+    units: Units,
+}
+
+/// An equilibrated [`SqueezedContact`]. Displacements are measured from the level at which the mean displacements of the two
+/// faces are opposite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SqueezedSolution {
+    /// The contact with the upper surface, with its part of the approach.
+    pub upper: Solution,
+    /// The contact with the lower surface, as seen from below: its displacement is negative into the slab.
+    pub lower: Solution,
+    /// Approach of the two rigid surfaces to each other beyond the distance at which both touch the undeformed slab.
+    pub approach: f64,
+    /// Effort of the solve, including the transforms for the final fields.
+    pub effort: Effort,
+}
+
+impl SqueezedContact {
+    /// The contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above the slab and
+    /// `lower` below it, each with its peaks pointing at the slab, in length. Points with the same indices lie above
+    /// each other. A constant in the heights has no effect; one of the surfaces may be flat.
+    ///
+    /// # Errors
+    /// A body that is no slab and no stack of layers; heights of another shape than the grid, not finite, or both flat; E*
+    /// h_rms / L too large or small for a number.
+    pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let plate = Plate::of(body)?;
+        let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
+        let rougher = rougher(&surfaces);
+        if rougher.rms_height() == 0.0 {
+            return Err(Refusal::Flat);
+        }
+        let units = Units::of(body, rougher)?;
+        let plate = if units.are_one() { plate } else { plate.in_units(units.modulus(), units.lateral()) };
+        let response = PlateResponse::new(units.grid(grid), &plate).into();
+        let scaled = surfaces.each_ref().map(|surface| units.surface(surface));
+        Ok(Self { plate, response, scaled, surfaces, contact_modulus: body.contact_modulus(), units })
+    }
+
+    /// The rigid surfaces: the upper, then the lower.
+    pub fn surfaces(&self) -> [&RigidSurface; 2] {
+        self.surfaces.each_ref().map(|surface| &**surface)
+    }
+
+    /// Smallest and largest stiffness of the waves of the faces, in stress/length.
+    pub fn stiffness_range(&self) -> [f64; 2] {
+        self.response.stiffness_range().map(|stiffness| stiffness * self.units.stiffness())
+    }
+
+    /// The state of the pressures on the upper and the lower face under `load` with its residuals, from fresh transforms.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid.
+    pub fn certify(&self, pressures: [&ArrayRef2<f64>; 2], load: Load) -> Result<SqueezedSolution, Refusal> {
+        let stress = self.units.stress();
+        let mut both = Vec::new();
+        for pressure in pressures {
+            let [found, expected] = [pressure.dim().into(), self.response.grid().points()];
+            if found != expected {
+                return Err(Refusal::Shape { found, expected });
+            }
+            both.extend(pressure.iter().map(|p| p / stress));
+        }
+        Ok(self.given_units(self.certified(both, self.units.drive(load.into()).load)))
+    }
+
+    /// As [`certify`](Self::certify), for pressures on both faces, all in `units`.
+    fn certified(&self, mut pressure: Vec<f64>, load: Load) -> SqueezedSolution {
+        let points = self.response.grid().len();
+        let mut transforms = PlateTransforms::of(&self.response);
+        let mut displacement = vec![0.0; pressure.len()];
+        transforms.compliance(0.0, &pressure, &mut displacement);
+        displacement.iter_mut().for_each(|u| *u = -*u);
+        let [upper, lower] = [&pressure[..points], &pressure[points..]].map(gfmd_vector::total);
+        let sinking = self.response.uniform_compliance() * 0.5 * (upper + lower) / points as f64;
+        let loads = match load {
+            Load::MeanPressure(_) => [load; 2],
+            Load::Approach(approach) => {
+                // The slab lies where the mean gaps over the two contacts are equal.
+                let room = |face: usize| {
+                    let range = face * points..(face + 1) * points;
+                    let all = self.scaled[face].clearance().iter().zip(&pressure[range.clone()]);
+                    let rooms = all.zip(&displacement[range]).filter(|((_, p), _)| **p > 0.0);
+                    let (sum, count) = rooms.fold((0.0, 0.0), |(sum, count), ((c, _), u)| (sum + c - u, count + 1.0));
+                    sum / count + sinking
+                };
+                let tilt = 0.5 * (room(0) - room(1));
+                [0.5 * approach + tilt, 0.5 * approach - tilt].map(Load::Approach)
+            }
+        };
+        let length_scale = self.length_scale(load);
+        let mut face = |index: usize| {
+            let pressure = pressure.split_off(index * points);
+            let displacement = displacement.split_off(index * points);
+            let conditions = Conditions { sinking, load: loads[index], length_scale, hardness: None };
+            Solution::of(&self.scaled[index], self.response.contact_modulus(), pressure, displacement, conditions)
+        };
+        let (mut second, mut first) = (face(1), face(0));
+        if let Load::Approach(_) = load {
+            // Equilibrium of the slab takes the place of the prescribed pressure.
+            let unequal = (upper - lower).abs() / (0.5 * (upper + lower));
+            (first.residual.load, second.residual.load) = (unequal, unequal);
+        }
+        let approach = if let Load::Approach(approach) = load { approach } else { first.approach + second.approach };
+        let effort = Effort { iterations: 0, transform_pairs: transforms.pairs() };
+        SqueezedSolution { upper: first, lower: second, approach, effort }
+    }
+
+    fn given_units(&self, state: SqueezedSolution) -> SqueezedSolution {
+        let Self { units, surfaces: [above, below], contact_modulus, .. } = self;
+        let SqueezedSolution { upper, lower, approach, effort } = state;
+        SqueezedSolution {
+            upper: upper.out_of(units, above, *contact_modulus),
+            lower: lower.out_of(units, below, *contact_modulus),
+            approach: approach * units.length(),
+            effort,
+        }
+    }
+
+    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights, unless the
+    /// approach is very small.
+    fn length_scale(&self, load: Load) -> f64 {
+        let [upper, lower] = self.scaled.each_ref().map(|surface| surface.rms_height());
+        RigidSurface::scale_of(upper.hypot(lower), load)
+    }
+}
+
+fn rougher(surfaces: &[Arc<RigidSurface>; 2]) -> &Arc<RigidSurface> {
+    let [upper, lower] = surfaces;
+    if lower.rms_height() > upper.rms_height() { lower } else { upper }
+}
+
+/// The solvers of a [`SqueezedContact`].
+const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
+
+impl Equilibrium for SqueezedContact {
+    type State = SqueezedSolution;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &SOLVERS
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        match drive.load {
+            Load::MeanPressure(found) if found > 0.0 && found.is_finite() => Units::check_pressure(found)?,
+            Load::MeanPressure(found) => return Err(Refusal::MeanPressure { found }),
+            Load::Approach(found) => {
+                let is_fixed = self.response.uniform_compliance() == 0.0;
+                let limit = is_fixed.then(|| self.surfaces.iter().map(|surface| surface.mean_clearance()).sum());
+                if !(found > 0.0 && found < limit.unwrap_or(f64::INFINITY)) {
+                    return Err(Refusal::Approach { found, limit });
+                }
+            }
+        }
+        drive.check()
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let [softest, _] = self.stiffness_range();
+        rougher(&self.surfaces).check_resolution(drive.load, softest, tolerance)
+    }
+
+    /// Starts from the pressures of `start`, or from uniform ones.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&SqueezedSolution>,
+        watch: &mut dyn Watch,
+    ) -> Result<SqueezedSolution, SolveError<SqueezedSolution>> {
+        budget.check()?;
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        self.check(drive)?;
+        self.check_resolution(drive, budget.tolerance)?;
+        let start = start.map(|start| self.check_start(start)).transpose()?;
+        let load = self.units.drive(drive).load;
+        let ended = dual::solve(self, load, budget, start, watch)?;
+        let mut state = self.certified(ended.pressure, load);
+        state.effort.iterations = ended.effort.iterations;
+        state.effort.transform_pairs += ended.effort.transform_pairs;
+        let state = self.given_units(state);
+        Units::check_pressure(state.upper.mean_pressure)?;
+        if let Load::Approach(_) = load {
+            let [softest, _] = self.stiffness_range();
+            let what = "mean pressure of this approach";
+            rougher(&self.surfaces).check_traction(what, state.upper.mean_pressure, softest, budget.tolerance)?;
+        }
+        judge(state, ended.ending, budget.tolerance)
+    }
+}
+
+impl SqueezedContact {
+    /// The start pressures in `units`, if they are valid.
+    fn check_start(&self, start: &SqueezedSolution) -> Result<Vec<f64>, Refusal> {
+        let mut both = Vec::new();
+        for Solution { pressure, .. } in [&start.upper, &start.lower] {
+            let (found, expected) = (pressure.len(), self.response.grid().len());
+            if found != expected {
+                return Err(Refusal::Start { found, expected });
+            }
+            if let Some(((i, j), &value)) = pressure.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {
+                return Err(Refusal::StartPressure { index: [i, j], value });
+            }
+            if pressure.iter().all(|p| *p == 0.0) {
+                return Err(Refusal::StartApart);
+            }
+            both.extend(pressure.iter().map(|p| p / self.units.stress()));
+        }
+        Ok(both)
+    }
+}
+
+/// The state follows from its pressures.
+impl Resumable for SqueezedContact {
+    fn keep(&self, state: &mut SqueezedSolution, visitor: &mut dyn Visit) {
+        for face in [&mut state.upper, &mut state.lower] {
+            face.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        }
+        state.effort.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<SqueezedSolution, Refusal> {
+        self.check(drive)?;
+        let points = self.response.grid().len();
+        let mut pressure = vec![0.0; 2 * points];
+        pressure.chunks_exact_mut(points).for_each(|face| visitor.field(face));
+        let stress = self.units.stress();
+        pressure.iter_mut().for_each(|p| *p /= stress);
+        let mut state = self.given_units(self.certified(pressure, self.units.drive(drive).load));
+        state.effort.visit(visitor);
+        Ok(state)
+    }
+}
+
+impl SqueezedSolution {
+    /// Normal displacement u_z of the lower face, in length; positive upwards, into the slab.
+    pub fn lower_displacement_z(&self) -> Array2<f64> {
+        -&self.lower.displacement
+    }
+}
+
+impl Fields for SqueezedSolution {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.upper.pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.upper.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.upper.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.upper.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// The larger residuals of the two faces.
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.residual().parts().into()
+    }
+
+    fn scales(&self) -> Scales {
+        self.upper.scales()
+    }
+
+    /// The summary of the upper contact, with the elastic energy by both pressures.
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        let [upper, lower] = [&self.upper, &self.lower].map(|face| face.summary_in(scales));
+        Summary { elastic_energy: upper.elastic_energy + lower.elastic_energy, ..upper }
+    }
+}
+
+impl SqueezedSolution {
+    /// The larger residuals of the two faces. If the approach is prescribed, the load's is the difference of the two mean
+    /// pressures over their mean.
+    pub fn residual(&self) -> Residual {
+        let [upper, lower] = [&self.upper, &self.lower].map(|face| face.residual);
+        let larger = |of: fn(&Residual) -> f64| worst([of(&upper), of(&lower)]);
+        Residual {
+            complementarity: larger(|residual| residual.complementarity),
+            penetration: larger(|residual| residual.penetration),
+            negative_pressure: larger(|residual| residual.negative_pressure),
+            load: larger(|residual| residual.load),
+        }
+    }
+}

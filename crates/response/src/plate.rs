@@ -1,0 +1,199 @@
+use std::sync::Arc;
+
+use gfmd_field::{Grid, Transform, Workspace};
+use gfmd_green::{Plate, PlateCompliance};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::elastic::fits;
+
+/// Number of modes in a task of one thread.
+const CHUNK: usize = 4096;
+
+/// The response of a plate to pressures on both faces, on one grid: planned transforms, and compliance and stiffness of every
+/// mode. A field of both faces is one slice, the upper face first; indentations count into the plate on either.
+#[derive(Debug)]
+pub struct PlateResponse {
+    transform: Transform,
+    compliance: Vec<Symmetric>,
+    stiffness: Vec<Symmetric>,
+    following: Vec<f64>,
+    uniform_compliance: f64,
+    stiffness_range: [f64; 2],
+    softest_squeezing: f64,
+    contact_modulus: f64,
+}
+
+/// A symmetric matrix on half sum and half difference of the faces.
+#[derive(Clone, Copy, Debug)]
+struct Symmetric {
+    sum: f64,
+    difference: f64,
+    mixed: f64,
+}
+
+impl Symmetric {
+    const ZERO: Self = Self { sum: 0.0, difference: 0.0, mixed: 0.0 };
+
+    fn inverse(self) -> Self {
+        let Self { sum, difference, mixed } = self;
+        // Divided by the pivots first: the determinant of a thin plate may overflow where the inverse does not.
+        let sum_inverse = 1.0 / (sum - mixed * (mixed / difference));
+        let difference_inverse = 1.0 / (difference - mixed * (mixed / sum));
+        Self { sum: sum_inverse, difference: difference_inverse, mixed: -(mixed / difference) * sum_inverse }
+    }
+
+    /// The eigenvalues, in any order.
+    fn eigenvalues(self) -> [f64; 2] {
+        let Self { sum, difference, mixed } = self;
+        let large = 0.5 * (sum + difference) + (0.5 * (sum - difference)).hypot(mixed);
+        [sum * (difference / large) - mixed * (mixed / large), large]
+    }
+}
+
+impl PlateResponse {
+    /// Tabulates the response of `plate` on `grid`.
+    pub fn new(grid: Grid, plate: &Plate) -> Self {
+        let of_mode = |index: usize| {
+            let mode = grid.mode_at(index);
+            // The uniform mode is recognised by its numbers, never by a small wavenumber.
+            if mode.is_uniform() {
+                return Symmetric::ZERO;
+            }
+            let PlateCompliance { squeezing, bending, mixed } = plate.compliance(mode.wavenumber());
+            Symmetric { sum: squeezing, difference: bending, mixed }
+        };
+        let compliance: Vec<Symmetric> =
+            (0..grid.spectrum_len()).into_par_iter().with_min_len(CHUNK).map(of_mode).collect();
+        let mut range = [f64::INFINITY, 0.0_f64];
+        let mut softest_squeezing = f64::INFINITY;
+        for matrix in &compliance[1..] {
+            softest_squeezing = softest_squeezing.min(1.0 / matrix.sum);
+            for compliance in matrix.eigenvalues() {
+                range = [range[0].min(1.0 / compliance), range[1].max(1.0 / compliance)];
+            }
+        }
+        let mut stiffness: Vec<Symmetric> = compliance.par_iter().with_min_len(CHUNK).map(|m| m.inverse()).collect();
+        stiffness[0] = Symmetric::ZERO;
+        let following = |m: &Symmetric| ((m.difference - m.sum) / (m.difference + m.sum)).max(0.0);
+        let mut following: Vec<f64> = compliance.iter().map(following).collect();
+        following[0] = 1.0;
+        Self {
+            transform: Transform::new(grid),
+            compliance,
+            stiffness,
+            following,
+            uniform_compliance: plate.compliance(0.0).squeezing,
+            stiffness_range: range,
+            softest_squeezing,
+            contact_modulus: plate.contact_modulus(),
+        }
+    }
+
+    /// The grid of the faces.
+    pub fn grid(&self) -> &Grid {
+        self.transform.grid()
+    }
+
+    /// The compliance of the uniform mode, half of the compression of the plate by a uniform pressure on both faces, in
+    /// length/stress.
+    pub fn uniform_compliance(&self) -> f64 {
+        self.uniform_compliance
+    }
+
+    /// Smallest and largest stiffness of the modes q ≠ 0, in stress/length.
+    pub fn stiffness_range(&self) -> [f64; 2] {
+        self.stiffness_range
+    }
+
+    /// Smallest stiffness of the modes q ≠ 0 against equal pressures on the two faces, in stress/length.
+    pub fn softest_squeezing(&self) -> f64 {
+        self.softest_squeezing
+    }
+
+    /// The part of the indentation of one face, alone under pressure, by which the other face moves away: one at long waves,
+    /// where the plate bends, and zero at short ones. It is laid out as [`Grid::modes`].
+    pub fn following(&self) -> &[f64] {
+        &self.following
+    }
+
+    /// E* of the material at the upper face, in stress.
+    pub fn contact_modulus(&self) -> f64 {
+        self.contact_modulus
+    }
+}
+
+/// The transforms of a [`PlateResponse`], with their memory and a counter.
+///
+/// # Panics
+/// Every method panics if a field does not have the size of the grid, or of both faces.
+#[derive(Debug)]
+pub struct PlateTransforms {
+    response: Arc<PlateResponse>,
+    workspace: Workspace,
+    spectra: [Vec<Complex64>; 2],
+    /// Number of single transforms of one face.
+    singles: u64,
+}
+
+impl PlateTransforms {
+    /// Memory for transforms on the grid of `response`; none is counted yet.
+    pub fn of(response: &Arc<PlateResponse>) -> Self {
+        let modes = response.compliance.len();
+        Self {
+            response: Arc::clone(response),
+            workspace: response.transform.workspace(),
+            spectra: [vec![Complex64::ZERO; modes], vec![Complex64::ZERO; modes]],
+            singles: 0,
+        }
+    }
+
+    /// Indentation ← C `pressure`, with the compliance `uniform` of the half sum at q = 0. The half difference at q = 0 is zero:
+    /// nothing holds the plate as a whole.
+    pub fn compliance(&mut self, uniform: f64, pressure: &[f64], indentation: &mut [f64]) {
+        let response = Arc::clone(&self.response);
+        self.apply(&response.compliance, uniform, pressure, indentation);
+    }
+
+    /// Pressure ← C⁻¹ `indentation`, with the stiffness `uniform` of the half sum at q = 0, and without pressure for the half
+    /// difference at q = 0.
+    pub fn stiffness(&mut self, uniform: f64, indentation: &[f64], pressure: &mut [f64]) {
+        let response = Arc::clone(&self.response);
+        self.apply(&response.stiffness, uniform, indentation, pressure);
+    }
+
+    /// `out` ← the part of the `field` on one face that the other face [follows](PlateResponse::following).
+    pub fn follow(&mut self, field: &[f64], out: &mut [f64]) {
+        self.singles += 2;
+        fits(self.response.transform.convolve(&self.response.following, field, out, &mut self.workspace));
+    }
+
+    fn apply(&mut self, table: &[Symmetric], uniform: f64, field: &[f64], out: &mut [f64]) {
+        self.singles += 4;
+        let Self { response, workspace, spectra: [upper, lower], .. } = self;
+        let (transform, points) = (&response.transform, response.grid().len());
+        fits(transform.forward(&field[..points], upper, workspace));
+        fits(transform.forward(&field[points..], lower, workspace));
+        let level = uniform * 0.5 * (upper[0] + lower[0]);
+        (&mut *upper, &mut *lower, table).into_par_iter().with_min_len(CHUNK).for_each(|(upper, lower, m)| {
+            let (sum, difference) = (0.5 * (*upper + *lower), 0.5 * (*upper - *lower));
+            let (in_sum, in_difference) =
+                (sum * m.sum + difference * m.mixed, sum * m.mixed + difference * m.difference);
+            (*upper, *lower) = (in_sum + in_difference, in_sum - in_difference);
+        });
+        (upper[0], lower[0]) = (level, level);
+        let (first, second) = out.split_at_mut(points);
+        fits(transform.inverse(upper, first, workspace));
+        fits(transform.inverse(lower, second, workspace));
+    }
+
+    /// Forward and inverse transforms of one face so far, in pairs.
+    pub fn pairs(&self) -> f64 {
+        self.singles as f64 / 2.0
+    }
+
+    /// The counter of single transforms, for a solve that continues an earlier one.
+    pub fn counter(&mut self) -> &mut u64 {
+        &mut self.singles
+    }
+}
