@@ -40,7 +40,7 @@ use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
 use crate::scan::Scan;
 use crate::session::Session;
 use crate::solver::SolverArgs;
-use crate::source::{SourceArgs, Surface};
+use crate::source::{Second, SourceArgs, Surface};
 use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
@@ -58,6 +58,7 @@ use watching::Watching;
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
+  gfmd contact --surface a.x3p --second-surface b.x3p --shift 3e-6,0 --detrend plane --p-star 0.02
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -159,6 +160,8 @@ pub struct Report {
     pub surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
@@ -341,6 +344,7 @@ impl Prepared {
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             scan: self.surface.scan.clone(),
+            second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: rigid.rms_height(),
             e_star: self.body.contact_modulus(),

@@ -315,6 +315,7 @@ impl Prepared {
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             scan: self.surface.scan.clone(),
+            second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.contact_modulus(),

@@ -44,7 +44,7 @@ pub(crate) fn save(
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
     let written = quick(py, || {
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let surface = Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None };
+        let surface = Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None, second: None };
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());

@@ -38,7 +38,7 @@ pub(crate) fn stored_surface(reader: &Reader, comparison: &mut Comparison) -> Re
 /// A configuration that is not TOML, a file without a surface.
 pub(crate) fn flags_again(reader: &Reader, config: &str, out: &Path) -> Result<Vec<String>, Failure> {
     let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
-    let mut flags = match table.contains_key("surface") {
+    let mut flags = match table.contains_key("surface") || table.contains_key("second_surface") {
         true => {
             let mut flags = stored_surface(reader, &mut Comparison::default())?;
             flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES].concat())?);

@@ -11,6 +11,7 @@ use crate::elastic::OtherArgs;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
+use crate::source::Second;
 
 /// The problem whose path is followed.
 #[derive(Clone, Debug, Serialize)]
@@ -23,6 +24,8 @@ pub struct Head {
     pub surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
