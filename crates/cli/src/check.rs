@@ -20,7 +20,7 @@ pub(crate) use comparison::Comparison;
 pub use comparison::Difference;
 use rerun::Rerun;
 pub(crate) use rerun::{all, parsed, words};
-pub(crate) use surface::{flags_again, stored_surface};
+pub(crate) use surface::{beside_fields, flags_again, stored_fields, stored_surface};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -14,7 +14,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Contact, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness};
+use gfmd_contact::{
+    Boundary, Contact, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness,
+};
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
@@ -32,6 +34,7 @@ use crate::convergence::{History, NotConverged};
 use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
+use crate::hardness::{self, GivenHardness};
 use crate::law::LawArgs;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
 use crate::memory::{Held, peak_bytes};
@@ -77,10 +80,11 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(serialize_with = "by_name")]
     boundary: Boundary,
-    /// Largest pressure that the surfaces carry, stress; where it is reached they are pressed into each other
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
+    /// reached the surfaces are pressed into each other
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
-    hardness: Option<f64>,
+    hardness: Option<GivenHardness>,
     /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -174,7 +178,7 @@ pub struct Report {
     pub base: BaseArgs,
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub hardness: Option<f64>,
+    pub hardness: Option<GivenHardness>,
     pub loads: Vec<LoadRecord>,
     /// Along x and along y.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -201,6 +205,7 @@ struct Prepared {
     body: Body,
     base: Option<MovedBase>,
     law: Arc<dyn Law>,
+    hardness: Option<Hardness>,
     controls: Vec<Load>,
     output: Option<Output>,
 }
@@ -227,13 +232,10 @@ impl Prepared {
         if let (Boundary::Free, true) = (args.boundary, pulls) {
             return Err(Failure::value("--boundary", args.boundary, "periodic with --law"));
         }
-        if let (Some(hardness), true) = (args.hardness, pulls) {
+        if let (Some(hardness), true) = (&args.hardness, pulls) {
             return Err(Failure::value("--hardness", hardness, "absent with --law"));
         }
-        if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
-            return Err(Failure::value("--hardness", hardness, "positive and finite"));
-        }
-        if let (Some(fields), None) = (&args.fields, args.hardness)
+        if let (Some(fields), None) = (&args.fields, &args.hardness)
             && fields.names_plastic_depth()
         {
             return Err(Failure::value("--fields", fields, "without plastic_depth, or with --hardness"));
@@ -263,13 +265,14 @@ impl Prepared {
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let base = args.base.read(&body, &surface.grid)?;
+        let hardness = args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&args.control.displacement).map(Load::Approach))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, base, law, controls, output })
+        Ok(Self { surface, body, base, law, hardness, controls, output })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -284,6 +287,16 @@ impl Prepared {
         let response = NormalResponse::new(*grid, &self.body);
         let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
+    }
+
+    /// The contact with the hardness, if there is one.
+    fn harden(&self, contact: Contact) -> Result<Contact, Failure> {
+        match &self.hardness {
+            Some(hardness) => {
+                contact.with_hardness(hardness.clone()).map_err(|error| Failure::input("--hardness", error))
+            }
+            None => Ok(contact),
+        }
     }
 
     /// What each load has in a file.
@@ -306,12 +319,8 @@ impl Prepared {
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
-            let contact = Contact::bounded(args.boundary, body, grid, heights);
-            let contact = match args.hardness {
-                Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
-                None => contact,
-            };
-            let contact = contact.map_err(refuse)?;
+            let contact = Contact::bounded(args.boundary, body, grid, heights).map_err(refuse)?;
+            let contact = self.harden(contact)?;
             return self.press(&contact, contact.surface(), args, session);
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
@@ -352,7 +361,7 @@ impl Prepared {
             body: args.body.words(),
             base: args.base.clone(),
             boundary: self.surface.boundary.name(),
-            hardness: args.hardness,
+            hardness: args.hardness.clone(),
             loads: Vec::new(),
             flow_threshold: None,
             not_converged: None,
@@ -365,7 +374,8 @@ impl Prepared {
         let mut kept = match &self.output {
             Some(output) => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
-                let head = session.identity(&config, &self.surface) + &base;
+                let head =
+                    session.identity(&config, &self.surface) + &base + &hardness::identity(self.hardness.as_ref());
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             None => None,
@@ -416,7 +426,8 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, base, controls, output, .. }, contact, args, session } = *self;
+        let Self { prepared: Prepared { surface, base, hardness, controls, output, .. }, contact, args, session } =
+            *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = self.prepared.recording(args);
@@ -426,6 +437,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let mut file = output.as_ref().map(create).transpose()?;
         if let (Some(file), Some(base)) = (&mut file, base) {
             file.write_base(base, surface)?;
+        }
+        if let Some(file) = &mut file {
+            file.write_hardness(hardness.as_ref(), surface)?;
         }
         let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);

@@ -16,7 +16,12 @@ fn words(flags: &str) -> Vec<&str> {
 
 fn rough(seed: u64) -> (Array2<f64>, Grid) {
     let grid = Grid::square(32, 1.0).unwrap();
-    let spectrum = SelfAffine { shortest_wavelength: 0.125, ..SelfAffine::with_rms_gradient(0.1) };
+    let spectrum = SelfAffine {
+        hurst: 0.8,
+        longest_wavelength: 1.0,
+        shortest_wavelength: 0.125,
+        ..SelfAffine::with_rms_gradient(0.1)
+    };
     (spectrum.heights(&grid, seed).unwrap(), grid)
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
 use gfmd_contact::{
-    Boundary, Budget, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver, Watch,
+    Boundary, Budget, Contact, Equilibrium, Fields, Hardness, Load, Refusal, Solution, SolveError, Solver, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::Body;
@@ -81,7 +81,7 @@ impl Loads {
     pub(crate) fn new(
         (grid, body, boundary): (Grid, &Body, Boundary),
         heights: &ArrayRef2<f64>,
-        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
+        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<&Hardness>),
         solver: Solver,
     ) -> Result<Self, Refusal> {
         let (contact, allowed) = if kind == Kind::HardWall {
@@ -90,7 +90,7 @@ impl Loads {
                 Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
             };
             let contact = match hardness {
-                Some(hardness) => contact.with_hardness(hardness)?,
+                Some(hardness) => contact.with_hardness(hardness.clone())?,
                 None => contact,
             };
             let allowed = contact.solvers();

@@ -73,6 +73,7 @@
 mod augmented_lagrangian;
 mod bounds;
 mod budget;
+mod ceiling;
 mod damping;
 mod ending;
 mod error;
@@ -100,6 +101,7 @@ mod worst;
 pub use augmented_lagrangian::{AugmentedLagrangian, Proximal};
 pub use bounds::Bounds;
 pub use budget::{Budget, ToleranceError};
+pub use ceiling::{Ceiling, Upper};
 pub use damping::{Damping, Motion};
 pub use ending::{Ending, Why};
 pub use error::{Divergence, RelaxError};

@@ -11,8 +11,12 @@ fn largest(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
 }
 
 fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
-    let spectrum =
-        SelfAffine { longest_wavelength: 1.0, shortest_wavelength: 0.25, ..SelfAffine::with_rms_gradient(0.2) };
+    let spectrum = SelfAffine {
+        hurst: 0.8,
+        longest_wavelength: 1.0,
+        shortest_wavelength: 0.25,
+        ..SelfAffine::with_rms_gradient(0.2)
+    };
     spectrum.heights(grid, seed).unwrap()
 }
 

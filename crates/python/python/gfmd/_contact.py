@@ -99,7 +99,7 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float, str, Optional[float]]
+    _settings: tuple[str, float, str, Union[float, Array, None]]
     _state: Any
     _plastic_depth: Optional[Array]
 
@@ -108,7 +108,7 @@ class Contact(Record):
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float, str, Optional[float]] = ("auto", 1e-8, "periodic", None),
+        settings: tuple[str, float, str, Union[float, Array, None]] = ("auto", 1e-8, "periodic", None),
         state: Any = None,
         plastic_depth: Optional[Array] = None,
     ) -> None:
@@ -143,8 +143,8 @@ class Contact(Record):
         return self._settings[2]
 
     @property
-    def hardness(self) -> Optional[float]:
-        """The largest pressure of a contact with a hardness, stress."""
+    def hardness(self) -> Union[float, Array, None]:
+        """The largest pressure of a contact with a hardness, stress: a number, or that of each point [x, y]."""
         return self._settings[3]
 
     @property

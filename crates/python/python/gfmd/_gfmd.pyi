@@ -45,7 +45,7 @@ class Problem:
         lengths: tuple[float, float],
         body: list[str],
         law: tuple[str, list[tuple[str, float]]],
-        hardness: Optional[float],
+        hardness: float | _Array | None,
         boundary: str,
         solver: str,
         threads: int,
@@ -89,6 +89,7 @@ def save(
     surface: tuple[_Array, tuple[float, float], Optional[str], str],
     loads: list[tuple[str, list[_Array]]],
     config: str,
+    hardness: Optional[_Array] = None,
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...

@@ -16,14 +16,14 @@ from ._contact import Contact, Contacts
 from ._errors import InputError, Interrupted, NotConverged
 from ._progress import Progress
 from ._record import Residual, parsed, without_null
-from ._surface import Surface, as_surface
+from ._surface import Surface, as_hardness, as_surface
 
 
 # The surroundings of a surface.
 BOUNDARIES = ("periodic", "free")
 
 # A problem for each surface that is in use.
-_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Optional[float]], Any]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Any], Any]] = WeakKeyDictionary()
 
 
 class _Setup:
@@ -33,7 +33,7 @@ class _Setup:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
         self.boundary = word("boundary", boundary)
-        self.hardness = None if hardness is None else number("hardness", hardness)
+        self.hardness = as_hardness(hardness, self.surface)
         if self.boundary not in BOUNDARIES:
             raise InputError(f"boundary is {boundary!r}; it must be one of {', '.join(map(repr, BOUNDARIES))}")
         if self.solver not in _gfmd.solvers():
@@ -49,7 +49,8 @@ class _Setup:
 
     def _problem(self) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        asked = (self.body, self.law, self.boundary, self.solver, self.hardness)
+        bound = self.hardness if self.hardness is None or isinstance(self.hardness, float) else self.hardness.tobytes()
+        asked = (self.body, self.law, self.boundary, self.solver, bound)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
             heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
@@ -110,7 +111,7 @@ def contact(
     approach: Optional[float] = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
-    hardness: Optional[float] = None,
+    hardness: float | npt.ArrayLike | None = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -128,7 +129,8 @@ def contact(
         boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, pressed by a hard wall; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
-        hardness: largest pressure, stress, of a hard wall; where it is reached the surfaces are pressed into each other.
+        hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it is
+            reached the surfaces are pressed into each other.
         solver: a name of docs/solvers.md.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
@@ -163,7 +165,7 @@ def contacts(
     approach: Any = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
-    hardness: Optional[float] = None,
+    hardness: float | npt.ArrayLike | None = None,
     solver: str = "auto",
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,

@@ -357,6 +357,18 @@ def as_surface(value: Any) -> Surface:
     return value if isinstance(value, Surface) else Surface(value)
 
 
+def as_hardness(value: Any, surface: Surface) -> Union[float, Array, None]:
+    """A hardness, one or that of each point."""
+    if value is None or np.ndim(value) == 0:
+        return None if value is None else number("hardness", value)
+    field = np.array(value, dtype=np.float64)
+    if field.ndim == 1 and surface.n[1] == 1:
+        field = field[:, np.newaxis]
+    if field.shape != surface.n:
+        raise InputError(f"hardness has the shape {field.shape}; it must be a number or have the shape {surface.n} of the heights")
+    return frozen(np.ascontiguousarray(field))
+
+
 def self_affine(
     n: Union[int, tuple[int, int], None] = None,
     hurst: float = 0.8,
