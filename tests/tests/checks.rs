@@ -29,7 +29,7 @@ macro_rules! topics {
         }
     };
 }
-topics!(limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws, friction, moving);
+topics!(limits, kernels, inside, punch, damping, analytic, exact, bounded, plastic, layered, laws, friction, moving);
 
 #[test]
 fn a_missing_file_is_named() {

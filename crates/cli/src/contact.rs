@@ -519,8 +519,8 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
-            report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
             let variance = self.prepared.pressure_variance();
+            report.plots = figures::draw(prefix, report, &surface.grid, &pressure, variance)?;
             report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }
         Ok(failure)
