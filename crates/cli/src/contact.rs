@@ -35,7 +35,7 @@ use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
-use crate::law::LawArgs;
+use crate::law::{Adhesion, LawArgs};
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
 use crate::memory::{Held, peak_bytes};
 use crate::progress::Progress;
@@ -179,6 +179,9 @@ pub struct Report {
     pub boundary: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
     pub loads: Vec<LoadRecord>,
     /// Along x and along y.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -289,6 +292,11 @@ impl Prepared {
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
     }
 
+    /// The numbers of the attraction, if there is one.
+    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
+        Adhesion::of(&args.law, &self.law, &self.surface, self.body.contact_modulus())
+    }
+
     /// The contact with the hardness, if there is one.
     fn harden(&self, contact: Contact) -> Result<Contact, Failure> {
         match &self.hardness {
@@ -327,6 +335,7 @@ impl Prepared {
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         self.press(&interface, interface.surface(), args, session)
     }
 
@@ -362,6 +371,7 @@ impl Prepared {
             base: args.base.clone(),
             boundary: self.surface.boundary.name(),
             hardness: args.hardness.clone(),
+            adhesion: self.adhesion(args),
             loads: Vec::new(),
             flow_threshold: None,
             not_converged: None,

@@ -1,5 +1,6 @@
 //! `law`: tractions, Jacobian and energy of a contact law; the flags that choose a law.
 
+mod adhesion;
 mod figures;
 
 use std::fmt;
@@ -8,6 +9,8 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_law::{Kind, Law, LawError, MixedMode};
 use serde::Serialize;
+
+pub use adhesion::Adhesion;
 
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
@@ -24,6 +27,10 @@ pub struct LawArgs {
     #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
+    /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points jump
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub coarse: bool,
 }
 
 impl LawArgs {

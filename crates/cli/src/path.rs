@@ -32,7 +32,7 @@ use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
-use crate::law::LawArgs;
+use crate::law::{Adhesion, LawArgs};
 use crate::memory::Held;
 use crate::progress::Progress;
 use crate::resume::{Kept, Part, ResumeArgs};
@@ -235,7 +235,14 @@ impl Prepared {
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         self.follow(&interface, args, session)
+    }
+
+    /// The numbers of the attraction, if there is one.
+    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
+        let Action::Law(law) = &self.action else { return None };
+        Adhesion::of(&args.law, law, &self.surface, self.body.contact_modulus())
     }
 
     /// The hardness, if there is one.
@@ -405,6 +412,7 @@ impl Prepared {
             },
             boundary: Some(self.surface.boundary.name()).filter(|_| self.surface.boundary == Boundary::Free),
             hardness: args.hardness.clone(),
+            adhesion: self.adhesion(args),
             direction: args.waypoints.along(),
         }
     }

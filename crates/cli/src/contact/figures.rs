@@ -29,6 +29,8 @@ pub(super) fn draw(
         let loads = report.loads.iter().map(|load| [load.p_star, load.area_fraction, load.area_fraction_corrected]);
         let mut chart = area(&loads.collect::<Vec<_>>(), grid.is_line());
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.hardness) {
+            // Without the hardness Persson's line hides below that with it.
+            panel.series.retain(|series| series.label != "Persson");
             panel.series.extend(plastic(report, *hardness, variance));
         }
         files.extend(chart.save(&named(prefix, "area"))?);

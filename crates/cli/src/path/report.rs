@@ -9,6 +9,7 @@ use super::StepRecord;
 use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
+use crate::law::Adhesion;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
@@ -40,6 +41,9 @@ pub struct Head {
     pub boundary: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
     /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
     pub direction: [f64; 2],
 }

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, integer, number, numbers, word
+from ._check import Array, flag, integer, number, numbers, word
 from ._command import flags
 from ._errors import InputError
 from ._record import Record
@@ -129,6 +129,7 @@ def path(
     shear_strength: Optional[float] = None,
     hardness: float | npt.ArrayLike | None = None,
     boundary: str = "periodic",
+    coarse: bool = False,
     steps: int = 20,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -149,6 +150,7 @@ def path(
         shear_strength: strength of the interface (Tresca), stress, in place of a law.
         hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
         boundary: "periodic", or "free" as of `contact`, behind a hard wall.
+        coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, see docs/interface.md.
@@ -186,6 +188,7 @@ def path(
         shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
         boundary=word("boundary", boundary),
     )
+    words += ["--coarse"] * flag("coarse", coarse)
     bound = as_hardness(hardness, made)
     if law is not None:
         words += flags(law=given.name)
