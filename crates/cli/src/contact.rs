@@ -9,23 +9,25 @@ mod table;
 mod threshold;
 mod watching;
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{
-    Boundary, Contact, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Stiffness,
+    Boundary, Contact, Equilibrium as _, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError,
+    Stiffness,
 };
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
-use gfmd_interface::Interface;
+use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
 use gfmd_surface::PowerSpectrum;
-use ndarray::ArrayView2;
+use ndarray::{Array2, ArrayView2};
 use serde::Serialize;
 
 use crate::base::{BaseArgs, MovedBase};
@@ -103,6 +105,10 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
+    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    range_continuation: bool,
     /// Fields of each load that go into --out: some of pressure, displacement_z, gap and plastic_depth, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -238,6 +244,10 @@ impl Prepared {
         if let (Some(hardness), true) = (&args.hardness, pulls) {
             return Err(Failure::value("--hardness", hardness, "absent with --law"));
         }
+        if args.range_continuation && args.law.with_range(1.0)?.is_none() {
+            let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
+            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
+        }
         if let (Some(fields), None) = (&args.fields, &args.hardness)
             && fields.names_plastic_depth()
         {
@@ -329,22 +339,49 @@ impl Prepared {
             // The solvers for a hard wall alone are faster than those for a law.
             let contact = Contact::bounded(args.boundary, body, grid, heights).map_err(refuse)?;
             let contact = self.harden(contact)?;
-            return self.press(&contact, contact.surface(), args, session);
+            return self.press(&contact, contact.surface(), args, None, session);
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
         self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        self.press(&interface, interface.surface(), args, session)
+        let start = || self.from_longer_ranges(args, heights, session);
+        self.press(&interface, interface.surface(), args, Some(&start), session)
     }
 
-    /// Solves the loads in turn, each from the state of the load before, until one fails.
+    /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
+    fn from_longer_ranges(
+        &self,
+        args: &Args,
+        heights: &Array2<f64>,
+        session: &Session,
+    ) -> Result<Option<State>, Failure> {
+        let mut last: Option<State> = None;
+        for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
+            let Some(law) = args.law.with_range(factor)? else { break };
+            let made = Interface::new(&self.body, &self.surface.grid, heights, law.into_shared());
+            let interface = made.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
+            let mut watch = |_: &gfmd_contact::Progress| {
+                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let press = interface.press(self.controls[0]).solver(args.solver.solver).budget(args.solver.budget());
+            let (state, failure) = reached(press.starting_from(last.as_ref()).watch(&mut watch).solve())?;
+            if let Some(failure) = failure {
+                return Err(failure.at(&format!("range times {factor}")));
+            }
+            last = Some(state);
+        }
+        Ok(last)
+    }
+
+    /// Solves the loads in turn, each from the state of the load before, until one fails. `first` is the start of the first load.
     fn press<E: Resumable<State: Recorded> + Stiff>(
         &self,
         contact: &E,
         rigid: &RigidSurface,
         args: &Args,
+        first: Option<First<'_, E::State>>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let solver = args.solver.solver;
@@ -390,7 +427,7 @@ impl Prepared {
             }
             None => None,
         };
-        let series = Series { prepared: self, contact, args, session };
+        let series = Series { prepared: self, contact, args, first, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
         if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
@@ -424,8 +461,15 @@ struct Series<'a, E: Resumable> {
     prepared: &'a Prepared,
     contact: &'a E,
     args: &'a Args,
+    first: Option<First<'a, E::State>>,
     session: &'a Session,
 }
+
+/// Makes the state from which the first load starts.
+type First<'a, S> = &'a dyn Fn() -> Result<Option<S>, Failure>;
+
+/// The ranges of `--range-continuation`, over the one asked for.
+const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
 impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
@@ -436,8 +480,13 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, base, hardness, controls, output, .. }, contact, args, session } =
-            *self;
+        let Self {
+            prepared: Prepared { surface, base, hardness, controls, output, .. },
+            contact,
+            args,
+            first,
+            session,
+        } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = self.prepared.recording(args);
@@ -459,6 +508,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
             _ => None,
         };
+        if let (None, Some(first)) = (&last, first) {
+            last = first()?;
+        }
         let mut failure = None;
         for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
             let started = Instant::now();

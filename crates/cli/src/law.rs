@@ -34,6 +34,17 @@ pub struct LawArgs {
 }
 
 impl LawArgs {
+    /// The law with a range that is `factor` times as long, and the same work. `None` for a law without a range.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
+    pub(crate) fn with_range(&self, factor: f64) -> Result<Option<Box<dyn Law>>, Failure> {
+        let mut longer = self.clone();
+        let Some((_, range)) = longer.param.iter_mut().find(|(name, _)| name == "range") else { return Ok(None) };
+        *range *= factor;
+        longer.build().map(Some)
+    }
+
     /// Makes the law.
     ///
     /// # Errors

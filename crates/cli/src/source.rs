@@ -108,7 +108,7 @@ pub struct Second {
     pub second_surface: String,
     /// Displacement along x and y, length.
     pub shift: [f64; 2],
-    /// What the file says.
+    /// The record of the file.
     pub second_scan: Scan,
     /// The SHA-256 of the file.
     #[serde(skip)]

@@ -293,3 +293,27 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         assert_eq!(report["warnings"][0]["code"], "lattice-trapping");
     }
 }
+
+#[test]
+fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let law =
+        "--n 64 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=1e-3 --displacement=-0.0005,0.002";
+    let plain = run(folder.path(), &format!("contact {law} --out plain.h5"));
+    let walked = run(folder.path(), &format!("contact {law} --range-continuation --out walked.h5"));
+    for load in walked["loads"].as_array().unwrap() {
+        assert!(load["converged"] == true && number(load, "residual_equilibrium") <= 1e-8, "{load}");
+    }
+    // The long range has pulled the surfaces together before the short one could.
+    let area = |report: &Value| number(&report["loads"][0], "area_fraction");
+    assert!(area(&walked) > area(&plain), "{} {}", area(&walked), area(&plain));
+    assert_eq!(run(folder.path(), "check walked.h5 --rerun")["differing"], 0);
+    let output = gfmd(
+        folder.path(),
+        &"contact --n 16 --law npb --param phi_n=1,phi_t=1,delta_n=1,delta_t=1 --p-star 0.1 --range-continuation"
+            .split_whitespace()
+            .collect::<Vec<_>>(),
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("--range-continuation: the law npb has no range"));
+}

@@ -74,7 +74,7 @@ impl Contact {
         Ok(Self { response, free: None, hardness: None, scaled, surface, contact_modulus, units: Units::ONE })
     }
 
-    /// The same contact with a `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field
+    /// This contact with a `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field
     /// `[x, y]`. Where the pressure reaches it, they are pressed into each other by the [plastic depth](crate::Plastic).
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Contact {
         Ok(Self { hardness, ..self })
     }
 
-    /// The same contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is added to
+    /// This contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is added to
     /// the clearance. The approach still counts from first touch of the undeformed surfaces, and the rms height and gradient
     /// are theirs.
     ///

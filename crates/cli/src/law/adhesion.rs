@@ -1,4 +1,4 @@
-//! What a surface and a grid make of an attraction, told before the solve (theory.md, section 8).
+//! An attraction on a surface and a grid in numbers, told before the solve (theory.md, section 8).
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -19,7 +19,7 @@ pub struct Adhesion {
     pub range: f64,
     /// Width of the process zone at the edge of a contact, (π/4) E* ϱ²/w, length.
     pub process_zone: f64,
-    /// The same in grid steps.
+    /// Process zone over the grid step.
     pub process_zone_points: f64,
     /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
     pub tabor: Option<f64>,

@@ -51,7 +51,7 @@ fn hits(start: f64, spread: f64) -> f64 {
     (0..TERMS).map(term).sum()
 }
 
-/// The same by the waves of the interval.
+/// As [`hits`], by the waves of the interval.
 fn sines(start: f64, spread: f64) -> f64 {
     let term = |n: i32| {
         let wave = f64::from(n) * PI;
