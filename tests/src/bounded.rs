@@ -18,7 +18,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
@@ -28,43 +28,58 @@ fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     let mut checks = Vec::new();
     for problem in file["problems"].as_array().into_iter().flatten() {
         let text = |key: &str| problem[key].as_str().unwrap_or_default();
-        let surface = &file["surfaces"][text("surface")];
-        let (points, lengths) = (numbers(&surface["points"]), numbers(&surface["lengths"]));
-        let grid = Grid::new([points[0] as usize, points[1] as usize], [lengths[0], lengths[1]])?;
-        let heights = numbers(&surface["heights"]);
-        let heights = Array2::from_shape_fn(grid.points(), |(i, j)| heights[i * grid.points()[1] + j]);
+        let (grid, heights) = surface(&file["surfaces"][text("surface")])?;
         let boundary = if text("boundary") == "free" { Boundary::Free } else { Boundary::Periodic };
         let mut contact = Contact::bounded(boundary, &unit_half_space(), &grid, &heights)?;
         let hardness = problem["hardness"].as_f64();
         if let Some(hardness) = hardness {
             contact = contact.with_hardness(hardness)?;
         }
-        let [mean, approach, nodes, volume, full, stiffness] =
-            ["mean_pressure", "approach", "contact_nodes", "plastic_volume", "plastic_nodes", "stiffness"]
-                .map(|key| problem[key].as_f64().unwrap_or(f64::NAN));
-        let control = text("control");
-        let load = if control == "approach" { Load::Approach(approach) } else { Load::MeanPressure(mean) };
-        let pressure = numbers(&problem["pressure"]);
-        let peak = pressure.iter().copied().fold(0.0, f64::max);
-        let mut worst = Worst::new();
-        let all = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
-        for solver in all.into_iter().take(if hardness.is_some() { 1 } else { 3 }) {
-            let solution = contact.press(load).solver(solver).tolerance(1e-12).solve()?;
-            solution.pressure.iter().zip(&pressure).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
-            worst.compare(solution.approach, approach);
-            worst.compare(solution.mean_pressure, mean);
-            worst.compare(contact.stiffness(&solution).map_or(f64::NAN, |found| found.value), stiffness);
-            worst.compare(solution.pressure.iter().filter(|p| **p > 0.0).count() as f64, nodes);
-            if let Some(plastic) = &solution.plastic {
-                worst.compare(plastic.volume, volume);
-                worst.compare(plastic.fraction, full / grid.len() as f64);
-            }
-        }
-        let name =
-            format!("{} {boundary}, {} {load:?}", text("surface"), if control == "approach" { "to" } else { "by" });
-        checks.push(worst.check(name, "dense active sets", 1e-8));
+        let solvers = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
+        let solvers = &solvers[..if hardness.is_some() { 1 } else { 3 }];
+        let name = format!("{} {boundary}", text("surface"));
+        checks.push(compare(&contact, problem, solvers, &name, "dense active sets")?);
     }
     Ok(checks)
+}
+
+/// A surface of a file, with its grid.
+pub(crate) fn surface(surface: &Value) -> Result<(Grid, Array2<f64>), ValidationError> {
+    let (points, lengths) = (numbers(&surface["points"]), numbers(&surface["lengths"]));
+    let grid = Grid::new([points[0] as usize, points[1] as usize], [lengths[0], lengths[1]])?;
+    let heights = numbers(&surface["heights"]);
+    Ok((grid, Array2::from_shape_fn(grid.points(), |(i, j)| heights[i * grid.points()[1] + j])))
+}
+
+/// A contact by some solvers beside the dense solution of a problem.
+pub(crate) fn compare(
+    contact: &Contact,
+    problem: &Value,
+    solvers: &[Solver],
+    name: &str,
+    reference: &'static str,
+) -> Result<Check, ValidationError> {
+    let [mean, approach, nodes, volume, full, stiffness] =
+        ["mean_pressure", "approach", "contact_nodes", "plastic_volume", "plastic_nodes", "stiffness"]
+            .map(|key| problem[key].as_f64().unwrap_or(f64::NAN));
+    let is_approach = problem["control"].as_str() == Some("approach");
+    let load = if is_approach { Load::Approach(approach) } else { Load::MeanPressure(mean) };
+    let pressure = numbers(&problem["pressure"]);
+    let peak = pressure.iter().copied().fold(0.0, f64::max);
+    let mut worst = Worst::new();
+    for solver in solvers {
+        let solution = contact.press(load).solver(*solver).tolerance(1e-12).solve()?;
+        solution.pressure.iter().zip(&pressure).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
+        worst.compare(solution.approach, approach);
+        worst.compare(solution.mean_pressure, mean);
+        worst.compare(contact.stiffness(&solution).map_or(f64::NAN, |found| found.value), stiffness);
+        worst.compare(solution.pressure.iter().filter(|p| **p > 0.0).count() as f64, nodes);
+        if let Some(plastic) = &solution.plastic {
+            worst.compare(plastic.volume, volume);
+            worst.compare(plastic.fraction, full / pressure.len() as f64);
+        }
+    }
+    Ok(worst.check(format!("{name}, {} {load:?}", if is_approach { "to" } else { "by" }), reference, 1e-8))
 }
 
 /// Heights over a square patch of side 2 as a function of the distance from its centre, which lies between points.

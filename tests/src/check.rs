@@ -2,7 +2,7 @@ use gfmd_body::InteriorError;
 use gfmd_contact::{Refusal, Solution, SolveError, SqueezedSolution, SteepSolution};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
-use gfmd_interface::{FrictionState, State};
+use gfmd_interface::{FrictionState, PlasticState, State};
 use gfmd_law::LawError;
 use gfmd_mixed::MixedError;
 use gfmd_surface::SurfaceError;
@@ -78,6 +78,9 @@ pub enum ValidationError {
     /// A contact with friction that did not come to rest.
     #[error(transparent)]
     Friction(#[from] SolveError<FrictionState>),
+    /// A contact with plastic depth that did not come to rest.
+    #[error(transparent)]
+    Plastic(#[from] SolveError<PlasticState>),
     /// Parameters that make no law.
     #[error(transparent)]
     Law(#[from] LawError),

@@ -31,14 +31,14 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
-struct File(Value);
+pub(crate) struct File(pub(crate) Value);
 
 impl File {
-    fn rows(&self, key: &str) -> impl Iterator<Item = &Value> {
+    pub(crate) fn rows(&self, key: &str) -> impl Iterator<Item = &Value> {
         self.0[key].as_array().into_iter().flatten()
     }
 
-    fn one(&self, name: &str) -> Result<Body, ValidationError> {
+    pub(crate) fn one(&self, name: &str) -> Result<Body, ValidationError> {
         let body = &self.0["bodies"][name];
         let mut layers = Vec::new();
         let mut base =

@@ -18,6 +18,7 @@ mod laws;
 mod layered;
 mod limits;
 mod moving;
+mod plastic;
 mod punch;
 mod reference;
 mod squeezed;
@@ -35,7 +36,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 14] = [
+pub const TOPICS: [Topic; 15] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -44,6 +45,7 @@ pub const TOPICS: [Topic; 14] = [
     Topic { name: "analytic", title: "Contacts with a closed form", checks: analytic::checks },
     Topic { name: "exact", title: "Contacts that other programs solved", checks: exact::checks },
     Topic { name: "bounded", title: "Free boundaries and hardness", checks: bounded::checks },
+    Topic { name: "plastic", title: "A hardness for each point, on layers, along a path", checks: plastic::checks },
     Topic { name: "layered", title: "Layers, bases and pairs of bodies", checks: layered::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
     Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },

@@ -30,7 +30,8 @@ macro_rules! topics {
     };
 }
 topics!(
-    limits, kernels, inside, punch, damping, analytic, exact, bounded, layered, laws, friction, moving, squeezed, steep
+    limits, kernels, inside, punch, damping, analytic, exact, bounded, plastic, layered, laws, friction, moving,
+    squeezed, steep
 );
 
 #[test]

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use clap::Args;
 use gfmd_body::{BaseField, Interior};
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, npy, split_dataset};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
 use serde::Serialize;
 
+use crate::array;
 use crate::failure::Failure;
 
 /// Flags of a base that moves.
@@ -65,7 +66,7 @@ impl BaseArgs {
         };
         let flag = format!("--{flag}");
         let refuse = |reason: String| Failure::input(&flag, format!("{name}: {reason}"));
-        let found = read(name).map_err(refuse)?;
+        let found = array::read(name).map_err(refuse)?;
         let [nx, ny] = grid.points();
         let (all, allowed) = if grid.is_line() { (2, "[n], [n, 1] or [n, 2]") } else { (3, "[nx, ny] or [nx, ny, 3]") };
         let components = match *found.shape() {
@@ -94,17 +95,6 @@ impl BaseArgs {
         let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
         Ok(Some(MovedBase { kind, field, lift }))
     }
-}
-
-fn read(name: &str) -> Result<ArrayD<f64>, String> {
-    let Some((path, dataset)) = split_dataset(name) else { return npy::read(name) };
-    let words = |error: gfmd_files::FileError| error.to_string();
-    let reader = Reader::open(path).map_err(words)?;
-    if dataset.is_empty() {
-        return Err("it must be FILE.npy or FILE.h5:/dataset".into());
-    }
-    let shape = reader.shape(dataset).map_err(words)?;
-    ArrayD::from_shape_vec(shape, reader.values(dataset).map_err(words)?).map_err(|error| error.to_string())
 }
 
 impl MovedBase {

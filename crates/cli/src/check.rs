@@ -20,7 +20,7 @@ pub(crate) use comparison::Comparison;
 pub use comparison::Difference;
 use rerun::Rerun;
 pub(crate) use rerun::{all, parsed, words};
-pub(crate) use surface::{flags_again, stored_surface};
+pub(crate) use surface::{beside_fields, flags_again, stored_fields, stored_surface};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -103,6 +103,9 @@ pub struct Report {
     pub intact: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Input>,
+    /// The second surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_input: Option<Input>,
     pub rerun: bool,
     /// Number of numbers that were compared.
     pub compared: u64,
@@ -127,8 +130,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     // A file that the library cannot read to its end is damaged.
     let intact = reader.is_intact().unwrap_or(Some(false));
     let mut comparison = Comparison::default();
-    let input = input(&reader, kind)?;
-    if let Some(Input { file, state: InputState::Changed, .. }) = &input {
+    let input_of = |name| input(&reader, kind, name);
+    let (input, second_input) = (input_of("file")?, input_of("second_file")?);
+    for Input { file, .. } in input.iter().chain(&second_input).filter(|input| input.state == InputState::Changed) {
         comparison.differ("input", format!("{file} has another checksum than the input of the run"));
     }
     if intact == Some(false) {
@@ -149,6 +153,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         kind,
         intact,
         input,
+        second_input,
         rerun: args.rerun,
         compared,
         rounded,
@@ -188,10 +193,10 @@ fn recompute(
     }
 }
 
-/// The input file that a result names, if any.
-fn input(reader: &Reader, kind: Kind) -> Result<Option<Input>, Failure> {
+/// The input file that a result names in an attribute, if any.
+fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failure> {
     let group = if kind == Kind::Body { "/input" } else { "/surface" };
-    let (Ok(file), Ok(sha256)) = (reader.text(group, "file"), reader.text(group, "file_sha256")) else {
+    let (Ok(file), Ok(sha256)) = (reader.text(group, name), reader.text(group, &format!("{name}_sha256"))) else {
         return Ok(None);
     };
     let path = Path::new(&file);
@@ -205,7 +210,7 @@ fn input(reader: &Reader, kind: Kind) -> Result<Option<Input>, Failure> {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { file, kind, intact, input, rerun, compared, rounded, differing, differences } = self;
+        let Self { file, kind, intact, input, second_input, rerun, compared, rounded, differing, differences } = self;
         writeln!(f, "{}, a result of {}", file.display(), kind.name())?;
         let words = match intact {
             Some(true) => "holds",
@@ -213,7 +218,7 @@ impl fmt::Display for Report {
             None => "is absent: the file was written by an older version",
         };
         writeln!(f, "checksum of the content {words}")?;
-        if let Some(Input { file, state, .. }) = input {
+        for Input { file, state, .. } in input.iter().chain(second_input) {
             let words = match state {
                 InputState::Unchanged => "is unchanged",
                 InputState::Changed => "HAS CHANGED since the run",

@@ -10,25 +10,26 @@ mod threshold;
 mod together;
 mod watching;
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::{
-    Boundary, Contact, Dynamics, Fields, FullContact, Load, Refusal, Resumable, RigidSurface, SolveError,
-    SqueezedContact, SteepContact, Stiffness,
+    Boundary, Contact, Dynamics, Equilibrium as _, Fields, FullContact, Hardness, Load, Refusal, Resumable,
+    RigidSurface, SolveError, SqueezedContact, SteepContact, Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_files::{Output, contiguous};
 use gfmd_flow::{Flow, FlowError};
 use gfmd_green::Body;
-use gfmd_interface::Interface;
+use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
 use gfmd_response::{Components, NormalResponse};
 use gfmd_surface::PowerSpectrum;
-use ndarray::ArrayView2;
+use ndarray::{Array2, ArrayView2};
 use serde::Serialize;
 
 use crate::base::{BaseArgs, MovedBase};
@@ -38,7 +39,8 @@ use crate::dynamics::DynamicsArgs;
 use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
-use crate::law::LawArgs;
+use crate::hardness::{self, GivenHardness};
+use crate::law::{Adhesion, LawArgs};
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
 use crate::lower::{self, LowerArgs};
 use crate::memory::{Held, peak_bytes};
@@ -47,7 +49,7 @@ use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
 use crate::scan::Scan;
 use crate::session::Session;
 use crate::solver::SolverArgs;
-use crate::source::{SourceArgs, Surface};
+use crate::source::{Second, SourceArgs, Surface};
 use crate::trace::{Trace, TraceArgs, Tracer};
 use crate::values::{Entry, as_numbers, numbers};
 
@@ -68,6 +70,7 @@ use watching::Watching;
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
   gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
   gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed
+  gfmd contact --surface a.x3p --second-surface b.x3p --shift 3e-6,0 --detrend plane --p-star 0.02
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
     #[command(flatten)]
@@ -93,10 +96,11 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Unknown::Normal)]
     #[serde(skip_serializing_if = "Unknown::is_normal")]
     components: Unknown,
-    /// Largest pressure that the surfaces carry, stress; where it is reached they are pressed into each other
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
+    /// reached the surfaces are pressed into each other
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
-    hardness: Option<f64>,
+    hardness: Option<GivenHardness>,
     /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act along the normal of
     /// the rigid surface
     #[arg(long)]
@@ -126,6 +130,10 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
+    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    range_continuation: bool,
     /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x,
     /// displacement_y, lower_pressure, lower_displacement_z and lower_gap, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
@@ -191,12 +199,12 @@ impl Unknown {
     }
 
     /// What a contact with these unknowns cannot have.
-    pub fn clash(self, law: Kind, boundary: Boundary, hardness: Option<f64>, body: &Body) -> Option<&'static str> {
+    pub fn clash(self, law: Kind, boundary: Boundary, is_plastic: bool, body: &Body) -> Option<&'static str> {
         match self {
             Self::Normal => None,
             _ if law != Kind::HardWall => Some("a law"),
             _ if boundary == Boundary::Free => Some("free boundaries"),
-            Self::All if hardness.is_some() => Some("a hardness"),
+            Self::All if is_plastic => Some("a hardness"),
             Self::Held if body.second().is_some() => Some("a second body"),
             Self::All | Self::Held => None,
         }
@@ -243,6 +251,8 @@ pub struct Report {
     pub surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
     pub rms_gradient: f64,
     pub max_slope: f64,
     pub rms_height: f64,
@@ -260,7 +270,10 @@ pub struct Report {
     #[serde(skip_serializing_if = "Unknown::is_normal")]
     pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub hardness: Option<f64>,
+    pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
     pub loads: Vec<LoadRecord>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<Trace>,
@@ -325,6 +338,7 @@ struct Prepared {
     /// Below the slab.
     lower: Option<Surface>,
     law: Arc<dyn Law>,
+    hardness: Option<Hardness>,
     controls: Vec<Load>,
     output: Option<Output>,
 }
@@ -351,11 +365,12 @@ impl Prepared {
         if let (Boundary::Free, true) = (args.boundary, pulls) {
             return Err(Failure::value("--boundary", args.boundary, "periodic with --law"));
         }
-        if let (Some(hardness), true) = (args.hardness, pulls) {
+        if let (Some(hardness), true) = (&args.hardness, pulls) {
             return Err(Failure::value("--hardness", hardness, "absent with --law"));
         }
-        if let Some(hardness) = args.hardness.filter(|hardness| !(hardness.is_finite() && *hardness > 0.0)) {
-            return Err(Failure::value("--hardness", hardness, "positive and finite"));
+        if args.range_continuation && args.law.with_range(1.0)?.is_none() {
+            let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
+            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
         }
         if args.finite_slope {
             args.check_finite_slope()?;
@@ -407,13 +422,14 @@ impl Prepared {
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let base = args.base.read(&body, &surface.grid)?;
+        let hardness = args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&args.control.displacement).map(Load::Approach))
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, base, lower, law, controls, output })
+        Ok(Self { surface, body, base, lower, law, hardness, controls, output })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -430,6 +446,21 @@ impl Prepared {
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
     }
 
+    /// The numbers of the attraction, if there is one.
+    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
+        Adhesion::of(&args.law, &self.law, &self.surface, self.body.contact_modulus())
+    }
+
+    /// The contact with the hardness, if there is one.
+    fn harden(&self, contact: Contact) -> Result<Contact, Failure> {
+        match &self.hardness {
+            Some(hardness) => {
+                contact.with_hardness(hardness.clone()).map_err(|error| Failure::input("--hardness", error))
+            }
+            None => Ok(contact),
+        }
+    }
+
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let refuse = |refusal: Refusal| match refusal {
             Refusal::Body(_) => Failure::input("--boundary free", refusal),
@@ -438,45 +469,68 @@ impl Prepared {
         let (body, Surface { grid, .. }) = (&self.body, &self.surface);
         if let Some(lower) = &self.lower {
             let contact = SqueezedContact::new(body, grid, &self.surface.heights, &lower.heights).map_err(refuse)?;
-            return self.press(&contact, contact.surfaces()[0], args, session);
+            return self.press(&contact, contact.surfaces()[0], args, None, session);
         }
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
         if args.finite_slope {
             let contact = SteepContact::new(body, grid, heights).map_err(refuse)?;
-            return self.press(&contact, contact.surface(), args, session);
+            return self.press(&contact, contact.surface(), args, None, session);
         }
         if args.law.law == Kind::HardWall {
             // The solvers for a hard wall alone are faster than those for a law.
             let dynamics = args.dynamics()?;
             if args.components == Unknown::All {
                 let contact = FullContact::new(body, grid, heights).map_err(refuse)?.with_dynamics(dynamics);
-                return self.press(&contact, contact.surface(), args, session);
+                return self.press(&contact, contact.surface(), args, None, session);
             }
             let contact = match args.components {
                 Unknown::Held => Contact::held_sideways(body, grid, heights),
                 _ => Contact::bounded(args.boundary, body, grid, heights),
             };
-            let contact = contact.map(|contact| contact.with_dynamics(dynamics));
-            let contact = match args.hardness {
-                Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
-                None => contact,
-            };
-            let contact = contact.map_err(refuse)?;
-            return self.press(&contact, contact.surface(), args, session);
+            let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
+            return self.press(&contact, contact.surface(), args, None, session);
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
-        self.press(&interface, interface.surface(), args, session)
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
+        let start = || self.from_longer_ranges(args, heights, session);
+        self.press(&interface, interface.surface(), args, Some(&start), session)
     }
 
-    /// Solves the loads in turn, each from the state of the load before, until one fails.
+    /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
+    fn from_longer_ranges(
+        &self,
+        args: &Args,
+        heights: &Array2<f64>,
+        session: &Session,
+    ) -> Result<Option<State>, Failure> {
+        let mut last: Option<State> = None;
+        for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
+            let Some(law) = args.law.with_range(factor)? else { break };
+            let made = Interface::new(&self.body, &self.surface.grid, heights, law.into_shared());
+            let interface = made.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
+            let mut watch = |_: &gfmd_contact::Progress| {
+                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let press = interface.press(self.controls[0]).solver(args.solver.solver).budget(args.solver.budget());
+            let (state, failure) = reached(press.starting_from(last.as_ref()).watch(&mut watch).solve())?;
+            if let Some(failure) = failure {
+                return Err(failure.at(&format!("range times {factor}")));
+            }
+            last = Some(state);
+        }
+        Ok(last)
+    }
+
+    /// Solves the loads in turn, each from the state of the load before, until one fails. `first` is the start of the first load.
     fn press<E: Resumable<State: Recorded> + Stiff>(
         &self,
         contact: &E,
         rigid: &RigidSurface,
         args: &Args,
+        first: Option<First<'_, E::State>>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let solver = args.solver.solver;
@@ -494,6 +548,7 @@ impl Prepared {
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             scan: self.surface.scan.clone(),
+            second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
             max_slope: self.surface.max_slope(),
             rms_height: rigid.rms_height(),
@@ -509,7 +564,8 @@ impl Prepared {
             }),
             boundary: self.surface.boundary.name(),
             components: args.components,
-            hardness: args.hardness,
+            hardness: args.hardness.clone(),
+            adhesion: self.adhesion(args),
             loads: Vec::new(),
             history: None,
             flow_threshold: None,
@@ -526,12 +582,13 @@ impl Prepared {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
                 let lower =
                     self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
-                let head = session.identity(&config, &self.surface) + &base + &lower;
+                let hardness = hardness::identity(self.hardness.as_ref());
+                let head = session.identity(&config, &self.surface) + &base + &lower + &hardness;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             _ => None,
         };
-        let series = Series { prepared: self, contact, args, session };
+        let series = Series { prepared: self, contact, args, first, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
         if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.
@@ -596,8 +653,15 @@ struct Series<'a, E: Resumable> {
     prepared: &'a Prepared,
     contact: &'a E,
     args: &'a Args,
+    first: Option<First<'a, E::State>>,
     session: &'a Session,
 }
+
+/// Makes the state from which the first load starts.
+type First<'a, S> = &'a dyn Fn() -> Result<Option<S>, Failure>;
+
+/// The ranges of `--range-continuation`, over the one asked for.
+const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
 impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
@@ -608,7 +672,13 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         mut kept: Option<&mut Kept>,
         config: String,
     ) -> Result<Option<Failure>, Failure> {
-        let Self { prepared: Prepared { surface, base, lower, controls, output, .. }, contact, args, session } = *self;
+        let Self {
+            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
+            contact,
+            args,
+            first,
+            session,
+        } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
         let recording = args.recording(surface);
@@ -622,6 +692,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         if let (Some(file), Some(lower)) = (&mut file, lower) {
             file.write_lower(lower)?;
         }
+        if let Some(file) = &mut file {
+            file.write_hardness(hardness.as_ref(), surface)?;
+        }
         let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
         let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
@@ -630,6 +703,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
             _ => None,
         };
+        if let (None, Some(first)) = (&last, first) {
+            last = first()?;
+        }
         let mut failure = None;
         for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
             let started = Instant::now();
@@ -708,11 +784,11 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         }
         if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
             let pressure = state.pressure().mapv(|p| p.max(0.0));
-            report.plots = figures::draw(prefix, report, &surface.grid, &pressure)?;
+            let variance = self.prepared.pressure_variance(args.components);
+            report.plots = figures::draw(prefix, report, &surface.grid, &pressure, variance)?;
             if let Some(lower) = state.lower() {
                 report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
             }
-            let variance = self.prepared.pressure_variance(args.components);
             report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
         }
         Ok(failure)

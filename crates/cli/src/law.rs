@@ -1,5 +1,6 @@
 //! `law`: tractions, Jacobian and energy of a contact law; the flags that choose a law.
 
+mod adhesion;
 mod figures;
 
 use std::fmt;
@@ -8,6 +9,8 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_law::{Kind, Law, LawError, MixedMode};
 use serde::Serialize;
+
+pub use adhesion::Adhesion;
 
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
@@ -24,9 +27,24 @@ pub struct LawArgs {
     #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
+    /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points jump
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub coarse: bool,
 }
 
 impl LawArgs {
+    /// The law with a range that is `factor` times as long, and the same work. `None` for a law without a range.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
+    pub(crate) fn with_range(&self, factor: f64) -> Result<Option<Box<dyn Law>>, Failure> {
+        let mut longer = self.clone();
+        let Some((_, range)) = longer.param.iter_mut().find(|(name, _)| name == "range") else { return Ok(None) };
+        *range *= factor;
+        longer.build().map(Some)
+    }
+
     /// Makes the law.
     ///
     /// # Errors

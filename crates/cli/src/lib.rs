@@ -17,6 +17,7 @@
 //! # Ok::<(), gfmd_cli::failure::Failure>(())
 //! ```
 
+mod array;
 pub mod base;
 pub mod body;
 pub mod check;
@@ -30,6 +31,7 @@ pub mod failure;
 pub mod figures;
 pub mod generator;
 pub mod green;
+pub mod hardness;
 pub mod json;
 pub mod kappa_sweep;
 pub mod law;

@@ -15,10 +15,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Budget, Drive, Fields, Refusal, Resumable, SolveError, Visit};
+use gfmd_contact::{Boundary, Budget, Contact, Drive, Fields, Hardness, Refusal, Resumable, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_green::Body;
-use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Reading, Refinement, Step};
+use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Quasistatic, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
 use ndarray::Array2;
 use serde::Serialize;
@@ -26,11 +26,13 @@ use serde::Serialize;
 use self::file::PathFile;
 use self::record::Recorded;
 use self::waypoints::WaypointArgs;
+use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
-use crate::law::LawArgs;
+use crate::hardness::{self, GivenHardness};
+use crate::law::{Adhesion, LawArgs};
 use crate::memory::Held;
 use crate::progress::Progress;
 use crate::resume::{Kept, Part, ResumeArgs};
@@ -48,6 +50,7 @@ pub use self::report::{Head, Report, Sliding};
   gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
     --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
+  gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
     --displacement 0.002 --lateral 0,0.01 --json")]
 pub struct Args {
@@ -68,6 +71,15 @@ pub struct Args {
     #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     shear_strength: Option<f64>,
+    /// The surroundings of the surface; free: a patch behind a hard wall, without friction
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[serde(serialize_with = "by_name", skip_serializing_if = "is_periodic")]
+    boundary: Boundary,
+    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that of each point;
+    /// the plastic depth stays
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, conflicts_with_all = ["friction", "shear_strength"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hardness: Option<GivenHardness>,
     #[command(flatten)]
     #[serde(flatten)]
     waypoints: WaypointArgs,
@@ -104,6 +116,31 @@ impl Args {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 
+    /// True for the contact of a hard wall that has free boundaries or a hardness.
+    ///
+    /// # Errors
+    /// A law, friction or lateral displacement beside them.
+    fn is_wall(&self) -> Result<bool, Failure> {
+        let (flag, found) = match (&self.hardness, self.boundary) {
+            (Some(hardness), _) => ("--hardness", hardness.to_string()),
+            (None, Boundary::Free) => ("--boundary", self.boundary.to_string()),
+            (None, Boundary::Periodic) => return Ok(false),
+        };
+        let others = [
+            ("--law", self.law.law != Kind::HardWall),
+            ("--friction", self.friction.is_some()),
+            ("--shear-strength", self.shear_strength.is_some()),
+            ("--lateral", !self.waypoints.lateral.is_empty()),
+        ];
+        match others.into_iter().find(|(_, given)| *given) {
+            Some((other, _)) => {
+                let allowed = if self.hardness.is_some() { "absent" } else { Boundary::Periodic.name() };
+                Err(Failure::value(flag, found, format!("{allowed} with {other}")))
+            }
+            None => Ok(true),
+        }
+    }
+
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
@@ -123,6 +160,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 enum Action {
     Law(Arc<dyn Law>),
     Friction(Limit),
+    /// A hard wall whose plastic depth stays, or with free boundaries.
+    Wall(Option<Hardness>),
+}
+
+fn is_periodic(boundary: &Boundary) -> bool {
+    *boundary == Boundary::Periodic
 }
 
 /// The input of the command, checked before the first solve.
@@ -149,9 +192,19 @@ impl Prepared {
             }
             None => Action::Law(args.law.build()?.into_shared()),
         };
-        let surface = args.source.surface(session)?;
+        let is_wall = args.is_wall()?;
+        let surface = args.source.bounded(args.boundary, session)?;
+        let action = if is_wall {
+            Action::Wall(args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?)
+        } else {
+            action
+        };
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = if all { Held::ALL_COMPONENTS } else { Held::PATH };
+        let fields = match all {
+            true => Held::ALL_COMPONENTS,
+            false if is_wall => Held::FREE,
+            false => Held::PATH,
+        };
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
@@ -170,6 +223,7 @@ impl Prepared {
                 let contact = FrictionalContact::new(body, grid, heights, *limit).map_err(refuse)?;
                 return self.follow(&contact, args, session);
             }
+            Action::Wall(_) => return self.follow(&self.wall(refuse)?, args, session),
             Action::Law(law) => Arc::clone(law),
         };
         let interface = if self.moves_sideways(args) {
@@ -181,7 +235,37 @@ impl Prepared {
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         self.follow(&interface, args, session)
+    }
+
+    /// The numbers of the attraction, if there is one.
+    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
+        let Action::Law(law) = &self.action else { return None };
+        Adhesion::of(&args.law, law, &self.surface, self.body.contact_modulus())
+    }
+
+    /// The hardness, if there is one.
+    fn hardness(&self) -> Option<&Hardness> {
+        if let Action::Wall(hardness) = &self.action { hardness.as_ref() } else { None }
+    }
+
+    fn is_plastic(&self) -> bool {
+        self.hardness().is_some()
+    }
+
+    /// The contact with a hard wall whose plastic depth stays.
+    fn wall(&self, refuse: impl Fn(Refusal) -> Failure) -> Result<PlasticContact, Failure> {
+        let Surface { grid, heights, boundary, .. } = &self.surface;
+        let contact = Contact::bounded(*boundary, &self.body, grid, heights).map_err(|refusal| match refusal {
+            Refusal::Body(_) => Failure::input("--boundary free", refusal),
+            _ => refuse(refusal),
+        })?;
+        let contact = match self.hardness() {
+            Some(hardness) => contact.with_hardness(hardness.clone()),
+            None => Ok(contact),
+        };
+        Ok(PlasticContact::new(contact.map_err(|error| Failure::input("--hardness", error))?))
     }
 
     fn moves_sideways(&self, args: &Args) -> bool {
@@ -199,7 +283,7 @@ impl Prepared {
         }
         let mut kept = match &self.output {
             Some(output) if session.is_resumable() => {
-                let identity = session.identity(&args.config()?, &self.surface);
+                let identity = session.identity(&args.config()?, &self.surface) + &hardness::identity(self.hardness());
                 Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
             _ => None,
@@ -315,6 +399,7 @@ impl Prepared {
             unit: self.surface.unit.clone(),
             surface: self.surface.description.clone(),
             scan: self.surface.scan.clone(),
+            second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
             rms_height: self.surface.heights.std(0.0),
             e_star: self.body.contact_modulus(),
@@ -323,8 +408,11 @@ impl Prepared {
             law: match &self.action {
                 Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
                 Action::Friction(Limit::Tresca(_)) => "tresca".into(),
-                Action::Law(_) => args.law.law.name().into(),
+                Action::Law(_) | Action::Wall(_) => args.law.law.name().into(),
             },
+            boundary: Some(self.surface.boundary.name()).filter(|_| self.surface.boundary == Boundary::Free),
+            hardness: args.hardness.clone(),
+            adhesion: self.adhesion(args),
             direction: args.waypoints.along(),
         }
     }

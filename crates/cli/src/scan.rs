@@ -76,8 +76,8 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 }
 
 impl SourceArgs {
-    /// Reads the file and prepares its heights.
-    pub(crate) fn prepare(&self, file: &str) -> Result<Prepared, Failure> {
+    /// Reads the file and prepares its heights. If neither the file nor a flag gives it a size, it has that of `cell`.
+    pub(crate) fn prepare(&self, file: &str, cell: Option<[f64; 2]>) -> Result<Prepared, Failure> {
         let topography =
             Topography::read(file, self.channel.as_deref()).map_err(|error| Failure::Input(error.to_string()))?;
         if topography.undefined > 0 && self.fill.is_none() {
@@ -88,7 +88,7 @@ impl SourceArgs {
         let [nx, ny] = heights.dim().into();
         Held::SURFACE.check(file, [nx, ny])?;
         let mut notes = topography.notes;
-        let lengths = match (&self.length[..], topography.lengths) {
+        let lengths = match (&self.length[..], topography.lengths.or(cell)) {
             ([], Some(lengths)) => lengths,
             ([], None) => {
                 notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());

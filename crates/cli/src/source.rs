@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
-use gfmd_surface::{Fill, Periodisation, Statistics};
+use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, composite_inside};
 use ndarray::Array2;
 use serde::Serialize;
 
@@ -48,6 +48,16 @@ pub struct SourceArgs {
     /// Change the sign of the heights of a file, if its peaks point away from the body
     #[arg(long)]
     pub flip: bool,
+    /// Heights of a second rough surface, that of the body, in a file as of --surface and prepared by the same flags; its peaks
+    /// point at the first surface, and x and y are the same places of both
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_surface: Option<String>,
+    /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves; with
+    /// --boundary free whole steps only, and the part in common stays
+    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shift: Vec<f64>,
     /// The generator.
     #[command(flatten)]
     #[serde(flatten)]
@@ -87,6 +97,22 @@ pub struct Surface {
     pub scan: Option<Scan>,
     /// The file that the heights were read from, and its SHA-256.
     pub origin: Option<(String, String)>,
+    /// The second surface, whose heights are part of these.
+    pub second: Option<Second>,
+}
+
+/// The second of two rough surfaces in contact.
+#[derive(Clone, Debug, Serialize)]
+pub struct Second {
+    /// Its file.
+    pub second_surface: String,
+    /// Displacement along x and y, length.
+    pub shift: [f64; 2],
+    /// The record of the file.
+    pub second_scan: Scan,
+    /// The SHA-256 of the file.
+    #[serde(skip)]
+    checksum: String,
 }
 
 impl Surface {
@@ -145,12 +171,21 @@ impl Surface {
             archive.attribute(group, "file", file.as_str())?;
             archive.attribute(group, "file_sha256", checksum.as_str())?;
         }
+        if let Some(Second { second_surface, shift: [x, y], checksum, .. }) = &self.second {
+            archive.attribute(group, "second_file", file_of(second_surface))?;
+            archive.attribute(group, "second_file_sha256", checksum.as_str())?;
+            archive.attribute(group, "shift_x", *x)?;
+            archive.attribute(group, "shift_y", *y)?;
+        }
         self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
 }
 
 /// The ratio of the steps across the periodic seam to those inside above which a warning is given.
 const ROUGH_SEAM: f64 = 2.0;
+
+/// The relative difference up to which the lengths of two cells are equal: headers have some six digits.
+const SAME_LENGTH: f64 = 1e-6;
 
 impl SourceArgs {
     /// The keys of these flags in a configuration.
@@ -194,9 +229,9 @@ impl SourceArgs {
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
         }
-        let (heights, grid, mut description, scan) = match &self.surface {
+        let (mut heights, mut grid, mut description, scan) = match &self.surface {
             Some(file) => {
-                let Prepared { heights, grid, description, scan } = self.prepare(file)?;
+                let Prepared { heights, grid, description, scan } = self.prepare(file, None)?;
                 (heights, grid, description, Some(scan))
             }
             None => {
@@ -204,10 +239,20 @@ impl SourceArgs {
                 (self.generator.heights(&grid)?, grid, self.generator.to_string(), None)
             }
         };
+        let second = match &self.second_surface {
+            Some(file) => {
+                let (second, there) = self.second(file, &grid, scan.as_ref())?;
+                let made = composed(&heights, &there, &grid, (second.shift, boundary));
+                (heights, grid) = made.map_err(|error| Failure::input("--shift", error))?;
+                description += &format!("; against {file}, moved by {:?}", second.shift);
+                Some(second)
+            }
+            None => None,
+        };
         let name = self.name();
         self.check_sizes(&grid, &heights)?;
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
-        if self.surface.is_some() && boundary == Boundary::Periodic {
+        if (self.surface.is_some() || second.is_some()) && boundary == Boundary::Periodic {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
             if ratio > ROUGH_SEAM {
@@ -220,9 +265,34 @@ impl SourceArgs {
                 session.warn("rough-seam", text);
             }
         }
-        let unit = scan.as_ref().and_then(|scan| scan.unit.clone());
+        let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
+        let unit = scans.into_iter().find_map(|scan| scan.unit.clone());
         let origin = self.surface.as_deref().map(origin).transpose()?;
-        Ok(Surface { heights, grid, unit, statistics, boundary, description, scan, origin })
+        Ok(Surface { heights, grid, unit, statistics, boundary, description, scan, origin, second })
+    }
+
+    /// Reads the second surface, which has the cell and the points of the first.
+    fn second(&self, file: &str, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
+        const FLAG: &str = "--second-surface";
+        let cell = first.map_or(grid.lengths(), |scan| scan.length);
+        let Prepared { heights, grid: there, scan, .. } = self.prepare(file, Some(cell))?;
+        let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
+        let sides = if grid.is_line() { 1 } else { 2 };
+        if there.points() != grid.points() || !there.lengths().into_iter().zip(grid.lengths()).take(sides).all(close) {
+            let size = |grid: &Grid| {
+                let ([nx, ny], [x, y]) = (grid.points(), grid.lengths());
+                format!("{nx} x {ny} points on {x} x {y}")
+            };
+            return Err(Failure::input(FLAG, format!("{file} has {}; it must have {}", size(&there), size(grid))));
+        }
+        if let (Some(found), Some(allowed)) = (&scan.unit, first.and_then(|first| first.unit.as_ref()))
+            && found != allowed
+        {
+            return Err(Failure::input(FLAG, format!("the unit of {file} is {found}; it must be {allowed}")));
+        }
+        let shift = [0, 1].map(|axis| self.shift.get(axis).copied().unwrap_or(0.0));
+        let (_, checksum) = origin(file)?;
+        Ok((Second { second_surface: file.into(), shift, second_scan: scan, checksum }, heights))
     }
 
     /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
@@ -246,9 +316,30 @@ impl SourceArgs {
     }
 }
 
+/// The composite of two surfaces, the second moved by `shift`, and its grid.
+///
+/// # Errors
+/// Surfaces of two grids, and a shift that they cannot have.
+pub fn composed(
+    first: &Array2<f64>,
+    second: &Array2<f64>,
+    grid: &Grid,
+    (shift, boundary): ([f64; 2], Boundary),
+) -> Result<(Array2<f64>, Grid), SurfaceError> {
+    match boundary {
+        Boundary::Periodic => composite(first, second, grid, shift).map(|heights| (heights, *grid)),
+        Boundary::Free => composite_inside(first, second, grid, shift),
+    }
+}
+
+/// The name of a file without that of a dataset in it.
+fn file_of(surface: &str) -> &str {
+    split_dataset(surface).map_or(surface, |(file, _)| file)
+}
+
 /// The file of a surface, without the name of a dataset in it, and its checksum.
 pub(crate) fn origin(surface: &str) -> Result<(String, String), Failure> {
-    let file = split_dataset(surface).map_or(surface, |(file, _)| file);
+    let file = file_of(surface);
     let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
     Ok((file.into(), checksum))
 }

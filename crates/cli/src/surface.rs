@@ -17,7 +17,7 @@ use crate::figures::parse_prefix;
 use crate::generator::Method;
 use crate::scan::Scan;
 use crate::session::{Session, list_files};
-use crate::source::SourceArgs;
+use crate::source::{Second, SourceArgs};
 
 use file::Target;
 use listing::Listing;
@@ -128,6 +128,8 @@ pub struct Report {
     pub window: Window,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
     pub asked: Option<Asked>,
     pub out: Option<PathBuf>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -172,9 +174,9 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         Window::Hann => window(&surface.heights, 1.0).and_then(|heights| PowerSpectrum::of(&heights, &grid)),
     };
     let spectrum = spectrum.map_err(refused)?;
-    let (asked, range) = match &args.source.surface {
-        None => args.asked(&grid)?,
-        Some(_) => (None, whole_band(&grid)),
+    let (asked, range) = match (&args.source.surface, &surface.second) {
+        (None, None) => args.asked(&grid)?,
+        _ => (None, whole_band(&grid)),
     };
     let range = match args.fit_range[..] {
         [] => range,
@@ -188,7 +190,8 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
     }
     let mut report = Report::new(statistics, fit.ok(), &spectrum, &grid);
-    (report.source, report.unit, report.scan) = (surface.description, surface.unit, surface.scan);
+    (report.source, report.unit) = (surface.description, surface.unit);
+    (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.hurst_range, report.window) = (asked, range, args.window);
     let radial = spectrum.radial();
     if let Some(target) = out {
@@ -280,6 +283,7 @@ impl Report {
             seam: found.seam.ratio(),
             window: Window::None,
             scan: None,
+            second: None,
             asked: None,
             out: None,
             plots: Vec::new(),

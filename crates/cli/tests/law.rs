@@ -245,3 +245,75 @@ fn unusable_flags_are_refused_in_one_line() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too_coarse() {
+    let folder = tempfile::tempdir().unwrap();
+    // A wave A cos(2πx): rms gradient √2 π A, rms curvature √2 π² 2 A.
+    let amplitude = 0.01;
+    let wave =
+        ndarray::Array1::from_shape_fn(64, |i| amplitude * (std::f64::consts::TAU * f64::from(i as u8) / 64.0).cos());
+    ndarray_npy::write_npy(folder.path().join("wave.npy"), &wave).unwrap();
+    let (gamma, range) = (1e-4, 4e-3);
+    let flags =
+        |range: f64| format!("--surface wave.npy --e-star 2 --law exponential --param gamma={gamma},range={range}");
+    let report = run(folder.path(), &format!("contact {} --pressure 0.01", flags(range)));
+    let found = &report["adhesion"];
+    let pi = std::f64::consts::PI;
+    let (gradient, curvature) = (2_f64.sqrt() * pi * amplitude, 2_f64.sqrt() * 2.0 * pi * pi * amplitude);
+    let zone = 0.25 * pi * 2.0 * range * range / gamma;
+    let length = gamma / 2.0;
+    let sticky =
+        gradient * range / (2.0 * length) * (gradient * (4.0 * gradient / curvature) / (4.0 * range)).powf(2.0 / 3.0);
+    for (key, wanted) in [
+        ("work", gamma),
+        ("range", range),
+        ("process_zone", zone),
+        ("process_zone_points", 64.0 * zone),
+        ("tabor", (gamma * gamma / curvature / 4.0 / range.powi(3)).cbrt()),
+        ("pastewka_robbins", sticky / 1.029_2),
+    ] {
+        assert!((number(found, key) / wanted - 1.0).abs() < 1e-4, "{key}: {found} {wanted}");
+    }
+    assert!(run(folder.path(), "contact --surface wave.npy --pressure 0.01").get("adhesion").is_none());
+    let told = gfmd(
+        folder.path(),
+        &format!("contact {} --pressure 0.01", flags(range)).split_whitespace().collect::<Vec<_>>(),
+    );
+    let told = String::from_utf8(told.stderr).unwrap();
+    assert!(told.contains("process zone of 16.08 grid steps (resolved)") && told.contains("Tabor number"), "{told}");
+    for command in ["contact", "path"] {
+        let coarse = format!("{command} {} --displacement 0.002 -q", flags(1e-4));
+        let output = gfmd(folder.path(), &coarse.split_whitespace().collect::<Vec<_>>());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.starts_with("error: --law: the process zone") && message.contains("--coarse"), "{message}");
+        let report = run(folder.path(), &format!("{command} {} --coarse --displacement 0.002", flags(1e-4)));
+        assert!(number(&report["adhesion"], "process_zone_points") < 0.1);
+        assert_eq!(report["warnings"][0]["code"], "lattice-trapping");
+    }
+}
+
+#[test]
+fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let law =
+        "--n 64 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=1e-3 --displacement=-0.0005,0.002";
+    let plain = run(folder.path(), &format!("contact {law} --out plain.h5"));
+    let walked = run(folder.path(), &format!("contact {law} --range-continuation --out walked.h5"));
+    for load in walked["loads"].as_array().unwrap() {
+        assert!(load["converged"] == true && number(load, "residual_equilibrium") <= 1e-8, "{load}");
+    }
+    // The long range has pulled the surfaces together before the short one could.
+    let area = |report: &Value| number(&report["loads"][0], "area_fraction");
+    assert!(area(&walked) > area(&plain), "{} {}", area(&walked), area(&plain));
+    assert_eq!(run(folder.path(), "check walked.h5 --rerun")["differing"], 0);
+    let output = gfmd(
+        folder.path(),
+        &"contact --n 16 --law npb --param phi_n=1,phi_t=1,delta_n=1,delta_t=1 --p-star 0.1 --range-continuation"
+            .split_whitespace()
+            .collect::<Vec<_>>(),
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("--range-continuation: the law npb has no range"));
+}

@@ -2,13 +2,14 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_relax::Upper;
 use gfmd_response::{FreeCompliance, NormalResponse};
 use gfmd_vector::for_each;
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
-use crate::solution::Conditions;
-use crate::{Boundary, Dynamics, Load, Refusal, RigidSurface, Solution, Units};
+use crate::solution::{Conditions, field};
+use crate::{Boundary, Dynamics, Hardness, Load, Refusal, RigidSurface, Solution, Units};
 
 /// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
@@ -19,7 +20,7 @@ pub struct Contact {
     /// The compliance of the body with free boundaries, in `units`.
     pub(crate) free: Option<Arc<FreeCompliance>>,
     /// The largest pressure, in `units`.
-    pub(crate) hardness: Option<f64>,
+    pub(crate) hardness: Option<Upper>,
     /// Time step and damping of the damped dynamics.
     pub(crate) dynamics: Dynamics,
     /// The rigid surface, in `units`.
@@ -108,23 +109,39 @@ impl Contact {
         Self { dynamics, ..self }
     }
 
-    /// The same contact with a `hardness`, the largest pressure that the surfaces can carry, in stress. Where the pressure
-    /// reaches it, they are pressed into each other by the [plastic depth](crate::Plastic).
+    /// This contact with a `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field
+    /// `[x, y]`. Where the pressure reaches it, they are pressed into each other by the [plastic depth](crate::Plastic).
     ///
     /// # Errors
-    /// A hardness that is not positive and finite.
-    pub fn with_hardness(self, hardness: f64) -> Result<Self, Refusal> {
-        if !(hardness > 0.0 && hardness.is_finite()) {
-            return Err(Refusal::Hardness { found: hardness });
-        }
-        Units::check_pressure(hardness)?;
-        let hardness = Some(hardness / self.units.stress());
+    /// A hardness that is not positive and finite, or has another shape than the heights.
+    pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
+        let hardness = Some(hardness.into().in_units(self.surface.grid().points(), &self.units)?);
         Ok(Self { hardness, ..self })
     }
 
+    /// This contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is added to
+    /// the clearance. The approach still counts from first touch of the undeformed surfaces, and the rms height and gradient
+    /// are theirs.
+    ///
+    /// # Errors
+    /// A depth of another shape than the heights, or not finite.
+    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surface = Arc::new(self.surface.indented(depth)?);
+        Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
+    }
+
     /// The hardness, in stress.
-    pub fn hardness(&self) -> Option<f64> {
-        self.hardness.map(|hardness| hardness * self.units.stress())
+    pub fn hardness(&self) -> Option<Hardness> {
+        let hardness = self.hardness.as_ref()?.times(self.units.stress());
+        Some(match hardness {
+            Upper::All(hardness) => Hardness::Uniform(hardness),
+            Upper::Each(values) => Hardness::Field(field(&self.surface, values.to_vec())),
+        })
+    }
+
+    /// The upper bounds of the pressure, in [`units`](Self::units); infinite without a hardness.
+    pub(crate) fn upper(&self) -> Upper {
+        self.hardness.clone().unwrap_or(Upper::All(f64::INFINITY))
     }
 
     fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
@@ -190,7 +207,7 @@ impl Contact {
         // u_z = −G p.
         for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
         let length_scale = self.scaled.length_scale(load);
-        let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness };
+        let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs();
         solution
@@ -214,10 +231,14 @@ impl Contact {
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
             }
-            Load::MeanPressure(found) => match self.hardness() {
-                Some(hardness) if found >= hardness => Err(Refusal::BeyondHardness { found, hardness }),
-                _ => Units::check_pressure(found),
-            },
+            Load::MeanPressure(found) => {
+                let hardness = self.upper().mean() * self.units.stress();
+                if found < hardness {
+                    return Units::check_pressure(found);
+                }
+                let what = if let Some(Upper::Each(_)) = self.hardness { "mean hardness" } else { "hardness" };
+                Err(Refusal::BeyondHardness { found, what, hardness })
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
-use gfmd_relax::{Preconditioned, Quadratic, Variables, Visit};
+use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
 
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::{Compliance, Rounded};
@@ -34,7 +34,7 @@ pub(crate) struct Dual<'a> {
     /// True if the approach is free, because the mean pressure is prescribed.
     floating: bool,
     /// The hardness, infinite without one.
-    upper: f64,
+    upper: Upper,
     /// The number of points in a row.
     row: usize,
     transforms: Compliance,
@@ -76,7 +76,7 @@ impl<'a> Dual<'a> {
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
         let extension = PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]);
-        let upper = contact.hardness.unwrap_or(f64::INFINITY);
+        let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         Self { compliance, linear, floating, upper, row: response.grid().rows()[1], transforms, rounded, extension }
     }
@@ -143,8 +143,8 @@ impl Preconditioned for Dual<'_> {
         self.linear.len()
     }
 
-    fn upper(&self) -> f64 {
-        self.upper
+    fn upper(&self) -> Upper {
+        self.upper.clone()
     }
 
     fn stretch(&self) -> usize {
@@ -188,7 +188,8 @@ impl Preconditioned for Dual<'_> {
     /// contact)⁻¹ is the minimum of ⟨u, K u⟩ over all displacements u with given values on the contact, and E
     /// approximates the u of this minimum.
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
-        self.press(Known { x, gradient, level, upper: self.upper }, out);
+        let upper = self.upper.clone();
+        self.press(Known { x, gradient, level, upper: upper.ceiling() }, out);
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -205,9 +206,8 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     let uniform = || vec![mean.unwrap_or(0.0); contact.scaled.clearance().len()];
     let mut pressure = attempt.start.take().unwrap_or_else(uniform);
-    if let Some(hardness) = contact.hardness {
-        pressure.iter_mut().for_each(|p| *p = p.min(hardness));
-    }
+    let upper = dual.upper();
+    pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.ceiling().at(i)));
     let x = &mut pressure;
     let within = |budget: Budget| Budget { tolerance: MARGIN * budget.tolerance, ..budget };
     let target = Target { mean, gradient_scale: attempt.length_scale(), budget: within(attempt.budget) };

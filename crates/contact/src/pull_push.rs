@@ -14,6 +14,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use gfmd_relax::Ceiling;
 use rayon::prelude::*;
 
 /// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
@@ -37,7 +38,14 @@ pub(crate) struct Known<'a> {
     pub(crate) level: f32,
     /// Points with this x, the largest, are as those with x = 0: their values are not known, and they keep theirs if it is
     /// positive and higher than the extended one.
-    pub(crate) upper: f64,
+    pub(crate) upper: Ceiling<'a>,
+}
+
+impl<'a> Known<'a> {
+    /// The upper bounds of row i.
+    fn bounds(&self, i: usize, columns: usize) -> Ceiling<'a> {
+        self.upper.part(i * columns..(i + 1) * columns)
+    }
 }
 
 /// What lies beyond the edges of the grid.
@@ -148,8 +156,9 @@ impl PullPush {
         first.pull(self.points, |i, weights, values| {
             let level = known.level;
             let points = row_of(known.x, i, columns).iter().zip(row_of(known.gradient, i, columns));
-            for ((weight, value), (x, gradient)) in weights.iter_mut().zip(values).zip(points) {
-                *weight = f32::from(u8::from((*x > 0.0) & (*x < known.upper)));
+            let upper = known.bounds(i, columns);
+            for (j, ((weight, value), (x, gradient))) in weights.iter_mut().zip(values).zip(points).enumerate() {
+                *weight = f32::from(u8::from((*x > 0.0) & (*x < upper.at(j))));
                 *value = *weight * (gradient - level);
             }
         });
@@ -184,11 +193,13 @@ impl PullPush {
             None => out.fill(0.0),
         }
         let points = row_of(known.x, i, columns).chunks(BITS).zip(row_of(known.gradient, i, columns).chunks(BITS));
-        for ((out, (x, gradient)), kept) in out.chunks_mut(BITS).zip(points).zip(words(&self.kept, i, columns)) {
+        let upper = known.bounds(i, columns);
+        let all = out.chunks_mut(BITS).zip(points).zip(words(&self.kept, i, columns)).enumerate();
+        for (chunk, ((out, (x, gradient)), kept)) in all {
             let mut bits = 0;
             for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
                 let own = gradient - known.level;
-                let full = *x >= known.upper;
+                let full = *x >= upper.at(chunk * BITS + j);
                 let enters = if full { (own > 0.0) & (own > *out) } else { (own < 0.0) & (own < *out) };
                 let keeps = ((*x > 0.0) & !full) | enters;
                 *out = if keeps { own } else { *out };
@@ -235,13 +246,14 @@ impl PullPush {
         });
         self.levels[0].pull_transposed(t, columns, |i, t, share| {
             let points = share.chunks(BITS).zip(row_of(known.x, i, columns).chunks(BITS));
-            for ((t, (share, x)), kept) in t.chunks_mut(BITS).zip(points).zip(kept(i)) {
+            let upper = known.bounds(i, columns);
+            for (chunk, ((t, (share, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept(i)).enumerate() {
                 let kept = kept.load(Ordering::Relaxed);
                 for (j, (t, (share, x))) in t.iter_mut().zip(share.iter().zip(x)).enumerate() {
                     *t = if kept >> j & 1 == 0 {
                         0.0
                     } else {
-                        *t + f32::from(u8::from((*x > 0.0) & (*x < known.upper))) * share
+                        *t + f32::from(u8::from((*x > 0.0) & (*x < upper.at(chunk * BITS + j)))) * share
                     };
                 }
             }
@@ -445,7 +457,7 @@ mod tests {
             let mut out = vec![f32::NAN; x.len()];
             extend(
                 &mut extension(points, true, edges),
-                Known { x: &x, gradient: &gradient, level: 0.2, upper: f64::INFINITY },
+                Known { x: &x, gradient: &gradient, level: 0.2, upper: Ceiling::All(f64::INFINITY) },
                 &mut out,
             );
             for (k, out) in out.iter().enumerate() {
@@ -456,7 +468,7 @@ mod tests {
             if x.iter().any(|x| *x > 0.0) {
                 extend(
                     &mut extension(points, true, edges),
-                    Known { x: &x, gradient: &gradient, level: 0.2, upper: f64::INFINITY },
+                    Known { x: &x, gradient: &gradient, level: 0.2, upper: Ceiling::All(f64::INFINITY) },
                     &mut out,
                 );
                 assert!(out.iter().all(|out| (out - 0.5).abs() < 1e-6), "{points:?}");
@@ -470,7 +482,7 @@ mod tests {
             for (floating, edges) in [false, true].into_iter().flat_map(|floating| BOTH.map(|edges| (floating, edges)))
             {
                 let (x, gradient) = field(points);
-                let known = Known { x: &x, gradient: &gradient, level: -0.1, upper: f64::INFINITY };
+                let known = Known { x: &x, gradient: &gradient, level: -0.1, upper: Ceiling::All(f64::INFINITY) };
                 let mut extension = extension(points, floating, edges);
                 let mut extended = vec![0.0; x.len()];
                 extend(&mut extension, known, &mut extended);
@@ -496,7 +508,7 @@ mod tests {
             let mut out = vec![f32::NAN; 4096];
             extend(
                 &mut extension(points, floating, Edges::Joined),
-                Known { x, gradient, level: 0.0, upper: f64::INFINITY },
+                Known { x, gradient, level: 0.0, upper: Ceiling::All(f64::INFINITY) },
                 &mut out,
             );
             out[far]
@@ -514,7 +526,7 @@ mod tests {
     fn waves_as_stiff_as_their_octave_are_not_continued() {
         let (x, gradient) = field([16, 16]);
         let mut out = vec![f32::NAN; 256];
-        let known = Known { x: &x, gradient: &gradient, level: -2.0, upper: f64::INFINITY };
+        let known = Known { x: &x, gradient: &gradient, level: -2.0, upper: Ceiling::All(f64::INFINITY) };
         extend(&mut PullPush::new([16, 16], true, Edges::Joined, |_| 1.0), known, &mut out);
         assert!(out.iter().zip(&x).all(|(out, x)| *x > 0.0 || *out == 0.0));
     }

@@ -100,12 +100,22 @@ pub enum Refusal {
         /// The hardness.
         found: f64,
     },
+    /// The field of the hardness has another shape than the heights.
+    #[error("the shape of the hardness is {found:?}; it must be {expected:?} as that of the heights")]
+    HardnessShape {
+        /// Shape of the hardness.
+        found: [usize; 2],
+        /// Shape of the heights.
+        expected: [usize; 2],
+    },
     /// The mean pressure reaches the hardness.
-    #[error("the mean pressure is {found}; it must be less than the hardness {hardness}")]
+    #[error("the mean pressure is {found}; it must be less than the {what} {hardness}")]
     BeyondHardness {
         /// The mean pressure.
         found: f64,
-        /// The hardness.
+        /// `hardness`, or `mean hardness` of a field.
+        what: &'static str,
+        /// Its value.
         hardness: f64,
     },
     /// The approach gives no contact, without attraction, or is beyond full contact.

@@ -67,6 +67,22 @@ impl RigidSurface {
         Self { repeats: false, rms_gradient: OnceLock::new(), ..self }
     }
 
+    /// The surface with `depth` added to its clearance. Its rms height and gradient stay.
+    pub(crate) fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let (found, expected) = (depth.dim().into(), self.grid.points());
+        if found != expected {
+            return Err(Refusal::Shape { found, expected });
+        }
+        let clearance: Vec<f64> = self.clearance.iter().zip(depth).map(|(c, d)| c + d).collect();
+        if let Some(hole) = clearance.iter().position(|c| !c.is_finite()) {
+            return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value: clearance[hole] });
+        }
+        let n = clearance.len();
+        let mean_clearance = gfmd_vector::sum(n, &|range| clearance[range].iter().sum()) / n as f64;
+        let rms_gradient = OnceLock::from(self.rms_gradient());
+        Ok(Self { clearance, mean_clearance, rms_gradient, ..self.clone() })
+    }
+
     /// The surface in other units of length along the surface and of heights, given in the present ones: powers of two.
     pub(crate) fn in_units(&self, units: &Units) -> Self {
         Self {

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Ceiling, Upper};
 use gfmd_vector::{add, for_each, pass, reduce};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
@@ -62,14 +63,14 @@ pub struct Residual {
 
 /// What a solution follows from, beside its pressure and the displacement by it.
 #[derive(Clone, Copy)]
-pub(crate) struct Conditions {
+pub(crate) struct Conditions<'a> {
     /// The uniform displacement of the body downwards, which the displacement does not contain.
     pub(crate) sinking: f64,
     pub(crate) load: Load,
     /// The scale of lengths in the residuals.
     pub(crate) length_scale: f64,
     /// The largest pressure that the surfaces carry.
-    pub(crate) hardness: Option<f64>,
+    pub(crate) hardness: Option<&'a Upper>,
 }
 
 impl Residual {
@@ -181,13 +182,14 @@ impl Solution {
         conditions: Conditions,
     ) -> Self {
         let Conditions { sinking, load, length_scale, hardness } = conditions;
-        let upper = hardness.unwrap_or(f64::INFINITY);
+        let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let clearance = surface.clearance();
         let n = pressure.len();
         let [sum, touching] = reduce(
             n,
             &|range| {
-                pressure[range].iter().fold([0.0; 2], |sums, p| add(sums, [*p, f64::from((*p > 0.0) & (*p < upper))]))
+                let each = range.map(|i| (pressure[i], upper.at(i)));
+                each.fold([0.0; 2], |sums, (p, upper)| add(sums, [p, f64::from((p > 0.0) & (p < upper))]))
             },
             &add,
         );
@@ -199,7 +201,7 @@ impl Solution {
             // The approach is the mean of clearance − u_z over the contact.
             Load::MeanPressure(_) => {
                 let room = |i: usize| {
-                    if (pressure[i] > 0.0) & (pressure[i] < upper) { clearance[i] - displacement[i] } else { 0.0 }
+                    if (pressure[i] > 0.0) & (pressure[i] < upper.at(i)) { clearance[i] - displacement[i] } else { 0.0 }
                 };
                 if touching > 0.0 || hardness.is_none() {
                     gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
@@ -227,7 +229,7 @@ impl Solution {
             &|a, b| (a.0 + b.0, lower(a.1, b.1), lower(a.2, b.2)),
         );
         let plastic = hardness.map(|hardness| {
-            let (plastic, elastic) = Plastic::of(surface, &pressure, &mut gap, hardness, length_scale);
+            let (plastic, elastic) = Plastic::of(surface, &pressure, &mut gap, hardness.ceiling(), length_scale);
             sums = (elastic.0, elastic.1, sums.2);
             plastic
         });
@@ -274,16 +276,17 @@ impl Plastic {
         surface: &RigidSurface,
         pressure: &[f64],
         gap: &mut [f64],
-        hardness: f64,
+        hardness: Ceiling,
         length_scale: f64,
     ) -> (Self, (f64, f64)) {
         let n = gap.len();
         let mut depth = vec![0.0; n];
         let (count, sum, saturation, p_gap, lowest) = pass(
-            [gap, &mut depth[..]],
-            &|start, [gap, depth]| {
+            (gap, &mut depth[..], pressure, hardness),
+            &|_, (gap, depth, pressure, hardness)| {
                 let mut sums = (0.0, 0.0, 0.0, 0.0, f64::INFINITY);
-                for ((gap, depth), p) in gap.iter_mut().zip(depth).zip(&pressure[start..]) {
+                for (i, ((gap, depth), p)) in gap.iter_mut().zip(depth).zip(pressure).enumerate() {
+                    let hardness = hardness.at(i);
                     if *p < hardness {
                         sums.3 += p * *gap;
                         sums.4 = lower(sums.4, *gap);
@@ -306,10 +309,10 @@ impl Plastic {
 
 /// The middle between the largest room of the points at the hardness and the smallest of the others: the approach if no
 /// pressure lies between the bounds.
-fn between(pressure: &[f64], upper: f64, room: impl Fn(usize) -> f64) -> f64 {
+fn between(pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
     let [mut below, mut above] = [f64::NEG_INFINITY, f64::INFINITY];
     for (i, p) in pressure.iter().enumerate() {
-        if *p >= upper { below = below.max(room(i)) } else { above = above.min(room(i)) }
+        if *p >= upper.at(i) { below = below.max(room(i)) } else { above = above.min(room(i)) }
     }
     match (below.is_finite(), above.is_finite()) {
         (true, true) => 0.5 * (below + above),

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use gfmd_relax::{Preconditioned as _, Why};
+use gfmd_relax::{Ceiling, Preconditioned as _, Why};
 use gfmd_vector::{dot, for_each, total};
 
 use crate::dual::Dual;
@@ -40,10 +40,11 @@ impl Contact {
     /// # Errors
     /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
-        let hardness = self.hardness().unwrap_or(f64::INFINITY);
+        let upper = self.upper().times(self.units().stress());
+        let hardness = upper.ceiling();
         let n = solution.pressure.len();
-        let touches = |p: f64| (p > 0.0) & (p < hardness);
-        let count = solution.pressure.iter().filter(|p| touches(**p)).count();
+        let touches = |(i, p): (usize, &f64)| (*p > 0.0) & (*p < hardness.at(i));
+        let count = solution.pressure.iter().enumerate().filter(|point| touches(*point)).count();
         let exact = |value| Ok(Stiffness { value, error: 0.0, effort: Effort::default() });
         if self.free.is_some() && self.surface().grid().is_line() {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
@@ -81,7 +82,7 @@ struct Unit<'a> {
     dual: Dual<'a>,
     /// The pressure of the contact, and the hardness: points between zero and this one are in contact.
     contact: &'a [f64],
-    hardness: f64,
+    hardness: Ceiling<'a>,
     /// The number of points in contact.
     count: f64,
     /// The pressure less its mean over the contact.
@@ -96,7 +97,7 @@ struct Unit<'a> {
 
 impl<'a> Unit<'a> {
     /// Starts from a uniform pressure on the contact.
-    fn new(contact: &'a Contact, pressure: &'a [f64], hardness: f64, count: usize) -> Self {
+    fn new(contact: &'a Contact, pressure: &'a [f64], hardness: Ceiling<'a>, count: usize) -> Self {
         let n = pressure.len();
         Self {
             dual: Dual::new(contact, Load::MeanPressure(1.0)),
@@ -138,9 +139,10 @@ impl<'a> Unit<'a> {
             // Rounding errors must not change the sum of the pressure.
             let excess = (total(&self.image) / self.count) as f32;
             let hardness = self.hardness;
-            for_each((&mut direction[..], &self.image[..], self.contact), &|_, (direction, image, contact)| {
-                for (d, (z, p)) in direction.iter_mut().zip(image.iter().zip(contact)) {
-                    *d = if (*p > 0.0) & (*p < hardness) { z - excess + beta * *d } else { 0.0 };
+            let vectors = (&mut direction[..], &self.image[..], self.contact, hardness);
+            for_each(vectors, &|_, (direction, image, contact, hardness)| {
+                for (i, (d, (z, p))) in direction.iter_mut().zip(image.iter().zip(contact)).enumerate() {
+                    *d = if (*p > 0.0) & (*p < hardness.at(i)) { z - excess + beta * *d } else { 0.0 };
                 }
             });
             self.displace(&direction);
@@ -165,9 +167,9 @@ impl<'a> Unit<'a> {
     /// `image` ← M (`residual` − `level`), from the residual of the points in contact.
     fn press(&mut self, level: f32) {
         let Self { dual, contact, hardness, residual, image, .. } = self;
-        for_each((&mut residual[..], *contact), &|_, (residual, contact)| {
-            for (r, p) in residual.iter_mut().zip(contact) {
-                *r = if *p >= *hardness {
+        for_each((&mut residual[..], *contact, *hardness), &|_, (residual, contact, hardness)| {
+            for (i, (r, p)) in residual.iter_mut().zip(contact).enumerate() {
+                *r = if *p >= hardness.at(i) {
                     -APART
                 } else if *p > 0.0 {
                     *r
@@ -183,8 +185,8 @@ impl<'a> Unit<'a> {
     fn precondition(&mut self) -> f64 {
         let Self { contact, hardness, residual, .. } = &*self;
         let sum = gfmd_vector::sum(contact.len(), &|range| {
-            let pairs = contact[range.clone()].iter().zip(&residual[range]);
-            pairs.filter(|(p, _)| (**p > 0.0) & (**p < *hardness)).map(|(_, r)| f64::from(*r)).sum()
+            let touching = range.filter(|i| (contact[*i] > 0.0) & (contact[*i] < hardness.at(*i)));
+            touching.map(|i| f64::from(residual[i])).sum()
         });
         let level = sum / self.count;
         self.press(level as f32);
@@ -207,20 +209,22 @@ impl<'a> Unit<'a> {
         let (n, unit) = (contact.len() as f64, dual.unit());
         // Rounding errors have changed the sum.
         let mean = 1.0 + total(variation) / n;
-        let pressure = |p: f64, variation: f32| {
-            if (p > 0.0) & (p < *hardness) { (n / *count + f64::from(variation)) / mean } else { 0.0 }
+        let pressure = |p: f64, variation: f32, hardness: f64| {
+            if (p > 0.0) & (p < hardness) { (n / *count + f64::from(variation)) / mean } else { 0.0 }
         };
-        let source = |(contact, variation): (&[f64], &[f32]), row: &mut [f64]| {
-            let all = row.iter_mut().zip(contact.iter().zip(variation));
-            all.for_each(|(q, (p, v))| *q = pressure(*p, *v));
+        let source = |(contact, variation, hardness): (&[f64], &[f32], Ceiling), row: &mut [f64]| {
+            let all = row.iter_mut().zip(contact.iter().zip(variation)).enumerate();
+            all.for_each(|(i, (q, (p, v)))| *q = pressure(*p, *v, hardness.at(i)));
         };
         let mut works = vec![0.0; contact.len() / dual.stretch()];
-        let sink = |row: &mut [f64], (contact, variation, residual): (&[f64], &[f32], &mut [f32])| {
+        type Parts<'a> = (&'a [f64], &'a [f32], &'a mut [f32], Ceiling<'a>);
+        let sink = |row: &mut [f64], (contact, variation, residual, hardness): Parts| {
             residual.iter_mut().zip(&*row).for_each(|(r, u)| *r = (u / unit) as f32);
-            row.iter().zip(contact.iter().zip(variation)).map(|(u, (p, v))| u * pressure(*p, *v)).sum::<f64>()
+            let all = row.iter().zip(contact.iter().zip(variation)).enumerate();
+            all.map(|(i, (u, (p, v)))| u * pressure(*p, *v, hardness.at(i))).sum::<f64>()
         };
-        let output = (*contact, &variation[..], &mut residual[..]);
-        dual.displace(((*contact, &variation[..]), source), (output, sink), &mut works);
+        let output = (*contact, &variation[..], &mut residual[..], *hardness);
+        dual.displace(((*contact, &variation[..], *hardness), source), (output, sink), &mut works);
         works.iter().sum()
     }
 

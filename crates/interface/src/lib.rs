@@ -4,7 +4,8 @@
 //!   rest the elastic traction balances that of law and wall. If there are several such states, the solver finds a stable
 //!   one by lowering the energy from the state of the start.
 //! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
-//! - [`Path`]: either of these contacts along a path of drives, with the energy lost in each step.
+//! - [`PlasticContact`]: a hard wall with a hardness, whose plastic depth stays.
+//! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
 //!
 //! An adhesive wave, pressed on a half-space and pulled off:
 //!
@@ -42,6 +43,7 @@ mod kept;
 mod newton;
 mod numbers;
 mod path;
+mod plastic;
 mod problem;
 mod resumable;
 mod solve;
@@ -50,5 +52,6 @@ mod state;
 pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
 pub use kept::Kept;
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
+pub use plastic::{PlasticContact, PlasticState};
 pub use problem::{Interface, Trapping};
 pub use state::{Residual, State};

@@ -2,6 +2,7 @@
 //! indenter; `modulus` is the contact modulus E* (stress).
 
 mod asperities;
+mod elastoplastic;
 mod persson;
 mod quadrature;
 #[cfg(test)]
@@ -10,6 +11,7 @@ mod tests;
 use std::f64::consts::{PI, SQRT_2};
 
 pub use asperities::{Asperities, AsperityContact, AsperityTheory};
+pub use elastoplastic::ElastoplasticArea;
 pub use persson::{ENERGY_FACTOR, Persson};
 
 /// The κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).

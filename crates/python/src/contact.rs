@@ -8,7 +8,7 @@ use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::memory::Held;
-use gfmd_contact::{Boundary, Budget, Load, Progress, Refusal, Solver};
+use gfmd_contact::{Boundary, Budget, Hardness, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_interface::Kept;
@@ -54,6 +54,22 @@ pub(crate) struct Problem {
     unit_pressure: f64,
 }
 
+/// A hardness, one or that of each point.
+#[derive(FromPyObject)]
+enum Given<'py> {
+    Number(f64),
+    Field(PyReadonlyArray2<'py, f64>),
+}
+
+impl From<Given<'_>> for Hardness {
+    fn from(given: Given<'_>) -> Self {
+        match given {
+            Given::Number(hardness) => Self::Uniform(hardness),
+            Given::Field(field) => Self::Field(field.as_array().to_owned()),
+        }
+    }
+}
+
 /// A load at rest, to start the next one from.
 #[pyclass(frozen, module = "gfmd._gfmd")]
 pub(crate) struct State {
@@ -74,7 +90,7 @@ impl Problem {
         lengths: [f64; 2],
         body: Vec<String>,
         law: (String, Vec<(String, f64)>),
-        hardness: Option<f64>,
+        hardness: Option<Given<'_>>,
         boundary: &str,
         components: &str,
         solver: &str,
@@ -87,8 +103,9 @@ impl Problem {
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
+        let hardness = hardness.map(Hardness::from);
         let (made, raised) = run(py, threads, None, |_| {
-            Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness), unknown, solver)
+            Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness.as_ref()), unknown, solver)
         })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
@@ -187,7 +204,7 @@ impl Problem {
         heights: &ArrayRef2<f64>,
         grid: Grid,
         (body, boundary): (&Body, Boundary),
-        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
+        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<&Hardness>),
         unknown: Unknown,
         solver: Solver,
     ) -> Result<Self, Failure> {
@@ -195,7 +212,7 @@ impl Problem {
             return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
         }
         if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
-            return Err(Failure::value("hardness", hardness, "absent with a law"));
+            return Err(Failure::value("hardness", hardness.mean(), "absent with a law"));
         }
         let held = match (kind, boundary) {
             _ if unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
@@ -212,7 +229,7 @@ impl Problem {
         };
         let refuse = |error: Refusal| match error {
             Refusal::Solver { .. } => Failure::input("solver", error),
-            Refusal::Hardness { .. } => Failure::input("hardness", error),
+            Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => Failure::input("hardness", error),
             Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };

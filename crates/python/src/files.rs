@@ -7,7 +7,7 @@ use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recording};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
-use gfmd_contact::Boundary;
+use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
 use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
@@ -22,14 +22,16 @@ use crate::worker::quick;
 /// components also u_x and u_y.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
-/// Writes contacts of one surface. `surface` is heights, lengths, unit, description.
+/// Writes contacts of one surface. `surface` is heights, lengths, unit, description; `hardness` is given if it is a field.
 #[pyfunction]
+#[pyo3(signature = (path, surface, loads, config, hardness=None))]
 pub(crate) fn save(
     py: Python<'_>,
     path: &str,
     surface: (PyReadonlyArray2<'_, f64>, [f64; 2], Option<String>, String),
     loads: Vec<Load<'_>>,
     config: String,
+    hardness: Option<PyReadonlyArray2<'_, f64>>,
 ) -> PyResult<()> {
     let (heights, lengths, unit, description) = surface;
     let heights = heights.as_array().to_owned();
@@ -43,9 +45,11 @@ pub(crate) fn save(
     }
     let is_free = records.iter().any(|record| record.force.is_some());
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
+    let hardness = hardness.map(|field| Hardness::Field(field.as_array().to_owned()));
     let written = quick(py, || {
         let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let surface = Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None };
+        let surface =
+            Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None, second: None };
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
@@ -56,6 +60,7 @@ pub(crate) fn save(
         let recording = Recording { is_plastic, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
+        file.write_hardness(hardness.as_ref(), &surface)?;
         for (index, fields) in fields.iter().enumerate() {
             file.write_fields(index, fields.iter().map(|field| field.view().into()))?;
         }

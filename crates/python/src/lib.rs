@@ -21,7 +21,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::files::{json_to_toml, read_array, read_text, save, toml_to_json};
     #[pymodule_export]
-    use crate::surface::{detrend, fill, periodise, read, self_affine, statistics};
+    use crate::surface::{composite, detrend, fill, periodise, read, self_affine, statistics};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -7,8 +7,8 @@ use gfmd_cli::contact::Unknown;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
 use gfmd_contact::{
-    Boundary, Budget, Contact, Equilibrium, Fields, FullContact, FullSolution, Load, Refusal, Solution, SolveError,
-    Solver, Watch,
+    Boundary, Budget, Contact, Equilibrium, Fields, FullContact, FullSolution, Hardness, Load, Refusal, Solution,
+    SolveError, Solver, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::Body;
@@ -95,7 +95,7 @@ impl Loads {
     pub(crate) fn new(
         (grid, body, boundary): (Grid, &Body, Boundary),
         heights: &ArrayRef2<f64>,
-        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<f64>),
+        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<&Hardness>),
         unknown: Unknown,
         solver: Solver,
     ) -> Result<Self, Refusal> {
@@ -109,7 +109,7 @@ impl Loads {
                 Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
             };
             let contact = match hardness {
-                Some(hardness) => contact.with_hardness(hardness)?,
+                Some(hardness) => contact.with_hardness(hardness.clone())?,
                 None => contact,
             };
             let allowed = contact.solvers();

@@ -2,7 +2,9 @@
 
 use gfmd_cli::generator::{GeneratorArgs, Method};
 use gfmd_cli::json;
+use gfmd_cli::source::composed;
 use gfmd_cli::surface::{Report, whole_band};
+use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::Topography;
 use gfmd_surface::{Fill, PowerSpectrum, Statistics};
@@ -124,6 +126,25 @@ pub(crate) fn periodise<'py>(
     let grid = grid(py, heights.dim().into(), lengths)?;
     let made = quick(py, || gfmd_surface::periodise(&heights, &grid, way))?;
     let (heights, grid) = made.map_err(|error| refused(py, &error))?;
+    Ok((heights.into_pyarray(py), grid.lengths()))
+}
+
+/// The composite heights of two surfaces, the second moved by `shift`, and the lengths of their cell; the part in common of
+/// surfaces that do not repeat.
+#[pyfunction]
+pub(crate) fn composite<'py>(
+    py: Python<'py>,
+    first: PyReadonlyArray2<'py, f64>,
+    second: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    shift: [f64; 2],
+    boundary: &str,
+) -> PyResult<(Array<'py>, [f64; 2])> {
+    let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
+    let [first, second] = [first, second].map(|heights| heights.as_array().to_owned());
+    let grid = grid(py, first.dim().into(), lengths)?;
+    let made = quick(py, || composed(&first, &second, &grid, (shift, boundary)))?;
+    let (heights, grid) = made.map_err(|error| refused(py, &format!("shift: {error}")))?;
     Ok((heights.into_pyarray(py), grid.lengths()))
 }
 

@@ -1,7 +1,7 @@
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
 use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Minimum};
-use crate::{Ending, RelaxError, Target, Visit, Watch, Why};
+use crate::{Ending, RelaxError, Target, Upper, Visit, Watch, Why};
 
 /// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables that form two halves of one vector, for
 /// [`PairedCg`]. A is symmetric and positive semi-definite, and has a preconditioner.
@@ -67,7 +67,7 @@ impl PairedCg {
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
         let &Target { mean, gradient_scale, budget } = target;
-        target.check_between(x, problem.linear().len(), f64::INFINITY)?;
+        target.check_between(x, problem.linear().len(), &Upper::All(f64::INFINITY))?;
         let even = x.len().is_multiple_of(2);
         RelaxError::check_parameter("the number of variables", x.len() as f64, even, "even")?;
         let mut search = Search::new(x.len(), mean.map_or(Means::Equal, Means::Both));

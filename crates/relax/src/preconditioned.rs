@@ -1,8 +1,8 @@
 use gfmd_vector::Split;
 
-use crate::Visit;
+use crate::{Upper, Visit};
 
-/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of variables between zero and an upper bound, for
+/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of variables between zero and upper bounds, for
 /// [`PreconditionedCg`](crate::PreconditionedCg). A is symmetric and positive (semi-)definite, and has a preconditioner.
 ///
 /// Steps and gradients are numbers of single precision, in units of their own: steps in U, gradients in U times
@@ -12,9 +12,9 @@ pub trait Preconditioned {
     /// The number of variables.
     fn length(&self) -> usize;
 
-    /// The largest value of every variable, infinite by default.
-    fn upper(&self) -> f64 {
-        f64::INFINITY
+    /// The largest values of the variables, infinite by default.
+    fn upper(&self) -> Upper {
+        Upper::All(f64::INFINITY)
     }
 
     /// The number of variables in a stretch; it divides the number of variables.

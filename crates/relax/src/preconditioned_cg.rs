@@ -6,7 +6,7 @@ use path::{Path, Start};
 use sums::{BLOCK, Sums, View, active_blocks, is_idle, lane_sums};
 
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale};
-use crate::{Ending, Preconditioned, RelaxError, Visit, Watch, Why};
+use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
 
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
 /// ([`Preconditioned`]). An iteration takes one image and one preconditioning.
@@ -63,8 +63,8 @@ impl PreconditionedCg {
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
         let upper = problem.upper();
-        target.check_between(x, problem.length(), upper)?;
-        begin(x, target.mean, upper);
+        target.check_between(x, problem.length(), &upper)?;
+        begin(x, target.mean, &upper);
         let mut search = Search::new(problem, target);
         search.refresh(problem, x);
         if let Some(kept) = watch.recall() {
@@ -97,7 +97,7 @@ impl PreconditionedCg {
 struct Search {
     /// The units of gradients and of steps.
     units: [f64; 2],
-    upper: f64,
+    upper: Upper,
     /// The gradient less a level, and that level: the multiplier at the last refresh.
     gradient: Vec<f32>,
     level: f64,
@@ -163,23 +163,24 @@ impl Search {
         self.level = self.multiplier;
         self.is_fresh = true;
         let view = self.view();
-        let Self { gradient, last_step, parts, .. } = self;
-        let sink = |row: &[f64], (gradient, x, step): (&mut [f32], &[f64], &[f32])| {
+        let Self { upper, gradient, last_step, parts, .. } = self;
+        let sink = |row: &[f64], (gradient, x, step, upper): (&mut [f32], &[f64], &[f32], Ceiling)| {
             pass(
-                (gradient, row, x, step),
-                &|_, (gradient, row, x, step)| {
+                (gradient, row, x, step, upper),
+                &|_, (gradient, row, x, step, upper)| {
                     let mut sums = Sums::EMPTY;
-                    for (g, ((row, x), s)) in gradient.iter_mut().zip(row.iter().zip(x).zip(step)) {
+                    let all = gradient.iter_mut().zip(row.iter().zip(x).zip(step)).enumerate();
+                    for (i, (g, ((row, x), s))) in all {
                         let own = row - view.level;
                         *g = (own / view.gradient) as f32;
-                        sums.see(*x, own, view.step(*s), view.upper);
+                        sums.see(*x, own, view.step(*s), upper.at(i));
                     }
                     sums
                 },
                 &Sums::merge,
             )
         };
-        problem.gradient(x, (&mut gradient[..], x, &last_step[..]), sink, parts);
+        problem.gradient(x, (&mut gradient[..], x, &last_step[..], upper.ceiling()), sink, parts);
         self.sums = Sums::all(parts);
     }
 
@@ -238,33 +239,35 @@ impl Search {
     fn view(&self) -> View {
         let [gradient, step] = self.units;
         let offset = (self.multiplier - self.level) / gradient;
-        View { gradient, step, offset, level: self.level, upper: self.upper }
+        View { gradient, step, offset, level: self.level }
     }
 
     /// x ← the end of the path; the gradient there follows from the image of the step.
     fn advance<P: Preconditioned>(&mut self, problem: &mut P, x: &mut [f64], path: &Path) {
         let view = self.view();
-        let Self { gradient, direction, image, parts, .. } = self;
-        problem.image((&mut x[..], &mut direction[..]), |(x, z), row| {
-            for ((x, z), row) in x.iter_mut().zip(z).zip(row) {
-                let end = path.factor * path.end(*x, *z);
+        let Self { upper, gradient, direction, image, parts, .. } = self;
+        let upper = upper.ceiling();
+        problem.image((&mut x[..], &mut direction[..], upper), |(x, z, upper), row| {
+            for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
+                let end = path.factor * path.end(*x, *z, upper.at(i));
                 *z = ((end - *x) / view.step) as f32;
                 *x = end;
                 *row = *z;
             }
         });
-        let sink = |row: &[f32], (gradient, image, x, step): (&mut [f32], &mut [f32], &[f64], &[f32])| {
+        type Parts<'a> = (&'a mut [f32], &'a mut [f32], &'a [f64], &'a [f32], Ceiling<'a>);
+        let sink = |row: &[f32], (gradient, image, x, step, upper): Parts| {
             pass(
-                (gradient, image, row, x, step),
-                &|_, (gradient, image, row, x, step)| {
+                (gradient, (image, row), x, step, upper),
+                &|_, (gradient, (image, row), x, step, upper)| {
                     image.copy_from_slice(row);
                     gradient.iter_mut().zip(row).for_each(|(g, y)| *g += y);
-                    view.measure(gradient, x, step)
+                    view.measure(gradient, x, step, upper)
                 },
                 &Sums::merge,
             )
         };
-        problem.collect((&mut gradient[..], &mut image[..], &*x, &direction[..]), sink, parts);
+        problem.collect((&mut gradient[..], &mut image[..], &*x, &direction[..], upper), sink, parts);
         self.sums = Sums::all(parts);
         self.is_fresh = false;
         std::mem::swap(&mut self.direction, &mut self.last_step);
@@ -274,20 +277,21 @@ impl Search {
     fn step_back(&mut self, x: &mut [f64], part: f64, mean: Option<f64>) {
         let view = self.view();
         let rest = 1.0 - part;
-        let Self { gradient, last_step, image, .. } = self;
+        let Self { upper, gradient, last_step, image, .. } = self;
+        let upper = upper.ceiling();
         self.sums = pass(
-            (&mut x[..], &mut gradient[..], &image[..], &last_step[..]),
-            &|_, (x, gradient, image, step)| {
+            (&mut x[..], &mut gradient[..], &image[..], &last_step[..], upper),
+            &|_, (x, gradient, image, step, upper)| {
                 let back = rest as f32;
                 gradient.iter_mut().zip(image).for_each(|(g, y)| *g -= back * y);
-                for (x, s) in x.iter_mut().zip(step).filter(|(_, s)| **s != 0.0) {
-                    *x = (*x - rest * view.step(*s)).max(0.0).min(view.upper);
+                for (i, (x, s)) in x.iter_mut().zip(step).enumerate().filter(|(_, (_, s))| **s != 0.0) {
+                    *x = (*x - rest * view.step(*s)).max(0.0).min(upper.at(i));
                 }
-                view.measure(gradient, x, step)
+                view.measure(gradient, x, step, upper)
             },
             &Sums::merge,
         );
-        keep_mean(x, mean, view.upper);
+        keep_mean(x, mean, upper);
     }
 
     /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
@@ -341,27 +345,28 @@ impl Search {
     /// z ← g − λ on the free variables, with zero mean if the mean is prescribed; zero elsewhere. Returns ⟨z, z⟩.
     fn steepest(&mut self, x: &[f64], constrained: bool) -> f64 {
         let view = self.view();
-        let is_free = |x: f64, g: f64| if x >= view.upper && x.is_finite() { g > 0.0 } else { x > 0.0 || g < 0.0 };
-        let Self { gradient, direction, .. } = self;
-        let gradient = &gradient[..];
+        let is_free =
+            |x: f64, g: f64, upper: f64| if x >= upper && x.is_finite() { g > 0.0 } else { x > 0.0 || g < 0.0 };
+        let Self { upper, gradient, direction, .. } = self;
+        let (gradient, upper) = (&gradient[..], upper.ceiling());
         let own = |g: f32| f64::from(g) - view.offset;
         let [sum, count] = reduce(
             x.len(),
             &|range| {
-                let all = x[range.clone()].iter().zip(&gradient[range]).map(|(x, g)| (x, own(*g)));
-                let free = all.filter(|(x, g)| is_free(**x, *g));
+                let all = range.map(|i| (i, own(gradient[i])));
+                let free = all.filter(|(i, g)| is_free(x[*i], *g, upper.at(*i)));
                 free.fold([0.0; 2], |sums, (_, g)| add(sums, [g, 1.0]))
             },
             &add,
         );
         let mean = if constrained { sum / count } else { 0.0 };
         pass(
-            (&mut direction[..], x, gradient),
-            &|_, (z, x, gradient)| {
+            (&mut direction[..], x, gradient, upper),
+            &|_, (z, x, gradient, upper)| {
                 let mut squares = 0.0;
-                for ((z, x), g) in z.iter_mut().zip(x).zip(gradient) {
+                for (i, ((z, x), g)) in z.iter_mut().zip(x).zip(gradient).enumerate() {
                     let g = own(*g);
-                    *z = if is_free(*x, g) { (g - mean) as f32 } else { 0.0 };
+                    *z = if is_free(*x, g, upper.at(i)) { (g - mean) as f32 } else { 0.0 };
                     squares += f64::from(*z) * f64::from(*z);
                 }
                 squares
@@ -371,32 +376,52 @@ impl Search {
     }
 
     fn downhill(&self, x: &[f64], length: f64, mean: Option<f64>) -> Option<Path> {
-        let Self { direction, gradient, active, .. } = self;
-        Start { x, direction, gradient, active, view: self.view() }.downhill(length, mean)
+        let Self { upper, direction, gradient, active, .. } = self;
+        let upper = upper.ceiling();
+        Start { x, direction, gradient, active, view: self.view(), upper }.downhill(length, mean)
     }
 }
 
 /// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding errors.
-fn keep_mean(x: &mut [f64], mean: Option<f64>, upper: f64) {
+fn keep_mean(x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     let Some(mean) = mean else { return };
     let [inside, at_bound] = reduce(
         x.len(),
-        &|range| x[range].iter().fold([0.0; 2], |sums, x| add(sums, if *x < upper { [*x, 0.0] } else { [0.0, *x] })),
+        &|range| {
+            let each = range.map(|i| if x[i] < upper.at(i) { [x[i], 0.0] } else { [0.0, x[i]] });
+            each.fold([0.0; 2], add)
+        },
         &add,
     );
     let factor = (mean * x.len() as f64 - at_bound) / inside;
     if factor > 0.0 && factor.is_finite() {
-        for_each(x, &|_, x| x.iter_mut().for_each(|x| *x = if *x < upper { (factor * *x).min(upper) } else { *x }));
+        for_each((x, upper), &|_, (x, upper)| {
+            for (i, x) in x.iter_mut().enumerate() {
+                *x = if *x < upper.at(i) { (factor * *x).min(upper.at(i)) } else { *x };
+            }
+        });
     }
 }
 
-/// Brings the start to the prescribed mean, between zero and the upper bound.
-fn begin(x: &mut [f64], mean: Option<f64>, upper: f64) {
+/// Brings the start to the prescribed mean, between zero and the upper bounds: as far as they allow from the bounds scaled to
+/// that mean.
+fn begin(x: &mut [f64], mean: Option<f64>, upper: &Upper) {
     rescale(x, total(x), mean);
-    let Some(mean) = mean.filter(|_| upper.is_finite()) else { return };
-    let highest = x.iter().copied().fold(0.0, f64::max);
-    if highest > upper {
-        let part = (upper - mean) / (highest - mean);
-        for_each([x], &|_, [x]| x.iter_mut().for_each(|x| *x = (mean + part * (*x - mean)).clamp(0.0, upper)));
+    let Some(mean) = mean.filter(|_| upper.ceiling().is_finite()) else { return };
+    let share = mean / upper.mean();
+    let base = |bound: f64| if let Upper::All(_) = upper { mean } else { share * bound };
+    let ceiling = upper.ceiling();
+    let allowed = |(i, x): (usize, &f64)| {
+        let bound = ceiling.at(i);
+        if *x > bound { (bound - base(bound)) / (*x - base(bound)) } else { 1.0 }
+    };
+    let part = x.iter().enumerate().map(allowed).fold(1.0, f64::min);
+    if part < 1.0 {
+        for_each((x, ceiling), &|_, (x, ceiling)| {
+            for (i, x) in x.iter_mut().enumerate() {
+                let base = base(ceiling.at(i));
+                *x = (base + part * (*x - base)).clamp(0.0, ceiling.at(i));
+            }
+        });
     }
 }

@@ -1,6 +1,6 @@
 use gfmd_vector::{for_each, pass};
 
-use crate::{Budget, Divergence, Ending, Progress, RelaxError, Visit, Watch, Why, worst};
+use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
 /// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
 /// conjugate-gradient methods. A is symmetric and positive (semi-)definite, and only its action is needed.
@@ -72,13 +72,18 @@ pub struct Minimum {
 impl Target {
     /// As [`check_between`](Self::check_between), for methods without an upper bound.
     pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
-        self.check_between(x, problem.linear().len(), f64::INFINITY)
+        self.check_between(x, problem.linear().len(), &Upper::All(f64::INFINITY))
     }
 
     /// Checks the start of a problem with so many variables.
-    pub(crate) fn check_between(&self, x: &[f64], variables: usize, upper: f64) -> Result<(), RelaxError> {
+    pub(crate) fn check_between(&self, x: &[f64], variables: usize, upper: &Upper) -> Result<(), RelaxError> {
         RelaxError::check_length("variables", x.len(), variables)?;
-        if let Some(index) = x.iter().position(|x| !(x.is_finite() && *x >= 0.0 && *x <= upper)) {
+        if let Upper::Each(bounds) = upper {
+            RelaxError::check_length("upper bounds", bounds.len(), variables)?;
+        }
+        let ceiling = upper.ceiling();
+        let outside = |(i, x): (usize, &f64)| !(x.is_finite() && *x >= 0.0 && *x <= ceiling.at(i));
+        if let Some(index) = x.iter().enumerate().position(outside) {
             return Err(RelaxError::Start { index, found: x[index] });
         }
         let positive = |name, found: f64| {
@@ -87,7 +92,7 @@ impl Target {
         positive("the gradient scale", self.gradient_scale)?;
         let Some(mean) = self.mean else { return Ok(()) };
         positive("the prescribed mean", mean)?;
-        RelaxError::check_parameter("the prescribed mean", mean, mean < upper, "less than the upper bound")?;
+        RelaxError::check_parameter("the prescribed mean", mean, mean < upper.mean(), "less than the upper bound")?;
         if x.iter().all(|x| *x == 0.0) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 

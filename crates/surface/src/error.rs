@@ -136,6 +136,29 @@ pub enum SurfaceError {
         /// Number of different wavenumbers in the range that carry power.
         found: usize,
     },
+    /// A shift of one surface against another that is no number, or goes across a profile.
+    #[error("the shift is {found:?}; it must be two finite numbers, the second 0 for a profile")]
+    Shift {
+        /// The shift along x and y, length.
+        found: [f64; 2],
+    },
+    /// A shift with a part of a grid step, of a surface that does not repeat.
+    #[error(
+        "the shift is {found:?} grid steps; it must be whole steps for surfaces that do not repeat, since nothing is known \
+         between their points"
+    )]
+    PartOfStep {
+        /// The shift along x and y, in grid steps.
+        found: [f64; 2],
+    },
+    /// A shift by which two surfaces that do not repeat have hardly a point in common.
+    #[error("the shift is {found:?}; it must leave at least two points in common along each side of {lengths:?}")]
+    Apart {
+        /// The shift along x and y, length.
+        found: [f64; 2],
+        /// The sides of the surfaces.
+        lengths: [f64; 2],
+    },
     /// A taper that is not a fraction.
     #[error("the taper of the window is {0}; it must be between 0 and 1")]
     Taper(f64),

@@ -8,6 +8,7 @@
 //! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
 //! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
+//! | two rough surfaces that face each other            | [`composite`]                                |
 //! | points of a scan without a height                  | [`remove_from_defined`], [`fill`]            |
 //! | the spectrum of a scan that is not periodic        | [`window`], then [`PowerSpectrum`]           |
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
@@ -43,6 +44,7 @@ mod real_space;
 mod fill;
 mod missing;
 mod moments;
+mod pair;
 mod power;
 mod preparation;
 mod statistics;
@@ -55,6 +57,7 @@ pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use fill::{Fill, fill};
 pub use moments::{Dimension, Moments};
+pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
 pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, window};
 pub use real_space::{Displaced, RealSpace};

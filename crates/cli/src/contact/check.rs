@@ -12,13 +12,12 @@ use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{Measured, Stored, arrays, through};
 use super::{Args, Prepared, Unknown};
-use crate::base::{BaseArgs, MovedBase, stored_base};
-use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
+use crate::base::MovedBase;
+use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
 use crate::failure::Failure;
 use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
-use crate::lower::{LowerArgs, stored_lower};
 use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
+use crate::source::Surface;
 
 /// The scalars that the fields do not determine: the effort, the way to the state, and the lateral traction that the dynamics left.
 const OF_THE_SOLVE: [&str; 6] =
@@ -32,9 +31,8 @@ pub(crate) fn check(
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_base(reader));
-    flags.extend(stored_lower(reader));
-    flags.extend(words(config, &[&SourceArgs::names()[..], &BaseArgs::NAMES, &LowerArgs::NAMES].concat())?);
+    flags.extend(stored_fields(reader));
+    flags.extend(words(config, &beside_fields(reader))?);
     let args: Args = parsed(&flags)?;
     let prepared = Prepared::new(&args, session)?;
     let Prepared { surface, body, base, lower, law, controls, .. } = &prepared;
@@ -109,11 +107,7 @@ pub(crate) fn check(
             Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
             Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
-        let contact = match args.hardness {
-            Some(hardness) => contact.and_then(|contact| contact.with_hardness(hardness)),
-            None => contact,
-        };
-        let contact = contact.map_err(refuse)?;
+        let contact = prepared.harden(contact.map_err(refuse)?)?;
         for (index, load) in controls.iter().enumerate().take(count) {
             let pressure = file.field("pressure", index)?;
             if solved(&pressure) {

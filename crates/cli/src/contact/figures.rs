@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
-use gfmd_measure::theory::persson_pressure;
+use gfmd_measure::theory::{ElastoplasticArea, persson_pressure};
 use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Series};
 use ndarray::{Array2, ArrayView2};
 
@@ -11,20 +11,29 @@ use super::statistics::patches;
 use super::{Gathered, Report};
 use crate::failure::Failure;
 use crate::figures::{Drawn, area_chart, draw_pressure, field, named, theories};
+use crate::hardness::GivenHardness;
 use crate::source::Surface;
 
-/// Draws `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads of a hard wall.
+/// Draws `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the
+/// pressure in full contact.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
     grid: &Grid,
     pressure: &Array2<f64>,
+    variance: f64,
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = report.unit.as_deref().unwrap_or("length");
     let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
     if report.loads.len() > 1 && report.loads.iter().all(|load| load.law.is_none()) {
         let loads = report.loads.iter().map(|load| [load.p_star, load.area_fraction, load.area_fraction_corrected]);
-        files.extend(area(&loads.collect::<Vec<_>>(), grid.is_line()).save(&named(prefix, "area"))?);
+        let mut chart = area(&loads.collect::<Vec<_>>(), grid.is_line());
+        if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.hardness) {
+            // Without the hardness Persson's line hides below that with it.
+            panel.series.retain(|series| series.label != "Persson");
+            panel.series.extend(plastic(report, *hardness, variance));
+        }
+        files.extend(chart.save(&named(prefix, "area"))?);
     }
     Ok(files)
 }
@@ -38,6 +47,25 @@ pub(super) fn lower(
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = report.unit.as_deref().unwrap_or("length");
     draw_pressure(&named(prefix, "lower-map"), grid, pressure, report.e_star, unit)
+}
+
+/// The points at the hardness, and both areas of Persson's theory with a hardness, against the reduced pressure.
+fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
+    let unit = report.e_star * report.rms_gradient;
+    let loads = || report.loads.iter().map(|load| load.p_star);
+    let (lowest, highest) = (loads().fold(f64::INFINITY, f64::min), loads().fold(0.0, f64::max));
+    let curve = |part: fn(&ElastoplasticArea) -> f64| {
+        let pressures = (0..=80).map(|i| lowest * (highest / lowest).powf(f64::from(i) / 80.0));
+        let areas = pressures.map(move |p| (p, part(&ElastoplasticArea::new(p * unit, variance, hardness))));
+        areas.filter(|(_, area)| *area > 0.0).collect::<Vec<_>>()
+    };
+    let found = report.loads.iter().filter_map(|load| Some(Point::new(load.p_star, load.plastic_fraction?)));
+    let found = found.filter(|point| point.y > 0.0);
+    [
+        Series { mark: Mark::JoinedPoints, ..Series::points("points at the hardness", 2, found.collect()) },
+        Series::line("Persson with the hardness", 3, curve(ElastoplasticArea::total)),
+        Series { mark: Mark::Dashes, ..Series::line("its points at the hardness", 3, curve(|area| area.plastic)) },
+    ]
 }
 
 /// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced

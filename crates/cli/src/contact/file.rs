@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use gfmd_contact::Hardness;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
@@ -16,6 +17,7 @@ use super::threshold::{self, Threshold};
 use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
+use crate::hardness;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::lower;
 use crate::source::Surface;
@@ -185,6 +187,15 @@ impl<'a> ContactFile<'a> {
     pub(super) fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&lower.grid, lower.unit());
         lower::write(lower, &mut self.archive, [&x, &y])
+    }
+
+    /// Writes the field of the hardness, if it is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_hardness(&mut self, hardness: Option<&Hardness>, surface: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&surface.grid, surface.unit());
+        hardness::write(hardness, &mut self.archive, [&x, &y])
     }
 
     /// Writes the fields of one state; a base that moves adds `lift` to the displacement.

@@ -44,9 +44,9 @@ impl fmt::Display for Report {
                 lower.rms_gradient, lower.rms_height
             )?;
         }
-        if let Some(hardness) = self.hardness {
+        if let Some(hardness) = &self.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
-            writeln!(f, "hardness {hardness:.6e}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
+            writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
         writeln!(
             f,

@@ -116,7 +116,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         progress: &Progress,
         last: &mut Option<E::State>,
     ) -> Result<Sample, Failure> {
-        let Self { prepared, contact, args, session } = self;
+        let Self { prepared, contact, args, session, .. } = self;
         let surface = &prepared.surface;
         let load = match prepared.controls.first() {
             Some(Load::Approach(_)) => Load::Approach(asked),

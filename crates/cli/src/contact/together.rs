@@ -14,7 +14,7 @@ impl Args {
     pub(super) fn check_components(&self, body: &Body) -> Result<(), Failure> {
         let Self { components, boundary, law, hardness, base, control, .. } = self;
         let is_moved = base.base_displacement.is_some() || base.base_traction.is_some();
-        let clash = components.clash(law.law, *boundary, *hardness, body).or(match components {
+        let clash = components.clash(law.law, *boundary, hardness.is_some(), body).or(match components {
             Unknown::All | Unknown::Held if is_moved => Some("a base that moves"),
             Unknown::All if !control.displacement.is_empty() => Some("--displacement"),
             _ => None,
@@ -36,7 +36,7 @@ impl Args {
             (
                 hardness.is_some(),
                 "--hardness",
-                hardness.map_or_else(String::new, |hardness| hardness.to_string()),
+                hardness.as_ref().map_or_else(String::new, ToString::to_string),
                 "left out",
             ),
             (
@@ -103,7 +103,7 @@ impl Args {
             () if self.statistics => refuse("--statistics", "given".into(), "left out"),
             () if self.flow => refuse("--flow", "given".into(), "left out"),
             () if self.flow_threshold => refuse("--flow-threshold", "given".into(), "left out"),
-            () => match (&others.second_body, self.hardness) {
+            () => match (&others.second_body, &self.hardness) {
                 (Some(second), _) => refuse("--second-body", second.to_string(), "left out"),
                 (_, Some(hardness)) => refuse("--hardness", hardness.to_string(), "left out"),
                 _ => Ok(()),

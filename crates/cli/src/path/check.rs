@@ -9,15 +9,14 @@ use ndarray::Array2;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::record::{Recorded, SCALARS};
+use super::record::{Recorded, StepRecord, scalars};
 use super::{Action, Args, Prepared};
-use crate::check::{Comparison, flags_again, parsed, stored_surface, words};
+use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::source::SourceArgs;
 
 /// The scalars that follow from the fields of one state alone.
-const OF_THE_STATE: [&str; 10] = [
+const OF_THE_STATE: [&str; 12] = [
     "mean_pressure",
     "p_star",
     "displacement",
@@ -27,6 +26,8 @@ const OF_THE_STATE: [&str; 10] = [
     "mean_gap",
     "elastic_energy",
     "interface_energy",
+    "plastic_fraction",
+    "plastic_volume",
     "residual",
 ];
 
@@ -38,10 +39,11 @@ pub(crate) fn check(
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(words(config, &SourceArgs::names())?);
+    flags.extend(stored_fields(reader));
+    flags.extend(words(config, &beside_fields(reader))?);
     let args: Args = parsed(&flags)?;
     let prepared = Prepared::new(&args, session)?;
-    let columns = SCALARS.iter().map(|scalar| {
+    let columns = scalars(prepared.is_plastic()).map(|scalar| {
         let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
         Ok((scalar.name, values))
     });
@@ -103,6 +105,20 @@ impl StateCheck<'_> {
         let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
         let gap = self.field("gap", waypoint)?;
         match action {
+            Action::Wall(_) => {
+                let pressure = self.field("pressure", waypoint)?;
+                let depth = match self.prepared.is_plastic() {
+                    true => self.field("plastic_depth", waypoint)?,
+                    false => Array2::zeros(pressure.dim()),
+                };
+                let problem = self.prepared.wall(refuse)?;
+                let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
+                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), 0.0);
+                let mut record = state.record(&problem.reading(&state), &Step::default(), args.tol);
+                record.p_star = record.mean_pressure / self.stress();
+                self.scalars(&record, comparison, stored);
+                Ok(())
+            }
             Action::Law(law) if !self.prepared.moves_sideways(args) => {
                 let interface =
                     Interface::new(body, &surface.grid, &surface.heights, Arc::clone(law)).map_err(refuse)?;
@@ -112,14 +128,20 @@ impl StateCheck<'_> {
                 let reading = interface.reading(&state);
                 let mut record = state.record(&reading, &Step::default(), args.tol);
                 record.p_star = reading.mean_pressure / self.stress();
-                for scalar in SCALARS.iter().filter(|scalar| OF_THE_STATE.contains(&scalar.name)) {
-                    let floor = if scalar.name == "residual" { 1e-3 } else { 0.0 };
-                    let path = format!("/path/{}", scalar.name);
-                    comparison.number(&path, stored(scalar.name), (scalar.value)(&record), floor);
-                }
+                self.scalars(&record, comparison, stored);
                 Ok(())
             }
             action => self.tractions(waypoint, &gap, action, comparison, stored),
+        }
+    }
+
+    /// Compares the scalars that follow from a state.
+    fn scalars(&self, record: &StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
+        let of_state = scalars(self.prepared.is_plastic()).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
+        for scalar in of_state {
+            let floor = if scalar.name == "residual" { 1e-3 } else { 0.0 };
+            let path = format!("/path/{}", scalar.name);
+            comparison.number(&path, stored(scalar.name), (scalar.value)(record), floor);
         }
     }
 

@@ -5,17 +5,22 @@ use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 
-use super::record::{Recorded, SCALARS};
+use super::record::{Recorded, scalars};
 use super::{Args, Prepared, StepRecord};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
+use crate::hardness;
 use crate::session::Session;
 
 /// The file of a path: the fields are written waypoint by waypoint, the scalars at the end.
 pub(super) struct PathFile<'a> {
     archive: Archive<'a>,
     shears: &'static [&'static str],
+    is_plastic: bool,
 }
+
+/// The plastic depth, beside the pressure.
+const PLASTIC_DEPTH: &str = "plastic_depth";
 
 impl<'a> PathFile<'a> {
     pub(super) fn create(
@@ -42,22 +47,29 @@ impl<'a> PathFile<'a> {
             ("shear_x", "stress", "shear traction on the elastic surface along x"),
             ("shear_y", "stress", "shear traction on the elastic surface along y"),
         ];
-        for (name, units, long_name) in fields.into_iter().take(2 + shears.len()) {
+        let is_plastic = prepared.is_plastic();
+        let depth = (PLASTIC_DEPTH, unit, "depth by which the surfaces were pressed into each other so far");
+        let fields = fields.into_iter().take(2 + shears.len()).chain(is_plastic.then_some(depth));
+        for (name, units, long_name) in fields {
             archive
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive, shears })
+        hardness::write(prepared.hardness(), &mut archive, [&x, &y])?;
+        Ok(Self { archive, shears, is_plastic })
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
     pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
-        let shears = state.traction().outer_iter().take(self.shears.len());
+        let shears = state.traction().into_iter().flat_map(|traction| traction.outer_iter().take(self.shears.len()));
         let normal = [contiguous(&state.pressure()).into_owned(), contiguous(&state.gap()).into_owned()];
-        normal.into_iter().chain(shears.map(|shear| contiguous(&shear).into_owned())).map(Into::into).collect()
+        let depth = state.plastic_depth().map(|depth| contiguous(depth).into_owned());
+        let shears = shears.map(|shear| contiguous(&shear).into_owned());
+        normal.into_iter().chain(shears).chain(depth).map(Into::into).collect()
     }
 
     pub(super) fn write(&mut self, waypoint: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
-        for (name, field) in ["pressure", "gap"].iter().chain(self.shears).zip(fields) {
+        let depth = self.is_plastic.then_some(&PLASTIC_DEPTH);
+        for (name, field) in ["pressure", "gap"].iter().chain(self.shears).chain(depth).zip(fields) {
             self.archive.write_slab(&format!("/fields/{name}"), waypoint, field)?;
         }
         Ok(())
@@ -70,7 +82,7 @@ impl<'a> PathFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let step = Dimension::index("step", count, "step of the path");
-        for scalar in SCALARS {
+        for scalar in scalars(self.is_plastic) {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
             self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;

@@ -1,8 +1,8 @@
 //! The numbers of one step.
 
 use gfmd_contact::Fields;
-use gfmd_interface::{FrictionState, Reading, State, Step};
-use ndarray::Array3;
+use gfmd_interface::{FrictionState, PlasticState, Reading, State, Step};
+use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -21,6 +21,12 @@ pub struct StepRecord {
     pub mean_gap: f64,
     pub elastic_energy: f64,
     pub interface_energy: Option<f64>,
+    /// With a hardness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plastic_fraction: Option<f64>,
+    /// With a hardness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plastic_volume: Option<f64>,
     pub dissipated: Option<f64>,
     pub dissipated_error: Option<f64>,
     pub passed_instability: bool,
@@ -53,6 +59,8 @@ impl StepRecord {
             mean_gap: f64::NAN,
             elastic_energy: f64::NAN,
             interface_energy: None,
+            plastic_fraction: None,
+            plastic_volume: None,
             dissipated: step.dissipated,
             dissipated_error: step.dissipated_error,
             passed_instability: false,
@@ -72,8 +80,28 @@ impl StepRecord {
 #[serde(untagged)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub enum ResidualRecord {
-    Law { equilibrium: f64, penetration: f64, wall_tension: f64, load: f64 },
-    Friction { complementarity: f64, penetration: f64, load: f64, friction: f64, excess: f64 },
+    Law {
+        equilibrium: f64,
+        penetration: f64,
+        wall_tension: f64,
+        load: f64,
+    },
+    Friction {
+        complementarity: f64,
+        penetration: f64,
+        load: f64,
+        friction: f64,
+        excess: f64,
+    },
+    Wall {
+        complementarity: f64,
+        penetration: f64,
+        negative_pressure: f64,
+        load: f64,
+        /// With a hardness.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        saturation: Option<f64>,
+    },
 }
 
 impl ResidualRecord {
@@ -87,6 +115,10 @@ impl ResidualRecord {
             Self::Friction { complementarity, penetration, load, friction, excess } => {
                 gfmd_relax::worst([complementarity, penetration, load, friction, excess])
             }
+            Self::Wall { complementarity, penetration, negative_pressure, load, saturation } => {
+                let saturation = saturation.unwrap_or(0.0);
+                gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation])
+            }
         }
     }
 }
@@ -96,8 +128,13 @@ pub(super) trait Recorded: Fields {
     /// The numbers of the state and of the step that led to it; the caller adds time and reduced pressure.
     fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
 
-    /// The traction on the elastic surface, component by component.
-    fn traction(&self) -> &Array3<f64>;
+    /// The traction on the elastic surface, component by component, if all components move.
+    fn traction(&self) -> Option<&Array3<f64>>;
+
+    /// The plastic depth so far, if it stays.
+    fn plastic_depth(&self) -> Option<&Array2<f64>> {
+        None
+    }
 }
 
 impl Recorded for State {
@@ -119,8 +156,8 @@ impl Recorded for State {
         }
     }
 
-    fn traction(&self) -> &Array3<f64> {
-        &self.traction
+    fn traction(&self) -> Option<&Array3<f64>> {
+        Some(&self.traction)
     }
 }
 
@@ -141,8 +178,37 @@ impl Recorded for FrictionState {
         }
     }
 
-    fn traction(&self) -> &Array3<f64> {
-        &self.traction
+    fn traction(&self) -> Option<&Array3<f64>> {
+        Some(&self.traction)
+    }
+}
+
+impl Recorded for PlasticState {
+    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+        let gfmd_contact::Residual { complementarity, penetration, negative_pressure, load } = self.solution.residual;
+        let plastic = self.solution.plastic.as_ref();
+        let saturation = plastic.map(|plastic| plastic.saturation);
+        StepRecord {
+            area_fraction: self.summary().area_fraction,
+            mean_gap: self.solution.gap.mean().unwrap_or(f64::NAN),
+            elastic_energy: self.elastic_energy,
+            plastic_fraction: plastic.map(|plastic| plastic.fraction),
+            plastic_volume: plastic.map(|_| self.volume),
+            ..StepRecord::new(
+                reading,
+                step,
+                ResidualRecord::Wall { complementarity, penetration, negative_pressure, load, saturation },
+                tolerance,
+            )
+        }
+    }
+
+    fn traction(&self) -> Option<&Array3<f64>> {
+        None
+    }
+
+    fn plastic_depth(&self) -> Option<&Array2<f64>> {
+        self.solution.plastic.as_ref().map(|_| &self.depth)
     }
 }
 
@@ -163,7 +229,20 @@ const fn scalar(
     Scalar { name, units, long_name, value }
 }
 
-pub(super) const SCALARS: &[Scalar] = &[
+/// The scalars of a file.
+pub(super) fn scalars(is_plastic: bool) -> impl Iterator<Item = &'static Scalar> {
+    SCALARS.iter().chain(PLASTIC.iter().filter(move |_| is_plastic))
+}
+
+/// The scalars of a path with a hardness.
+const PLASTIC: &[Scalar] = &[
+    scalar("plastic_fraction", "1", "points whose pressure is the hardness over all points", |r| {
+        r.plastic_fraction.unwrap_or(f64::NAN)
+    }),
+    scalar("plastic_volume", "length", "mean plastic depth so far", |r| r.plastic_volume.unwrap_or(f64::NAN)),
+];
+
+const SCALARS: &[Scalar] = &[
     scalar("mean_pressure", "stress", "mean pressure over the whole surface; negative if it is pulled", |r| {
         r.mean_pressure
     }),

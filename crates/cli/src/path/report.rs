@@ -8,9 +8,12 @@ use serde::Serialize;
 use super::StepRecord;
 use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
+use crate::hardness::GivenHardness;
+use crate::law::Adhesion;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
+use crate::source::Second;
 
 /// The problem whose path is followed.
 #[derive(Clone, Debug, Serialize)]
@@ -23,6 +26,8 @@ pub struct Head {
     pub surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
     pub rms_gradient: f64,
     pub rms_height: f64,
     pub e_star: f64,
@@ -32,6 +37,13 @@ pub struct Head {
     #[serde(skip)]
     pub body: Option<String>,
     pub law: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
     /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
     pub direction: [f64; 2],
 }
@@ -137,7 +149,7 @@ impl Report {
         }
         let any = |of: fn(&StepRecord) -> Option<f64>| self.steps.iter().any(|step| of(step).is_some());
         let sideways = self.moves_sideways();
-        let columns: [(bool, Column); 11] = [
+        let columns: [(bool, Column); 13] = [
             (true, ("pressure", short(|step| step.mean_pressure))),
             (true, ("approach", short(|step| step.displacement))),
             (sideways, ("lateral", short(|step| self.along(step.lateral)))),
@@ -145,6 +157,8 @@ impl Report {
             (true, ("area", share(|step| step.area_fraction))),
             (any(|step| step.stick_fraction), ("stick", share(|step| step.stick_fraction.unwrap_or(f64::NAN)))),
             (true, ("energy", short(|step| step.elastic_energy + step.interface_energy.unwrap_or(0.0)))),
+            (any(|step| step.plastic_volume), ("plastic", share(|step| step.plastic_fraction.unwrap_or(f64::NAN)))),
+            (any(|step| step.plastic_volume), ("depth", short(|step| step.plastic_volume.unwrap_or(f64::NAN)))),
             (any(|step| step.dissipated), ("dissipated", short(|step| step.dissipated.unwrap_or(f64::NAN)))),
             (any(|step| step.dissipated_error), ("+-", short(|step| step.dissipated_error.unwrap_or(f64::NAN)))),
             (true, ("steps", Box::new(|step| format!("{:>12}", step.iterations)))),
@@ -158,12 +172,16 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Head { n: [nx, ny], length, unit, surface, rms_gradient, rms_height, e_star, law, .. } = &self.head;
         let unit = unit.as_deref().unwrap_or("length units");
+        let kind = if self.head.boundary.is_some() { "differences; free boundaries" } else { "spectral" };
         writeln!(f, "{surface}")?;
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", length[0], length[1])?;
         writeln!(
             f,
-            "rms gradient {rms_gradient:.6} (spectral), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}, law {law}\n"
+            "rms gradient {rms_gradient:.6} ({kind}), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}, law {law}\n"
         )?;
+        if let Some(hardness) = &self.head.hardness {
+            writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
+        }
         if let Some(body) = &self.head.body {
             writeln!(f, "elastic body: {body}\n")?;
         }

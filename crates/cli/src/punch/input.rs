@@ -1,21 +1,15 @@
 //! The points under a punch, the traction beside it and its lateral displacement.
 
 use gfmd_field::Grid;
-use gfmd_files::{npy, split_dataset};
 use gfmd_response::Components;
 use ndarray::{Array2, Array3, ArrayD};
 
-use super::comparison::dataset;
 use super::{Args, ContactName};
+use crate::array;
 use crate::failure::Failure;
 
 fn read(flag: &str, name: &str) -> Result<ArrayD<f64>, Failure> {
-    let found = match split_dataset(name) {
-        Some((_, "")) => Err("it must be FILE.npy or FILE.h5:/dataset".into()),
-        Some((path, name)) => dataset(path, name),
-        None => npy::read(name),
-    };
-    let found = found.map_err(|reason| Failure::input(flag, format!("{name}: {reason}")))?;
+    let found = array::read(name).map_err(|reason| Failure::input(flag, format!("{name}: {reason}")))?;
     match found.iter().find(|value| !value.is_finite()) {
         Some(value) => Err(Failure::input(flag, format!("{name}: a value is {value}; all values must be finite"))),
         None => Ok(found),

@@ -2,7 +2,7 @@
 //! prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
-use gfmd_relax::{Budget, Ending, Paired, PairedCg, RelaxError, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ceiling, Ending, Paired, PairedCg, RelaxError, Target, Visit, Watch};
 use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
 
@@ -170,7 +170,7 @@ impl Extension {
                 } as f32;
             }
         });
-        let known = Known { x: joint_x, gradient: joint, level: 0.0, upper: f64::INFINITY };
+        let known = Known { x: joint_x, gradient: joint, level: 0.0, upper: Ceiling::All(f64::INFINITY) };
         spread(shared, known, self.row, &mut rows[..points]);
         for_each((&mut wave[..], &rows[..points]), &|_, (wave, row)| {
             wave.iter_mut().zip(row).for_each(|(wave, row)| *wave = f64::from(*row));
@@ -184,7 +184,7 @@ impl Extension {
                     *own = if *x > 0.0 || *g < 0.0 { (g / scale - sign * wave) as f32 } else { OUTSIDE };
                 }
             });
-            let known = Known { x, gradient: &own[range.clone()], level: 0.0, upper: f64::INFINITY };
+            let known = Known { x, gradient: &own[range.clone()], level: 0.0, upper: Ceiling::All(f64::INFINITY) };
             spread(&mut self.faces[face], known, self.row, &mut rows[range.clone()]);
             for_each((&mut out[range.clone()], &rows[range], &followed[..]), &|_, (out, row, wave)| {
                 let all = out.iter_mut().zip(row.iter().zip(wave));
@@ -207,7 +207,12 @@ impl Extension {
             for_each((&mut rows[range.clone()], &out[range.clone()]), &|_, (row, out)| {
                 row.iter_mut().zip(out).for_each(|(row, out)| *row = (out / unit) as f32);
             });
-            let known = Known { x: &x[range.clone()], gradient: &own[range.clone()], level: 0.0, upper: f64::INFINITY };
+            let known = Known {
+                x: &x[range.clone()],
+                gradient: &own[range.clone()],
+                level: 0.0,
+                upper: Ceiling::All(f64::INFINITY),
+            };
             faces[face].transpose(known, &mut rows[range.clone()]);
             for_each((&mut wave[..], &out[range.clone()], &rows[range]), &|_, (wave, out, row)| {
                 let all = wave.iter_mut().zip(out.iter().zip(row));
@@ -220,7 +225,7 @@ impl Extension {
         });
         // The bits of the points that keep their values are those of the last extension.
         let mut image = std::mem::take(joint);
-        let known = Known { x: joint_x, gradient: &[], level: 0.0, upper: f64::INFINITY };
+        let known = Known { x: joint_x, gradient: &[], level: 0.0, upper: Ceiling::All(f64::INFINITY) };
         shared.transpose(known, &mut image);
         *joint = image;
         let part = unit * scale;

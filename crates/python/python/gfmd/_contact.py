@@ -100,7 +100,7 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float, str, Optional[float], str]
+    _settings: tuple[str, float, str, Union[float, Array, None], str]
     _state: Any
     _plastic_depth: Optional[Array]
     _lateral: tuple[Array, ...]
@@ -110,7 +110,7 @@ class Contact(Record):
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float, str, Optional[float], str] = ("auto", 1e-8, "periodic", None, "normal"),
+        settings: tuple[str, float, str, Union[float, Array, None], str] = ("auto", 1e-8, "periodic", None, "normal"),
         state: Any = None,
         plastic_depth: Optional[Array] = None,
         lateral: tuple[Array, ...] = (),
@@ -147,8 +147,8 @@ class Contact(Record):
         return self._settings[2]
 
     @property
-    def hardness(self) -> Optional[float]:
-        """The largest pressure of a contact with a hardness, stress."""
+    def hardness(self) -> Union[float, Array, None]:
+        """The largest pressure of a contact with a hardness, stress: a number, or that of each point [x, y]."""
         return self._settings[3]
 
     @property

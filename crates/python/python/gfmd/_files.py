@@ -55,7 +55,7 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         "pressure": [contact["mean_pressure"] for contact in contacts],
         "boundary": first.boundary,
         **({} if first.components == "normal" else {"components": first.components}),
-        **({} if first.hardness is None else {"hardness": first.hardness}),
+        **({} if first.hardness is None else {"hardness": first.hardness if isinstance(first.hardness, float) else "array"}),
         "solver": first._settings[0],
         "tol": first._settings[1],
         "law": law.name,
@@ -67,7 +67,8 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
 
     loads = [(_toml(contact._values), fields_of(contact)) for contact in contacts]
     given = (surface.heights, surface.size, surface.unit, surface.description)
-    _gfmd.save(_check.path("path", name), given, loads, _gfmd.json_to_toml(json.dumps(config)))
+    field = None if first.hardness is None or isinstance(first.hardness, float) else first.hardness
+    _gfmd.save(_check.path("path", name), given, loads, _gfmd.json_to_toml(json.dumps(config)), field)
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
@@ -86,9 +87,10 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    hardness = float(config["hardness"]) if "hardness" in config else None
+    hardness = config.get("hardness")
+    hardness = _check.frozen(_gfmd.read_array(name, "/surface/hardness")) if isinstance(hardness, str) else hardness and float(hardness)
     heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
-    length = config.get("length", [])
+    length = [] if "second_surface" in config else config.get("length", [])
     if len(length) == 2:
         size = (length[0], length[1])
     elif size is not None and len(length) == 1:

@@ -10,6 +10,7 @@ __all__ = [
     "State",
     "VERSION",
     "check_law",
+    "composite",
     "detrend",
     "fill",
     "json_to_toml",
@@ -45,7 +46,7 @@ class Problem:
         lengths: tuple[float, float],
         body: list[str],
         law: tuple[str, list[tuple[str, float]]],
-        hardness: Optional[float],
+        hardness: float | _Array | None,
         boundary: str,
         components: str,
         solver: str,
@@ -79,6 +80,9 @@ def read(name: str, channel: Optional[str] = None) -> tuple[_Array, Optional[tup
 def fill(heights: _Array, lengths: tuple[float, float], how: str) -> _Array: ...
 def detrend(heights: _Array, trend: str) -> _Array: ...
 def periodise(heights: _Array, lengths: tuple[float, float], way: str) -> tuple[_Array, tuple[float, float]]: ...
+def composite(
+    first: _Array, second: _Array, lengths: tuple[float, float], shift: tuple[float, float], boundary: str
+) -> tuple[_Array, tuple[float, float]]: ...
 def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
 def run(words: list[str], threads: int = 0, tick: _Tick = None) -> tuple[str, Optional[tuple[str, str]]]: ...
 def program(words: list[str]) -> int: ...
@@ -87,6 +91,7 @@ def save(
     surface: tuple[_Array, tuple[float, float], Optional[str], str],
     loads: list[tuple[str, list[_Array]]],
     config: str,
+    hardness: Optional[_Array] = None,
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...

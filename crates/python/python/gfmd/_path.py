@@ -11,11 +11,11 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, integer, number, numbers
+from ._check import Array, flag, integer, number, numbers, word
 from ._command import flags
 from ._errors import InputError
 from ._record import Record
-from ._surface import Surface, as_surface
+from ._surface import Surface, as_hardness, as_surface
 
 
 class Path(Record):
@@ -28,6 +28,8 @@ class Path(Record):
             `lowest_curvature`, `extra_solves`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
         pressure, gap: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
         shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
+        plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
+            hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
@@ -46,6 +48,7 @@ class Path(Record):
     gap: Array
     shear_x: Array
     shear_y: Array
+    plastic_depth: Array
     dissipated: Optional[float]
     dissipated_error: Optional[float]
     sliding: list[Record]
@@ -100,7 +103,7 @@ class Path(Record):
         from . import _show
 
         variables = {name: (("step", "axis")[: values.ndim], values) for name, values in self.steps.items()}
-        for name in ("pressure", "gap", "shear_x", "shear_y"):
+        for name in ("pressure", "gap", "shear_x", "shear_y", "plastic_depth"):
             if name in self:
                 variables[name] = (("waypoint", "x", "y"), self[name])
         return _show.needed("xarray", "to_xarray").Dataset(variables, _show.coordinates(self.surface))
@@ -124,6 +127,9 @@ def path(
     law: Law | str | None = None,
     friction: Optional[float] = None,
     shear_strength: Optional[float] = None,
+    hardness: float | npt.ArrayLike | None = None,
+    boundary: str = "periodic",
+    coarse: bool = False,
     steps: int = 20,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -142,6 +148,9 @@ def path(
         law: as of `contact`.
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
         shear_strength: strength of the interface (Tresca), stress, in place of a law.
+        hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
+        boundary: "periodic", or "free" as of `contact`, behind a hard wall.
+        coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, see docs/interface.md.
@@ -177,20 +186,30 @@ def path(
         energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
+        boundary=word("boundary", boundary),
     )
+    words += ["--coarse"] * flag("coarse", coarse)
+    bound = as_hardness(hardness, made)
     if law is not None:
         words += flags(law=given.name)
         words += [f"--param={name}={value!r}" for name, value in given.parameters.items()]
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "path.h5")
+        if isinstance(bound, float):
+            words += flags(hardness=bound)
+        elif bound is not None:
+            np.save(os.path.join(folder, "hardness.npy"), bound)
+            words += flags(hardness=os.path.join(folder, "hardness.npy"))
         words = [*_command.surface_flags(made, folder), *_command.body_flags(elastic), *words, f"--out={file}"]
         values, failure = _command.run("path", words, threads)
-        fields = _command.fields(file, ("pressure", "gap", "shear_x", "shear_y"))
+        fields = _command.fields(file, ("pressure", "gap", "shear_x", "shear_y", "plastic_depth"))
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
+    if bound is not None:
+        told["hardness"] = bound  # not the name of a file that is removed with its folder
     result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), **fields})
     return _command.ended(result, failure)
 

@@ -16,7 +16,7 @@ from ._contact import Contact, Contacts
 from ._errors import InputError, Interrupted, NotConverged
 from ._progress import Progress
 from ._record import Residual, parsed, without_null
-from ._surface import Surface, as_surface
+from ._surface import Surface, as_hardness, as_surface
 
 
 # The surroundings of a surface.
@@ -26,7 +26,7 @@ BOUNDARIES = ("periodic", "free")
 COMPONENTS = ("normal", "all", "held")
 
 # A problem for each surface that is in use.
-_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Optional[float], str], Any]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Surface, tuple[tuple[Body, Law, str, str, Any, str], Any]] = WeakKeyDictionary()
 
 
 class _Setup:
@@ -36,7 +36,7 @@ class _Setup:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
         self.boundary = word("boundary", boundary)
-        self.hardness = None if hardness is None else number("hardness", hardness)
+        self.hardness = as_hardness(hardness, self.surface)
         self.components = word("components", components)
         if self.components not in COMPONENTS:
             raise InputError(f"components is {components!r}; it must be one of {', '.join(map(repr, COMPONENTS))}")
@@ -55,7 +55,8 @@ class _Setup:
 
     def _problem(self) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        asked = (self.body, self.law, self.boundary, self.solver, self.hardness, self.components)
+        bound = self.hardness if self.hardness is None or isinstance(self.hardness, float) else self.hardness.tobytes()
+        asked = (self.body, self.law, self.boundary, self.solver, bound, self.components)
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
             heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
@@ -119,7 +120,7 @@ def contact(
     approach: Optional[float] = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
-    hardness: Optional[float] = None,
+    hardness: float | npt.ArrayLike | None = None,
     components: str = "normal",
     solver: str = "auto",
     tolerance: float = 1e-8,
@@ -138,7 +139,8 @@ def contact(
         boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, pressed by a hard wall; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
-        hardness: largest pressure, stress, of a hard wall; where it is reached the surfaces are pressed into each other.
+        hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it is
+            reached the surfaces are pressed into each other.
         components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and u_y follow
             from the pressure), "all" (all are moved by damped dynamics, under a mean pressure; the same u_z at a higher cost),
             or "held" (u_z, with u_x and u_y held at zero).
@@ -176,7 +178,7 @@ def contacts(
     approach: Any = None,
     boundary: str = "periodic",
     law: Law | str | None = None,
-    hardness: Optional[float] = None,
+    hardness: float | npt.ArrayLike | None = None,
     components: str = "normal",
     solver: str = "auto",
     tolerance: float = 1e-8,

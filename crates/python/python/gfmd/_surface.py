@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any, NamedTuple, Optional, Union
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _check, _gfmd
@@ -256,6 +257,40 @@ class Surface:
         """
         return _surface(-self._heights, self._size, self._unit, self._origin.after("turned over"))
 
+    def against(self, other: Surface | npt.ArrayLike | Any, *, shift: Union[float, tuple[float, float]] = 0.0, boundary: str = "periodic") -> Surface:
+        """Returns the composite of two rough surfaces that face each other: its contact with a smooth body has their gaps.
+
+        Both heights are given at the same places of one plane, each with its peaks towards the other surface. Heights of a
+        scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
+
+        Args:
+            other: the second surface, of the same points and size; an array has the size of this surface.
+            shift: displacement of the second surface, X or (X, Y), length. Parts of a grid step move the interpolation by waves.
+            boundary: "periodic", or "free" for surfaces that do not repeat: the shift is of whole grid steps, and the part in
+                common stays.
+
+        Raises:
+            InputError: other points, another size or unit; a shift that the boundary does not allow.
+
+        Example:
+            >>> other = gfmd.self_affine(n=64, seed=2)
+            >>> pairs = [s.against(other, shift=(x, 0)) for x in (0.0, 0.25, 0.5)]
+            >>> [gfmd.contact(pair, gfmd.Body(), p_star=0.05).converged for pair in pairs]
+            [True, True, True]
+        """
+        second = other if isinstance(other, Surface) else Surface(other, self._size)
+        for name, found, allowed in (("n", second.n, self.n), ("size", second.size, self._size)):
+            if not np.allclose(found[: 1 if self.n[1] == 1 else 2], allowed[: 1 if self.n[1] == 1 else 2], rtol=1e-6, atol=0):
+                raise InputError(f"{name} of the second surface is {found}; it must be {allowed}")
+        if second.unit and self._unit and second.unit != self._unit:
+            raise InputError(f"unit of the second surface is {second.unit!r}; it must be {self._unit!r}")
+        moved = numbers("shift", shift)
+        if len(moved) > 2:
+            raise InputError(f"shift is {shift!r}; it must be X or (X, Y)")
+        by = (moved[0], moved[1] if len(moved) == 2 else 0.0)
+        heights, size = _gfmd.composite(self._heights, second.heights, self._size, by, word("boundary", boundary))
+        return _surface(heights, size, self._unit or second.unit, self._origin.after(f"against {second.description} moved by {by}"))
+
     def plot(self, ax: Any = None) -> Any:
         """Draws a map of the heights, or the profile, with matplotlib. Returns the axes.
 
@@ -320,6 +355,18 @@ def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
 
 def as_surface(value: Any) -> Surface:
     return value if isinstance(value, Surface) else Surface(value)
+
+
+def as_hardness(value: Any, surface: Surface) -> Union[float, Array, None]:
+    """A hardness, one or that of each point."""
+    if value is None or np.ndim(value) == 0:
+        return None if value is None else number("hardness", value)
+    field = np.array(value, dtype=np.float64)
+    if field.ndim == 1 and surface.n[1] == 1:
+        field = field[:, np.newaxis]
+    if field.shape != surface.n:
+        raise InputError(f"hardness has the shape {field.shape}; it must be a number or have the shape {surface.n} of the heights")
+    return frozen(np.ascontiguousarray(field))
 
 
 def self_affine(

@@ -3,6 +3,7 @@
 use gfmd_vector::{add, reduce};
 
 use super::sums::{View, active_blocks, lane_sums};
+use crate::Ceiling;
 
 /// Largest number of times that a step is halved until it begins downhill.
 const HALVINGS: usize = 30;
@@ -20,12 +21,12 @@ pub(super) struct Start<'a> {
     pub(super) gradient: &'a [f32],
     pub(super) active: &'a [bool],
     pub(super) view: View,
+    pub(super) upper: Ceiling<'a>,
 }
 
 /// A point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables, between
 /// the bounds or with z ≠ 0; the others stay.
 pub(super) struct Path {
-    upper: f64,
     pub(super) length: f64,
     /// The length in the unit of steps.
     scale: f64,
@@ -36,12 +37,12 @@ pub(super) struct Path {
 }
 
 impl Path {
-    pub(super) fn end(&self, x: f64, z: f32) -> f64 {
+    pub(super) fn end(&self, x: f64, z: f32, upper: f64) -> f64 {
         // Without branches, which could not be predicted.
         let end = x - self.scale * f64::from(z) - self.mu;
-        let held = (x >= self.upper) & (z == 0.0);
+        let held = (x >= upper) & (z == 0.0);
         let end = if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 };
-        let end = if end < self.upper { end } else { self.upper };
+        let end = if end < upper { end } else { upper };
         if held { x } else { end }
     }
 }
@@ -49,9 +50,9 @@ impl Path {
 impl Start<'_> {
     /// The point of the path at `length`, halved until the step to it begins downhill.
     pub(super) fn downhill(&self, length: f64, mean: Option<f64>) -> Option<Path> {
-        let Self { x, direction: z, gradient, active, view } = *self;
-        let upper = view.upper;
-        let mut path = Path { upper, length, scale: 0.0, mu: 0.0, factor: 1.0, slope: 0.0 };
+        let Self { x, direction: z, gradient, active, view, upper } = *self;
+        let (bounded, highest) = (upper.is_finite(), upper.highest());
+        let mut path = Path { length, scale: 0.0, mu: 0.0, factor: 1.0, slope: 0.0 };
         for _ in 0..HALVINGS {
             path.mu = 0.0;
             path.scale = path.length * view.step;
@@ -61,13 +62,22 @@ impl Start<'_> {
                     x.len(),
                     &|range| {
                         active_blocks(active, range).fold([0.0; 4], |sums, block| {
+                            let ceiling = upper.part(block.clone());
                             let (x, z, gradient) = (&x[block.clone()], &z[block.clone()], &gradient[block]);
-                            let terms = |x: f64, z: f32, g: f32, _| {
-                                let (end, g) = (path.end(x, z), view.own(g));
+                            let terms = |x: f64, z: f32, g: f32, upper: f64| {
+                                let (end, g) = (path.end(x, z, upper), view.own(g));
                                 let moves = if (end > 0.0) & (end < upper) { 1.0 } else { 0.0 };
                                 [end, moves, g * (end - x), g * end]
                             };
-                            add(sums, lane_sums((x, z, gradient, gradient), terms))
+                            add(
+                                sums,
+                                match ceiling {
+                                    Ceiling::All(upper) => {
+                                        lane_sums((x, z, gradient, gradient), |x, z, g, _| terms(x, z, g, upper))
+                                    }
+                                    Ceiling::Each(upper) => lane_sums((x, z, gradient, upper), terms),
+                                },
+                            )
                         })
                     },
                     &add,
@@ -76,10 +86,10 @@ impl Start<'_> {
                 let Some(mean) = mean else { break };
                 let asked = mean * x.len() as f64;
                 let excess = sum - asked;
-                if upper.is_finite() && excess.abs() <= EXACT * asked {
+                if bounded && excess.abs() <= EXACT * asked {
                     break;
                 }
-                if upper == f64::INFINITY && excess.abs() <= MEAN * asked {
+                if !bounded && excess.abs() <= MEAN * asked {
                     path.factor = asked / sum;
                     path.slope += (path.factor - 1.0) * along;
                     break;
@@ -87,11 +97,11 @@ impl Start<'_> {
                 // Newton's method on a convex, piecewise linear function takes a few steps. With two bounds the function
                 // is not convex, and the steps are kept within a bracket.
                 let mut mu = path.mu + excess / positive;
-                if upper.is_finite() {
+                if bounded {
                     bracket[usize::from(excess < 0.0)] = path.mu;
                     let inside = bracket[0] < mu && mu < bracket[1];
                     if !inside {
-                        mu = middle(bracket, path.mu, upper);
+                        mu = middle(bracket, path.mu, highest);
                     }
                 }
                 if !mu.is_finite() || mu == path.mu {
@@ -109,10 +119,10 @@ impl Start<'_> {
 }
 
 /// The middle of a bracket; one that is open on a side is opened further.
-fn middle([low, high]: [f64; 2], mu: f64, upper: f64) -> f64 {
+fn middle([low, high]: [f64; 2], mu: f64, size: f64) -> f64 {
     match (low.is_finite(), high.is_finite()) {
         (true, true) => 0.5 * (low + high),
-        (true, false) => mu + mu.abs().max(upper),
-        _ => mu - mu.abs().max(upper),
+        (true, false) => mu + mu.abs().max(size),
+        _ => mu - mu.abs().max(size),
     }
 }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use gfmd_vector::{add, reduce};
 
-use crate::Visit;
 use crate::quadratic::Optimality;
+use crate::{Ceiling, Visit};
 
 /// Number of variables in a block. Most blocks of a small contact are idle, and are not swept.
 pub(super) const BLOCK: usize = 64;
@@ -125,7 +125,6 @@ pub(super) struct View {
     /// The multiplier less the level, in the unit of gradients.
     pub(super) offset: f64,
     pub(super) level: f64,
-    pub(super) upper: f64,
 }
 
 impl View {
@@ -139,14 +138,16 @@ impl View {
     }
 
     /// The sums over a stretch after a step.
-    pub(super) fn measure(&self, gradient: &[f32], x: &[f64], step: &[f32]) -> Sums {
+    pub(super) fn measure(&self, gradient: &[f32], x: &[f64], step: &[f32], upper: Ceiling) -> Sums {
         let mut sums = Sums::EMPTY;
-        for ((g, x), s) in gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK)) {
+        let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
+        for (block, ((g, x), s)) in blocks.enumerate() {
             if is_idle(x, s) {
                 sums.lowest = lower(sums.lowest, self.own(lowest(g)));
-            } else if self.upper.is_finite() {
-                let all = x.iter().zip(g).zip(s);
-                all.for_each(|((x, g), s)| sums.see(*x, self.own(*g), self.step(*s), self.upper));
+            } else if upper.is_finite() {
+                let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
+                let all = x.iter().zip(g).zip(s).enumerate();
+                all.for_each(|(i, ((x, g), s))| sums.see(*x, self.own(*g), self.step(*s), upper.at(i)));
             } else {
                 sums.lowest = lower(sums.lowest, self.own(lowest(g)));
                 let [x_sum, x_gradient, positive, positive_gradient, slope, clipped] =

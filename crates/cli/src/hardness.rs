@@ -1,0 +1,97 @@
+//! The hardness, from a flag: a number, or a field in a file.
+
+use std::fmt;
+use std::str::FromStr;
+
+use gfmd_contact::Hardness;
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous};
+use ndarray::Ix2;
+use serde::Serialize;
+
+use crate::array;
+use crate::failure::Failure;
+
+/// The flag as it is given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum GivenHardness {
+    /// A stress.
+    Number(f64),
+    /// FILE.npy or FILE.h5:/dataset.
+    File(String),
+}
+
+impl FromStr for GivenHardness {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(text.parse().map_or_else(|_| Self::File(text.into()), Self::Number))
+    }
+}
+
+impl fmt::Display for GivenHardness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(hardness) => write!(f, "{hardness:.6e}"),
+            Self::File(name) => f.write_str(name),
+        }
+    }
+}
+
+const FLAG: &str = "--hardness";
+
+/// The field in a result.
+const STORED: &str = "/surface/hardness";
+
+impl GivenHardness {
+    /// The hardness on the grid of the surface.
+    ///
+    /// # Errors
+    /// A value that is not positive and finite; a file that cannot be read or has another shape.
+    pub(crate) fn read(&self, grid: &Grid) -> Result<Hardness, Failure> {
+        let name = match self {
+            Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
+            Self::Number(hardness) => return Err(Failure::value(FLAG, hardness, "positive and finite")),
+            Self::File(name) => name,
+        };
+        let refuse = |reason: String| Failure::input(FLAG, format!("{name}: {reason}"));
+        let found = array::read(name).map_err(refuse)?;
+        let points = grid.points();
+        let (shape, line) = (found.shape().to_vec(), grid.is_line());
+        if shape != points && !(line && shape == [points[0]]) {
+            let allowed = if line { format!("[{}]", points[0]) } else { format!("{points:?}") };
+            return Err(refuse(format!("the shape is {shape:?}; it must be {allowed} as that of the surface")));
+        }
+        if let Some(bad) = found.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
+            return Err(refuse(format!("a value is {bad}; all values must be positive and finite")));
+        }
+        let field = found.into_shape_with_order(points).map_err(|error| refuse(error.to_string()))?;
+        let field = field.into_dimensionality::<Ix2>().map_err(|error| refuse(error.to_string()))?;
+        Ok(field.into())
+    }
+}
+
+/// The words that name a hardness that is a field among the input of a run; none for others.
+pub(crate) fn identity(hardness: Option<&Hardness>) -> String {
+    match hardness {
+        Some(Hardness::Field(field)) => format!("\nhardness {}", Checksum::of_numbers(field.iter().copied())),
+        _ => String::new(),
+    }
+}
+
+/// Writes a hardness that is a field beside the surface of a file.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn write(hardness: Option<&Hardness>, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
+    let Some(Hardness::Field(field)) = hardness else { return Ok(()) };
+    let variable =
+        Variable { dimensions: &axes, units: "stress", long_name: "largest pressure that the surfaces carry" };
+    Ok(archive.write(STORED, &variable, &contiguous(field))?)
+}
+
+/// The flag of the hardness that a file has, which reads it from there.
+pub(crate) fn stored_hardness(reader: &Reader) -> Option<String> {
+    reader.contains(STORED).then(|| format!("{FLAG}={}:{STORED}", reader.path().display()))
+}

@@ -1,0 +1,98 @@
+//! An attraction on a surface and a grid in numbers, told before the solve (theory.md, section 8).
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use gfmd_law::Law;
+use serde::Serialize;
+
+use super::LawArgs;
+use crate::failure::Failure;
+use crate::source::Surface;
+
+/// The numbers of an attraction on a surface and a grid.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Adhesion {
+    /// Work of separation w, stress × length.
+    pub work: f64,
+    /// Range ϱ = √(w / steepness), length: that of an exponential attraction of this work and steepness.
+    pub range: f64,
+    /// Width of the process zone at the edge of a contact, (π/4) E* ϱ²/w, length.
+    pub process_zone: f64,
+    /// Process zone over the grid step.
+    pub process_zone_points: f64,
+    /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
+    pub tabor: Option<f64>,
+    /// The criterion of Pastewka and Robbins: below 1 the surfaces stick; `None` of a flat surface.
+    pub pastewka_robbins: Option<f64>,
+}
+
+/// The least width of the process zone in grid steps that is solved without `--coarse`.
+pub(super) const LEAST_POINTS: f64 = 0.1;
+
+/// Grid steps in the process zone that resolve it.
+const RESOLVED: f64 = 2.0;
+
+impl Adhesion {
+    /// The numbers of a law on a surface, on a body of this contact modulus. `None` without an attraction.
+    pub fn of(args: &LawArgs, law: &dyn Law, surface: &Surface, contact_modulus: f64) -> Option<Self> {
+        let named = |name: &str| args.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
+        let work = named("gamma").or_else(|| named("phi_n"))?;
+        let steepness = law.steepness();
+        let range = (work / steepness).sqrt();
+        let process_zone = 0.25 * PI * contact_modulus / steepness;
+        let sides = if surface.grid.is_line() { 1 } else { 2 };
+        let spacing = surface.grid.spacing()[..sides].iter().copied().fold(0.0, f64::max);
+        let moments = &surface.statistics.moments;
+        let (gradient, curvature) = (moments.rms_gradient(), moments.rms_curvature());
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let length = work / contact_modulus;
+        // κ_rep = 2, diameter of a contact 4 h′/h″.
+        let slope = gradient * range / (2.0 * length);
+        let squeezed = (gradient * gradient / (curvature * range)).powf(2.0 / 3.0);
+        Some(Self {
+            work,
+            range,
+            process_zone,
+            process_zone_points: process_zone / spacing,
+            tabor: finite((length * length / (curvature * range.powi(3))).cbrt()),
+            pastewka_robbins: finite(slope * squeezed / (PI * (3.0_f64 / 16.0).powf(2.0 / 3.0))),
+        })
+    }
+
+    /// Tells the numbers, and refuses a grid that is much too coarse unless `coarse`.
+    ///
+    /// # Errors
+    /// A process zone below [`LEAST_POINTS`] grid steps.
+    pub fn tell(&self, coarse: bool) -> Result<(), Failure> {
+        let points = self.process_zone_points;
+        if points < LEAST_POINTS && !coarse {
+            let found = format!("--law: the process zone at the edge of a contact is {points:.1e} grid steps wide");
+            let allowed = "refine the grid, take a longer range, or give --coarse for a contact of single points";
+            return Err(Failure::Input(format!("{found}; it must be at least {LEAST_POINTS}: {allowed}")));
+        }
+        tracing::info!("{self}");
+        Ok(())
+    }
+}
+
+impl fmt::Display for Adhesion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { range, process_zone_points: points, tabor, pastewka_robbins, .. } = *self;
+        let resolved = if points >= RESOLVED { "resolved" } else { "not resolved: 2 or more are" };
+        write!(f, "adhesion: range {range:.3e}; process zone of {points:.2} grid steps ({resolved})")?;
+        if let Some(tabor) = tabor {
+            let limit = match tabor {
+                ..0.1 => "long range, as DMT",
+                5.0.. => "short range, as JKR",
+                _ => "between DMT and JKR",
+            };
+            write!(f, "; Tabor number {tabor:.2} ({limit})")?;
+        }
+        if let Some(found) = pastewka_robbins {
+            let words = if found < 1.0 { "below 1: the surfaces stick" } else { "above 1: they do not stick" };
+            write!(f, "; Pastewka-Robbins {found:.2} ({words})")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,185 @@
+//! A hard wall whose plastic depth stays, along a path.
+
+use gfmd_contact::{
+    Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, Solution, SolveError, Solver, Visit,
+};
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Budget, Watch};
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+
+use crate::path::{Loss, Quasistatic, Reading};
+
+/// A contact with a hard wall whose surfaces keep the shape that their hardness gives them: each state begins at the plastic
+/// depth of the state before (theory.md, section 7.2).
+///
+/// The depth so far is added to the clearance. Where the pressure is the hardness, the depth grows until the gap is closed;
+/// elsewhere it stays. A step thus is implicit: all of its growth takes place under the pressure at its end. Its work is
+/// lost, the mean of hardness times growth. Unloading, and loading again up to the load before, are elastic. Without a
+/// hardness nothing is lost.
+#[derive(Clone, Debug)]
+pub struct PlasticContact {
+    contact: Contact,
+}
+
+/// The state of a [`PlasticContact`].
+#[derive(Clone, Debug)]
+pub struct PlasticState {
+    /// Fields and residuals of the contact of the surface at the start of the step; its plastic part is the growth in the step.
+    pub solution: Solution,
+    /// The plastic depth so far, in length.
+    pub depth: Array2<f64>,
+    /// Mean of `depth` over the whole surface, in length.
+    pub volume: f64,
+    /// Elastic energy per area, in stress × length.
+    pub elastic_energy: f64,
+    /// Energy lost in the step, per area, in stress × length.
+    pub dissipated: f64,
+    /// The depth at the start of the step.
+    before: Array2<f64>,
+}
+
+impl PlasticContact {
+    /// A path of `contact`, whose surfaces are undeformed at its start.
+    pub fn new(contact: Contact) -> Self {
+        Self { contact }
+    }
+
+    /// The contact of the undeformed surfaces.
+    pub fn contact(&self) -> &Contact {
+        &self.contact
+    }
+
+    /// The state of `pressure` under `load` on surfaces with the plastic `depth`, with its residuals from fresh transforms.
+    ///
+    /// # Errors
+    /// Fields of another shape than the grid; a depth that is not finite.
+    pub fn certify(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        depth: &ArrayRef2<f64>,
+        load: Load,
+    ) -> Result<PlasticState, Refusal> {
+        let solution = self.contact.indented(depth)?.certify(pressure, load)?;
+        Ok(PlasticState::new(solution, depth.to_owned()))
+    }
+
+    /// The contact at the start of the step after `state`, and the depth there.
+    fn after(&self, state: Option<&PlasticState>) -> Result<(Contact, Array2<f64>), Refusal> {
+        let depth =
+            state.map_or_else(|| Array2::zeros(self.contact.surface().grid().points()), |state| state.depth.clone());
+        Ok((self.contact.indented(&depth)?, depth))
+    }
+}
+
+impl PlasticState {
+    fn new(solution: Solution, before: Array2<f64>) -> Self {
+        let (depth, dissipated) = match &solution.plastic {
+            Some(plastic) => {
+                // The depth grows where the pressure is the hardness.
+                let works = &solution.pressure * &plastic.depth;
+                (&before + &plastic.depth, works.mean().unwrap_or(0.0))
+            }
+            None => (before.clone(), 0.0),
+        };
+        let volume = depth.mean().unwrap_or(0.0);
+        let elastic_energy = solution.summary_in(&solution.scales()).elastic_energy;
+        Self { solution, depth, volume, elastic_energy, dissipated, before }
+    }
+}
+
+impl Fields for PlasticState {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.solution.pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.solution.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.solution.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.solution.mean_pressure()
+    }
+
+    fn approach(&self) -> f64 {
+        self.solution.approach()
+    }
+
+    fn effort(&self) -> Effort {
+        self.solution.effort()
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.solution.residuals()
+    }
+
+    fn scales(&self) -> Scales {
+        self.solution.scales()
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        self.solution.summary_in(scales)
+    }
+}
+
+impl Equilibrium for PlasticContact {
+    type State = PlasticState;
+
+    fn solvers(&self) -> &'static [Solver] {
+        self.contact.solvers()
+    }
+
+    /// Lateral displacement has no effect without friction.
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        self.contact.check(drive)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        self.contact.check_resolution(drive, tolerance)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&PlasticState>,
+        watch: &mut dyn Watch,
+    ) -> Result<PlasticState, SolveError<PlasticState>> {
+        let (contact, depth) = self.after(start)?;
+        let start = start.map(|state| &state.solution);
+        match contact.equilibrate(drive, solver, budget, start, watch) {
+            Ok(solution) => Ok(PlasticState::new(solution, depth)),
+            Err(error) => Err(error.map(|solution| PlasticState::new(solution, depth))),
+        }
+    }
+}
+
+impl Quasistatic for PlasticContact {
+    fn reading(&self, state: &PlasticState) -> Reading {
+        Reading {
+            mean_pressure: state.solution.mean_pressure,
+            approach: state.solution.approach,
+            mean_shear: [0.0; 2],
+            lateral: [0.0; 2],
+            loss: Loss::Known(state.dissipated),
+        }
+    }
+}
+
+impl Resumable for PlasticContact {
+    fn keep(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
+        state.before.as_slice_mut().into_iter().for_each(|depth| visitor.field(depth));
+        self.contact.keep(&mut state.solution, visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
+        let mut before = Array2::zeros(self.contact.surface().grid().points());
+        before.as_slice_mut().into_iter().for_each(|depth| visitor.field(depth));
+        let solution = self.contact.indented(&before)?.restore(drive, visitor)?;
+        Ok(PlasticState::new(solution, before))
+    }
+}

@@ -1,0 +1,146 @@
+//! Plastic depth that stays: identities of paths behind a hard wall with a hardness.
+
+use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium, Fields, Load, Resumable, Tape};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{Path, PlasticContact, PlasticState, Refinement, Step};
+use ndarray::Array2;
+
+const BUDGET: Budget = Budget { tolerance: 1e-11, max_iterations: 1000 };
+
+fn contact(boundary: Boundary) -> Contact {
+    let grid = Grid::square(32, 1.0).unwrap();
+    let waves = [(1, 0, 0.0, 1.0), (0, 2, 0.3, 0.6), (3, -2, 1.1, 0.4), (4, 5, 2.0, 0.2), (-6, 3, 0.7, 0.1)];
+    let heights = Array2::from_shape_fn((32, 32), |(i, j)| {
+        let height = |(m, n, phase, size): (i32, i32, f64, f64)| {
+            size * (std::f64::consts::TAU * (f64::from(m) * i as f64 + f64::from(n) * j as f64) / 32.0 + phase).cos()
+        };
+        0.006 * waves.map(height).iter().sum::<f64>()
+    });
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+    Contact::bounded(boundary, &body, &grid, &heights).unwrap()
+}
+
+fn plastic(boundary: Boundary, hardness: f64) -> PlasticContact {
+    PlasticContact::new(contact(boundary).with_hardness(hardness).unwrap())
+}
+
+fn follow(contact: &PlasticContact, loads: &[f64]) -> Vec<(PlasticState, Step)> {
+    let mut path = Path::new(contact, BUDGET, Refinement::default());
+    let step = |load: &f64| {
+        let step = path.step(Load::MeanPressure(*load).into(), &mut ()).unwrap();
+        (path.state().unwrap().clone(), step)
+    };
+    loads.iter().map(step).collect()
+}
+
+fn most(a: &Array2<f64>) -> f64 {
+    a.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+#[test]
+fn unloading_is_elastic_and_loading_again_gives_the_state_before() {
+    for boundary in Boundary::ALL {
+        let contact = plastic(boundary, 0.05);
+        let steps = follow(&contact, &[0.005, 0.01, 0.02, 0.01, 0.001, 0.01, 0.02, 0.025]);
+        let [loaded, again] = [2, 6].map(|i| &steps[i].0);
+        assert!(loaded.volume > 0.0 && loaded.solution.plastic.as_ref().unwrap().fraction > 0.1);
+        assert!(most(&(&loaded.solution.pressure - &again.solution.pressure)) < 1e-8, "{boundary}");
+        let height = contact.contact().surface().rms_height();
+        assert!((loaded.solution.approach - again.solution.approach).abs() < 1e-9 * height);
+        for (state, step) in &steps[3..7] {
+            assert!(most(&(&state.depth - &loaded.depth)) < 1e-9 * height, "{boundary}");
+            assert!(step.dissipated.unwrap() < 1e-9 * steps[2].1.dissipated.unwrap(), "{boundary}");
+        }
+        // At one load the contact is larger on the way back: the summits have become flat.
+        let area = |i: usize| steps[i].0.summary().area_fraction;
+        assert!(area(3) > area(1) && area(5) == area(3), "{boundary}: {} {}", area(1), area(3));
+        assert!(steps[7].0.volume > loaded.volume);
+    }
+}
+
+#[test]
+fn the_work_of_the_path_is_stored_or_lost() {
+    // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps of first.
+    let errors = [8, 16, 32].map(|n| {
+        let contact = plastic(Boundary::Periodic, 0.05);
+        let up = (1..=n).map(|i| 0.03 * f64::from(i) / f64::from(n));
+        let down = (1..n).rev().map(|i| 0.03 * f64::from(i) / f64::from(n));
+        let steps = follow(&contact, &up.chain(down).collect::<Vec<_>>());
+        let (mut work, mut last) = (0.0, (0.0, 0.0));
+        for (state, _) in &steps {
+            let now = (state.solution.mean_pressure, state.solution.approach);
+            work += 0.5 * (last.0 + now.0) * (now.1 - last.1);
+            last = now;
+        }
+        let lost: f64 = steps.iter().map(|(_, step)| step.dissipated.unwrap()).sum();
+        let stored = steps.last().unwrap().0.elastic_energy;
+        ((work - stored - lost) / lost).abs()
+    });
+    assert!(errors[2] < 0.02 && errors[1] < 0.7 * errors[0] && errors[2] < 0.7 * errors[1], "{errors:?}");
+}
+
+#[test]
+fn without_a_hardness_nothing_is_lost_and_the_way_does_not_matter() {
+    let free = contact(Boundary::Free);
+    let load = Load::MeanPressure(0.01);
+    let direct = free.press(load).budget(BUDGET).solve().unwrap();
+    let steps = follow(&PlasticContact::new(free), &[0.02, 0.001, 0.01]);
+    let (state, step) = steps.last().unwrap();
+    assert_eq!((step.dissipated, step.dissipated_error, state.volume), (Some(0.0), None, 0.0));
+    assert!(most(&(&state.solution.pressure - &direct.pressure)) < 1e-9);
+}
+
+#[test]
+fn a_state_is_certified_from_its_pressure_and_depth() {
+    let contact = plastic(Boundary::Free, 0.05);
+    let steps = follow(&contact, &[0.01, 0.02, 0.005]);
+    for (state, _) in &steps {
+        let found = contact.certify(&state.solution.pressure, &state.depth, Load::MeanPressure(state.mean_pressure()));
+        let found = found.unwrap();
+        assert!(found.worst() <= 1e-11 && found.dissipated.abs() < 1e-15);
+        assert!(most(&(&found.solution.gap - &state.solution.gap)) < 1e-12);
+        // Another depth is no state at rest.
+        let wrong = &state.depth + 1e-4 * &state.solution.pressure;
+        let wrong = contact.certify(&state.solution.pressure, &wrong, Load::MeanPressure(state.mean_pressure()));
+        assert!(wrong.unwrap().worst() > 1e-6);
+    }
+    let (state, _) = &steps[0];
+    let refused = contact.certify(&state.solution.pressure, &Array2::zeros((2, 2)), Load::MeanPressure(0.01));
+    assert!(refused.is_err());
+}
+
+#[test]
+fn a_path_continues_bit_for_bit() {
+    let contact = plastic(Boundary::Periodic, 0.05);
+    let drives: Vec<Drive> = [0.01, 0.02, 0.005, 0.02].map(|load| Load::MeanPressure(load).into()).into();
+    let whole = follow(&contact, &[0.01, 0.02, 0.005, 0.02]);
+    for after in 0..3 {
+        let mut path = Path::new(&contact, BUDGET, Refinement::default());
+        let mut tape = Tape::default();
+        for drive in &drives[..=after] {
+            path.step(*drive, &mut ()).unwrap();
+        }
+        path.keep(&mut tape);
+        tape.rewind();
+        let mut path = Path::new(&contact, BUDGET, Refinement::default());
+        path.resume(drives[after], &mut tape).unwrap();
+        for (drive, (state, step)) in drives.iter().zip(&whole).skip(after + 1) {
+            let found = path.step(*drive, &mut ()).unwrap();
+            assert_eq!((found, &path.state().unwrap().depth), (*step, &state.depth));
+            assert_eq!(path.state().unwrap().solution, state.solution);
+        }
+    }
+}
+
+#[test]
+fn a_state_is_kept_whole() {
+    let contact = plastic(Boundary::Free, 0.05);
+    let (mut state, _) = follow(&contact, &[0.01, 0.02]).pop().unwrap();
+    let mut tape = Tape::default();
+    contact.keep(&mut state, &mut tape);
+    tape.rewind();
+    let again = contact.restore(Load::MeanPressure(0.02).into(), &mut tape).unwrap();
+    assert_eq!((&again.depth, again.volume, again.dissipated), (&state.depth, state.volume, state.dissipated));
+    assert_eq!(again.solution, state.solution);
+}

@@ -1,0 +1,82 @@
+//! A hardness for each point, on half-spaces and layers, and the plastic depth along a path: dense solutions of small problems.
+
+use gfmd_contact::{Boundary, Budget, Contact, Hardness, Load, Solver};
+use gfmd_field::Grid;
+use gfmd_interface::{Path, PlasticContact, Refinement};
+use ndarray::Array2;
+use serde_json::Value;
+
+use crate::bounded::{compare, numbers, surface};
+use crate::check::Worst;
+use crate::layered::File;
+use crate::{Check, Reference, ValidationError, unit_half_space};
+
+const DENSE: &str = "dense active sets";
+
+pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
+    let file = File(reference.json("plastic_contacts.json")?);
+    let mut checks = Vec::new();
+    for problem in file.rows("problems") {
+        let (_, contact, name) = contact(&file, problem)?;
+        checks.push(compare(&contact, problem, &[Solver::PreconditionedCg], &name, DENSE)?);
+    }
+    for path in file.rows("paths") {
+        checks.push(along(&file, path)?);
+    }
+    Ok(checks)
+}
+
+/// The contact of a problem, its grid and its name.
+fn contact(file: &File, problem: &Value) -> Result<(Grid, Contact, String), ValidationError> {
+    let [rough, body] = ["surface", "body"].map(|key| problem[key].as_str().unwrap_or_default());
+    let (grid, heights) = surface(&file.0["surfaces"][rough])?;
+    let contact = match body.parse::<Boundary>() {
+        Ok(boundary) => Contact::bounded(boundary, &unit_half_space(), &grid, &heights)?,
+        Err(_) => Contact::new(&file.one(body)?, &grid, &heights)?,
+    };
+    let (hardness, kind) = match problem["hardness"].as_f64() {
+        Some(hardness) => (Hardness::Uniform(hardness), "a hardness"),
+        None => (field(&grid, &problem["hardness"])?.into(), "grains"),
+    };
+    Ok((grid, contact.with_hardness(hardness)?, format!("{rough} {body}, {kind}")))
+}
+
+fn field(grid: &Grid, values: &Value) -> Result<Array2<f64>, ValidationError> {
+    let values = numbers(values);
+    Ok(Array2::from_shape_fn(grid.points(), |(i, j)| values.get(i * grid.points()[1] + j).copied().unwrap_or(f64::NAN)))
+}
+
+/// A path step by step, and its fields at the end.
+fn along(file: &File, path: &Value) -> Result<Check, ValidationError> {
+    let (grid, contact, name) = contact(file, path)?;
+    let plastic = PlasticContact::new(contact);
+    let budget = Budget { tolerance: 1e-12, ..Budget::default() };
+    let mut walk = Path::new(&plastic, budget, Refinement::default());
+    let mut worst = Worst::new();
+    let is_approach = path["control"].as_str() == Some("approach");
+    let steps = path["steps"].as_array().into_iter().flatten();
+    for (value, exact) in numbers(&path["values"]).into_iter().zip(steps) {
+        let load = if is_approach { Load::Approach(value) } else { Load::MeanPressure(value) };
+        let step = walk.step(load.into(), &mut ())?;
+        let Some(state) = walk.state() else { continue };
+        let solution = &state.solution;
+        let expected = |key: &str| exact[key].as_f64().unwrap_or(f64::NAN);
+        // Lengths and energies over those of the whole path.
+        let [depth, work] = ["plastic_volume", "energy"].map(expected);
+        worst.compare(solution.mean_pressure, expected("mean_pressure"));
+        worst.compare(solution.approach, expected("approach"));
+        worst.compare(state.volume, depth);
+        worst.compare(state.elastic_energy, work);
+        worst.compare_to(step.dissipated.unwrap_or(f64::NAN), expected("work"), work);
+        worst.compare(solution.pressure.iter().filter(|p| **p > 0.0).count() as f64, expected("contact_nodes"));
+    }
+    if let Some(state) = walk.state() {
+        for (found, exact) in [(&state.solution.pressure, "pressure"), (&state.depth, "plastic_depth")] {
+            let exact = field(&grid, &path[exact])?;
+            let most = exact.iter().copied().fold(0.0, f64::max);
+            found.iter().zip(&exact).for_each(|(found, exact)| worst.compare_to(*found, *exact, most));
+        }
+    }
+    let kind = if is_approach { "approaches" } else { "loads" };
+    Ok(worst.check(format!("{name}, a path of {kind}: every step, fields at the end"), DENSE, 1e-8))
+}
