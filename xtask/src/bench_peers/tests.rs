@@ -70,6 +70,7 @@ fn verdict(worst: f64, pressure: f64, points: u64) -> Verdict {
         negative_pressure: 0.0,
         load: 1e-15,
         saturation: None,
+        lateral_traction: None,
     };
     let differs = Difference { points, pressure };
     Verdict { residual, area_fraction: 0.1, approach: 2.0, energy: 0.4, differs }
