@@ -495,12 +495,12 @@ impl Prepared {
             session.warn("lattice-trapping", trapping);
         }
         self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        let start = || self.from_longer_ranges(args, heights, session);
+        let start = || self.after_longer_ranges(args, heights, session);
         self.press(&interface, interface.surface(), args, Some(&start), session)
     }
 
     /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
-    fn from_longer_ranges(
+    fn after_longer_ranges(
         &self,
         args: &Args,
         heights: &Array2<f64>,

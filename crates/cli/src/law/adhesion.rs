@@ -63,7 +63,7 @@ impl Adhesion {
     /// Tells the numbers, and refuses a grid that is much too coarse unless `coarse`.
     ///
     /// # Errors
-    /// A process zone below [`LEAST_POINTS`] grid steps.
+    /// A process zone below a tenth of a grid step.
     pub fn tell(&self, coarse: bool) -> Result<(), Failure> {
         let points = self.process_zone_points;
         if points < LEAST_POINTS && !coarse {
