@@ -3,8 +3,8 @@ use std::convert::Infallible;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use gfmd_cli::load::ResidualRecord;
 use gfmd_cli::session::{Common, Session};
+use gfmd_contact::Residual;
 use proptest::prelude::*;
 
 use super::judge::{Difference, Verdict};
@@ -64,14 +64,8 @@ fn what_cannot_be_certified_is_not_found() {
 }
 
 fn verdict(worst: f64, pressure: f64, points: u64) -> Verdict {
-    let residual = ResidualRecord {
-        complementarity: 0.1 * worst,
-        penetration: worst,
-        negative_pressure: 0.0,
-        load: 1e-15,
-        saturation: None,
-        lateral_traction: None,
-    };
+    let residual =
+        Residual { complementarity: 0.1 * worst, penetration: worst, negative_pressure: 0.0, load: 1e-15 }.into();
     let differs = Difference { points, pressure };
     Verdict { residual, area_fraction: 0.1, approach: 2.0, energy: 0.4, differs }
 }
