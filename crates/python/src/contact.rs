@@ -208,7 +208,7 @@ impl Problem {
         unknown: Unknown,
         solver: Solver,
     ) -> Result<Self, Failure> {
-        if let Some(other) = unknown.clash(kind, boundary, hardness, body) {
+        if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), body) {
             return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
         }
         if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
