@@ -5,9 +5,9 @@ use gfmd_body::Interior;
 use gfmd_contact::{Contact, Equilibrium, Load, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Base, BaseKind, Body, Height, Material};
-use gfmd_mixed::{Method, MixedProblem, Prescribed};
+use gfmd_mixed::{Edge, FlatPunch, Method, MixedProblem, Prescribed};
 use gfmd_relax::Budget;
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use serde_json::Value;
 
 use crate::check::{Worst, order};
@@ -23,6 +23,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     checks.extend(file.punches()?);
     checks.push(file.waves()?);
     checks.extend(thin_layers()?);
+    checks.extend(strip()?);
     checks.push(pair()?);
     Ok(checks)
 }
@@ -244,6 +245,32 @@ fn thin_layers() -> Result<Vec<Check>, ValidationError> {
         ));
     }
     Ok(checks)
+}
+
+/// A rigid strip without friction on a thin bonded layer: below it the layer is compressed uniformly, with the modulus C11; the edges
+/// add a part that falls with h/a.
+fn strip() -> Result<[Check; 2], ValidationError> {
+    let material = Material::from_young(1.0, 0.25)?;
+    let (grid, punch) = (Grid::line(4096, 1.0)?, FlatPunch::new(0.25, Edge::Inclusive)?);
+    let (depth, width) = (1e-3, punch.effective_width(&grid));
+    let mut errors = Vec::new();
+    for thinner in [1_u16, 2, 4] {
+        let height = 0.04 / f64::from(thinner);
+        let held = Prescribed::frictionless(&grid, punch.points(&grid).view(), -depth)?;
+        let budget = Budget { tolerance: 1e-9, ..Budget::default() };
+        let problem = MixedProblem::new(&Body::slab(material, height)?, &grid, held)?;
+        let solution = problem.solve(Method::ConjugateGradients, &budget, &mut ())?;
+        let force = -solution.traction.index_axis(Axis(0), 1).sum() / grid.len() as f64;
+        let expected = depth / height / material.p_wave_compliance() * width;
+        errors.push((usize::from(thinner), [(force / expected - 1.0).abs()]));
+    }
+    let last = errors.last().map_or(f64::NAN, |(_, error)| error[0]);
+    let name = "rigid strip on a thin layer, bonded base";
+    let origin = "Johnson 1985, section 5.8";
+    Ok([
+        Check::error(format!("{name}: force, height a/12"), origin, last, 0.06),
+        Check::at_least(format!("{name}: order in the height"), origin, order(&errors)[0], 0.9),
+    ])
 }
 
 /// Two half-spaces are one with the composite modulus, whose pressures the contact has.
