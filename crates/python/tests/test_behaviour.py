@@ -7,6 +7,7 @@ import threading
 import time
 
 import gfmd
+import h5py
 import numpy as np
 import pytest
 
@@ -252,3 +253,13 @@ def test_the_overhead_of_a_call_is_small():
         best = min(best, time.perf_counter() - before - contact.seconds)
     # About 1 ms on a quiet machine, with the scalars measured on the fields; a busy one takes some times that.
     assert best < 1e-2, best
+
+
+def test_contacts_that_python_does_not_hold_are_not_read_as_others(tmp_path):
+    path = tmp_path / "c.h5"
+    gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05).save(path)
+    assert gfmd.load(path).converged
+    with h5py.File(path, "r+") as file:
+        file.attrs["config"] = "lower_seed = 0\n" + str(file.attrs["config"])
+    with pytest.raises(gfmd.InputError, match="lower-seed"):
+        gfmd.load(path)

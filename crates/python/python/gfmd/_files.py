@@ -87,6 +87,9 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
+    for key in ("finite_slope", "lower_surface", "lower_seed"):
+        if key in config:
+            raise InputError(f"{name} was made with --{key.replace('_', '-')}; it must be a contact of `gfmd.contact` (other tools read its fields)")
     hardness = config.get("hardness")
     hardness = _check.frozen(_gfmd.read_array(name, "/surface/hardness")) if isinstance(hardness, str) else hardness and float(hardness)
     heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
