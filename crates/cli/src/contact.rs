@@ -491,10 +491,10 @@ impl Prepared {
             return self.press(&contact, contact.surface(), args, None, session);
         }
         let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
-        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         let start = || self.after_longer_ranges(args, heights, session);
         self.press(&interface, interface.surface(), args, Some(&start), session)
     }

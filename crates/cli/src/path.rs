@@ -232,10 +232,10 @@ impl Prepared {
             Interface::new(body, grid, heights, law)
         };
         let interface = interface.map_err(refuse)?;
+        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
         }
-        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         self.follow(&interface, args, session)
     }
 

@@ -22,8 +22,10 @@ pub struct Adhesion {
     /// Process zone over the grid step.
     pub process_zone_points: f64,
     /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tabor: Option<f64>,
     /// The criterion of Pastewka and Robbins: below 1 the surfaces stick; `None` of a flat surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub pastewka_robbins: Option<f64>,
 }
 
@@ -34,7 +36,8 @@ pub(super) const LEAST_POINTS: f64 = 0.1;
 const RESOLVED: f64 = 2.0;
 
 impl Adhesion {
-    /// The numbers of a law on a surface, on a body of this contact modulus. `None` without an attraction.
+    /// The numbers of a law on a surface, on a body of this contact modulus. `None` without an attraction, or if a
+    /// number of it is too large or too small.
     pub fn of(args: &LawArgs, law: &dyn Law, surface: &Surface, contact_modulus: f64) -> Option<Self> {
         let named = |name: &str| args.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
         let work = named("gamma").or_else(|| named("phi_n"))?;
@@ -50,14 +53,16 @@ impl Adhesion {
         // κ_rep = 2, diameter of a contact 4 h′/h″.
         let slope = gradient * range / (2.0 * length);
         let squeezed = (gradient * gradient / (curvature * range)).powf(2.0 / 3.0);
-        Some(Self {
+        let found = Self {
             work,
             range,
             process_zone,
             process_zone_points: process_zone / spacing,
-            tabor: finite((length * length / (curvature * range.powi(3))).cbrt()),
+            tabor: finite(((length / range).powi(2) / (curvature * range)).cbrt()),
             pastewka_robbins: finite(slope * squeezed / (PI * (3.0_f64 / 16.0).powf(2.0 / 3.0))),
-        })
+        };
+        let sizes = [range, process_zone, found.process_zone_points];
+        sizes.iter().all(|size| *size > 0.0 && size.is_finite()).then_some(found)
     }
 
     /// Tells the numbers, and refuses a grid that is much too coarse unless `coarse`.
