@@ -596,7 +596,6 @@ impl Prepared {
         }
         let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
         let mut failure = outcome.map_err(|failure| failure.with(&remark))?;
-        report.warn_of_slopes(args, session);
         let interrupted = matches!(failure, Some(Failure::Interrupted(_)));
         match (interrupted, kept) {
             (true, Some(_)) => failure = failure.map(|failure| failure.with(&remark)),
@@ -772,6 +771,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
             return Ok(failure);
         }
+        report.warn_of_slopes(args, session);
         if let Some(mut file) = file {
             file.write_statistics(surface, &gathered.loads)?;
             if let Some(found) = &report.flow_threshold {

@@ -206,7 +206,7 @@ fn warnings_stand_in_json_and_in_the_file() {
         assert_eq!(stored.lines().collect::<Vec<_>>(), lines, "{words}");
         warnings.iter().map(|warning| warning["code"].as_str().unwrap().into()).collect()
     };
-    assert_eq!(codes("contact --surface h.npy --p-star 0.05"), ["rough-seam"]);
+    assert_eq!(codes("contact --surface h.npy --p-star 0.05"), ["rough-seam", "large-slope"]);
     assert_eq!(codes("surface --surface h.npy"), ["rough-seam"]);
     assert!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05").is_empty());
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);
