@@ -1,9 +1,12 @@
 //! `contact`: one contact problem, one or more loads.
 
 mod check;
+mod components;
 mod figures;
 mod file;
 mod page;
+mod report;
+mod series;
 mod statistics;
 mod table;
 mod threshold;
@@ -13,52 +16,45 @@ mod watching;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
-use clap::{Args as ClapArgs, ValueEnum};
+use clap::Args as ClapArgs;
 use gfmd_contact::{
-    Boundary, Contact, Dynamics, Equilibrium as _, Fields, FullContact, Hardness, Load, Refusal, Resumable,
-    RigidSurface, SolveError, SqueezedContact, SteepContact, Stiffness,
+    Boundary, Contact, Dynamics, Equilibrium as _, FullContact, Hardness, Load, Refusal, Resumable, RigidSurface,
+    SqueezedContact, SteepContact,
 };
-use gfmd_field::Grid;
-use gfmd_files::{Output, contiguous};
-use gfmd_flow::{Flow, FlowError};
+use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
-use gfmd_measure::Scales;
-use gfmd_response::{Components, NormalResponse};
+use gfmd_response::Components;
 use gfmd_surface::PowerSpectrum;
-use ndarray::{Array2, ArrayView2};
+use ndarray::Array2;
 use serde::Serialize;
 
 use crate::base::{BaseArgs, MovedBase};
 use crate::choice::{by_name, parse_choice};
-use crate::convergence::{History, NotConverged};
 use crate::dynamics::DynamicsArgs;
-use crate::elastic::{BodyArgs, OtherArgs};
+use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
-use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, Stiff};
+use crate::load::{Recorded, Recording, Stiff};
 use crate::lower::{self, LowerArgs};
 use crate::memory::{Held, peak_bytes};
-use crate::progress::Progress;
-use crate::resume::{CheckpointArgs, Kept, Part, ResumeArgs};
-use crate::scan::Scan;
+use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
 use crate::session::Session;
 use crate::solver::SolverArgs;
-use crate::source::{Second, SourceArgs, Surface};
-use crate::trace::{Trace, TraceArgs, Tracer};
+use crate::source::{SourceArgs, Surface};
+use crate::trace::TraceArgs;
 use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
+pub use components::Unknown;
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
-use statistics::{Measured, through};
-use threshold::Threshold;
-use watching::Watching;
+pub use report::{Lower, Report};
+use series::{First, Series};
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -157,60 +153,6 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// The components of the surface displacement that are unknown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Unknown {
-    /// u_z; u_x and u_y follow from the pressure, as the lateral traction is zero
-    #[default]
-    Normal,
-    /// u_x, u_y and u_z, moved by damped dynamics; the lateral traction is zero
-    All,
-    /// u_z, with u_x and u_y held at zero
-    Held,
-}
-
-impl Unknown {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-    fn is_normal(&self) -> bool {
-        *self == Self::Normal
-    }
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::All => "all",
-            Self::Held => "held",
-        }
-    }
-
-    /// The normal response of a body with these unknowns.
-    pub fn response(self, grid: Grid, body: &Body) -> NormalResponse {
-        match self {
-            Self::Normal | Self::All => NormalResponse::new(grid, body),
-            Self::Held => NormalResponse::held_sideways(grid, body),
-        }
-    }
-
-    /// The modulus with which the stiffness of a contact gives its conductance: E*, if the surface is free sideways; else none.
-    fn conducting(self, e_star: f64) -> f64 {
-        if self == Self::Normal { e_star } else { f64::NAN }
-    }
-
-    /// What a contact with these unknowns cannot have.
-    pub fn clash(self, law: Kind, boundary: Boundary, is_plastic: bool, body: &Body) -> Option<&'static str> {
-        match self {
-            Self::Normal => None,
-            _ if law != Kind::HardWall => Some("a law"),
-            _ if boundary == Boundary::Free => Some("free boundaries"),
-            Self::All if is_plastic => Some("a hardness"),
-            Self::Held if body.second().is_some() => Some("a second body"),
-            Self::All | Self::Held => None,
-        }
-    }
-}
-
 /// The flags of the loads, of which exactly one is given.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[group(required = true, multiple = false)]
@@ -240,87 +182,8 @@ impl ControlArgs {
     }
 }
 
-/// The result, as printed.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Report {
-    pub n: [usize; 2],
-    pub length: [f64; 2],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unit: Option<String>,
-    pub surface: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scan: Option<Scan>,
-    #[serde(flatten)]
-    pub second: Option<Second>,
-    pub rms_gradient: f64,
-    pub max_slope: f64,
-    pub rms_height: f64,
-    pub e_star: f64,
-    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
-    #[serde(flatten)]
-    pub others: OtherArgs,
-    #[serde(skip)]
-    pub body: Option<String>,
-    #[serde(flatten)]
-    pub base: BaseArgs,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lower: Option<Lower>,
-    pub boundary: &'static str,
-    #[serde(skip_serializing_if = "Unknown::is_normal")]
-    pub components: Unknown,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hardness: Option<GivenHardness>,
-    /// With an attraction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub adhesion: Option<Adhesion>,
-    pub loads: Vec<LoadRecord>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub history: Option<Trace>,
-    /// Along x and along y.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub flow_threshold: Option<[Option<Threshold>; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub not_converged: Option<NotConverged>,
-    pub peak_bytes: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub out: Option<PathBuf>,
-    pub plots: Vec<PathBuf>,
-}
-
-/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
-const SMALL_SLOPES: f64 = 0.2;
-
-impl Report {
-    /// Warns of slopes and strains that are not small.
-    fn warn_of_slopes(&self, args: &Args, session: &Session) {
-        let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
-        if *rms_gradient <= SMALL_SLOPES {
-            return;
-        }
-        let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
-        let hint =
-            if args.finite_slope { "strains are still taken as small" } else { "--finite-slope includes the slopes" };
-        session.warn(
-            "large-slope",
-            format!(
-                "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
-                 linear theory neglects is of this size; {hint}"
-            ),
-        );
-    }
-}
-
-/// The surface below the slab, as printed.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Lower {
-    pub surface: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scan: Option<Scan>,
-    pub rms_gradient: f64,
-    pub rms_height: f64,
-}
+/// The ranges of `--range-continuation`, over the one asked for.
+const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
 /// Runs the command.
 ///
@@ -636,238 +499,5 @@ impl Args {
             lateral: self.axes(surface).len() - 1,
             is_squeezed: self.lower.flag().is_some(),
         }
-    }
-}
-
-/// What the loads of one contact have beside their scalars.
-#[derive(Default)]
-struct Gathered {
-    loads: Vec<Measured>,
-    /// Of the last load.
-    flow: Option<Flow>,
-}
-
-/// The loads of one contact.
-struct Series<'a, E: Resumable> {
-    prepared: &'a Prepared,
-    contact: &'a E,
-    args: &'a Args,
-    first: Option<First<'a, E::State>>,
-    session: &'a Session,
-}
-
-/// Makes the state from which the first load starts.
-type First<'a, S> = &'a dyn Fn() -> Result<Option<S>, Failure>;
-
-/// The ranges of `--range-continuation`, over the one asked for.
-const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
-
-impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
-    /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
-    /// whose state is kept has no file.
-    fn solve(
-        &self,
-        report: &mut Report,
-        mut kept: Option<&mut Kept>,
-        config: String,
-    ) -> Result<Option<Failure>, Failure> {
-        let Self {
-            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
-            contact,
-            args,
-            first,
-            session,
-        } = *self;
-        let budget = args.solver.budget();
-        let provenance = session.provenance(config);
-        let recording = args.recording(surface);
-        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
-        let create =
-            |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
-        let mut file = output.as_ref().map(create).transpose()?;
-        if let (Some(file), Some(base)) = (&mut file, base) {
-            file.write_base(base, surface)?;
-        }
-        if let (Some(file), Some(lower)) = (&mut file, lower) {
-            file.write_lower(lower)?;
-        }
-        if let Some(file) = &mut file {
-            file.write_hardness(hardness.as_ref(), surface)?;
-        }
-        let lift = base.as_ref().map(|base| &base.lift);
-        let progress = Progress::new(&session.common, "loads", controls.len() as f64);
-        let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
-        let mut gathered = Gathered::default();
-        let mut last = match (&mut kept, &mut file) {
-            (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
-            _ => None,
-        };
-        if let (None, Some(first)) = (&last, first) {
-            last = first()?;
-        }
-        let mut failure = None;
-        for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
-            let started = Instant::now();
-            let mut watch = Watching {
-                index,
-                progress: &progress,
-                session,
-                history: History::default(),
-                tracer: args.trace.tracer(&surface.grid, args.axes(surface))?,
-                kept: kept.as_deref_mut(),
-                closing: false,
-                failed: None,
-            };
-            let press = contact.press(*load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
-            let solved = press.watch(&mut watch).solve();
-            let Watching { history, tracer, failed, .. } = watch;
-            failed.map_or(Ok(()), Err)?;
-            report.history = tracer.map(Tracer::trace);
-            if let (Err(SolveError::Refused(Refusal::Search(error))), true) = (&solved, args.dynamics.is_given()) {
-                return Err(Failure::input("--dt, --damping", error));
-            }
-            let why = if let Err(SolveError::NotConverged { why, .. }) = &solved { Some(*why) } else { None };
-            let (mut state, stopped) = match reached(solved) {
-                // Numbers that this load alone makes too large; the loads before it stay.
-                Err(refused) if index > 0 => {
-                    failure = Some(Failure::Computation(refused.to_string()).at(&format!("load {index}")));
-                    break;
-                }
-                other => other?,
-            };
-            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
-            let stiffness = self.stiffness(index, &state, stopped.is_some());
-            let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
-            record.seconds = started.elapsed().as_secs_f64();
-            self.gather(index, &state.pressure().view(), &state.gap(), &mut record, &mut gathered, true)?;
-            progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
-            record.check(index)?;
-            report.loads.push(record);
-            if let Some(why) = why {
-                let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
-                unmet.tell("load");
-                report.not_converged = Some(unmet);
-            }
-            if let Some(file) = &mut file {
-                file.write(index, &state, lift)?;
-            }
-            if let Some(stopped) = stopped {
-                failure = Some(stopped.at(&format!("load {index}")));
-                last = Some(state);
-                break;
-            }
-            if let Some(kept) = &mut kept {
-                let fields = chosen.fields(&state, lift);
-                let fields = fields.iter().map(|field| contiguous(field)).collect();
-                kept.add(&Part { text: record.to_toml()?, fields });
-                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
-            }
-            last = Some(state);
-        }
-        if failure.is_none() && args.flow_threshold {
-            report.flow_threshold = Some(self.threshold(&scales, &progress)?);
-        }
-        progress.finish();
-        if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
-            return Ok(failure);
-        }
-        report.warn_of_slopes(args, session);
-        if let Some(mut file) = file {
-            file.write_statistics(surface, &gathered.loads)?;
-            if let Some(found) = &report.flow_threshold {
-                file.write_threshold(surface.unit(), found)?;
-            }
-            if let Some(history) = &report.history {
-                file.write_history(history, surface.unit())?;
-            }
-            report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
-        }
-        if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
-            let pressure = state.pressure().mapv(|p| p.max(0.0));
-            let variance = self.prepared.pressure_variance(args.components);
-            report.plots = figures::draw(prefix, report, &surface.grid, &pressure, variance)?;
-            if let Some(lower) = state.lower() {
-                report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
-            }
-            report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
-        }
-        Ok(failure)
-    }
-
-    /// The stiffness of a load that converged.
-    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Option<Stiffness> {
-        if stopped {
-            return None;
-        }
-        self.contact.stiffness_of(state).unwrap_or_else(|(reached, why)| {
-            self.session.warn("stiffness", format!("load {index}: {why}"));
-            Some(reached)
-        })
-    }
-
-    /// Measures what `--statistics` asks for and, of a load that is not kept, computes the flow.
-    fn gather(
-        &self,
-        index: usize,
-        pressure: &ArrayView2<f64>,
-        gap: &ArrayView2<f64>,
-        record: &mut LoadRecord,
-        gathered: &mut Gathered,
-        is_new: bool,
-    ) -> Result<(), Failure> {
-        let Self { prepared: Prepared { surface, body, .. }, args, session, .. } = *self;
-        if args.statistics || (args.flow && is_new) {
-            // In contact are the points that are repelled.
-            let pressure = pressure.mapv(|p| p.max(0.0));
-            if args.statistics {
-                let e_star = args.components.conducting(body.contact_modulus());
-                gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
-            }
-            if args.flow && is_new {
-                let found = match through(surface, pressure.view(), *gap, record.mean_gap) {
-                    Err(FlowError::NotConverged { state, .. }) => {
-                        session
-                            .warn("flow", format!("load {index}: the residual of the flow is {:.1e}", state.residual));
-                        *state
-                    }
-                    found => {
-                        found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
-                    }
-                };
-                record.flow = Some(FlowRecord::from(&found));
-                gathered.flow = Some(found);
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes over the loads that are kept; returns the state of the last one.
-    fn recall(
-        &self,
-        report: &mut Report,
-        kept: &mut Kept,
-        file: &mut ContactFile,
-        gathered: &mut Gathered,
-        progress: &Progress,
-    ) -> Result<Option<E::State>, Failure> {
-        let shape = self.prepared.surface.grid.points();
-        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).pressure_and_gap();
-        for index in 0..kept.finished() {
-            let Part { text, fields } = kept.part(index)?;
-            let mut record: LoadRecord =
-                toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
-            if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
-                let field = |values| ArrayView2::from_shape(shape, values);
-                let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
-                let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);
-                self.gather(index, &pressure, &gap, &mut record, gathered, false)?;
-            }
-            report.loads.push(record);
-            file.write_values(index, &fields)?;
-            progress.advance(1.0, "kept");
-        }
-        let Some(index) = kept.finished().checked_sub(1) else { return Ok(None) };
-        let load = self.prepared.controls[index];
-        kept.state().map(|mut stored| stored.restore(|visitor| self.contact.restore(load.into(), visitor))).transpose()
     }
 }

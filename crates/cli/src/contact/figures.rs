@@ -7,8 +7,9 @@ use gfmd_measure::theory::{ElastoplasticArea, persson_pressure};
 use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Series};
 use ndarray::{Array2, ArrayView2};
 
+use super::Report;
+use super::series::Gathered;
 use super::statistics::patches;
-use super::{Gathered, Report};
 use crate::failure::Failure;
 use crate::figures::{Drawn, area_chart, draw_pressure, field, named, theories};
 use crate::hardness::GivenHardness;

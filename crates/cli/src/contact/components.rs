@@ -1,0 +1,61 @@
+use clap::ValueEnum;
+use gfmd_contact::Boundary;
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_law::Kind;
+use gfmd_response::NormalResponse;
+use serde::Serialize;
+
+/// The components of the surface displacement that are unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unknown {
+    /// u_z; u_x and u_y follow from the pressure, as the lateral traction is zero
+    #[default]
+    Normal,
+    /// u_x, u_y and u_z, moved by damped dynamics; the lateral traction is zero
+    All,
+    /// u_z, with u_x and u_y held at zero
+    Held,
+}
+
+impl Unknown {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+    pub(super) fn is_normal(&self) -> bool {
+        *self == Self::Normal
+    }
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::All => "all",
+            Self::Held => "held",
+        }
+    }
+
+    /// The normal response of a body with these unknowns.
+    pub fn response(self, grid: Grid, body: &Body) -> NormalResponse {
+        match self {
+            Self::Normal | Self::All => NormalResponse::new(grid, body),
+            Self::Held => NormalResponse::held_sideways(grid, body),
+        }
+    }
+
+    /// The modulus with which the stiffness of a contact gives its conductance: E*, if the surface is free sideways; else none.
+    pub(super) fn conducting(self, e_star: f64) -> f64 {
+        if self == Self::Normal { e_star } else { f64::NAN }
+    }
+
+    /// What a contact with these unknowns cannot have.
+    pub fn clash(self, law: Kind, boundary: Boundary, is_plastic: bool, body: &Body) -> Option<&'static str> {
+        match self {
+            Self::Normal => None,
+            _ if law != Kind::HardWall => Some("a law"),
+            _ if boundary == Boundary::Free => Some("free boundaries"),
+            Self::All if is_plastic => Some("a hardness"),
+            Self::Held if body.second().is_some() => Some("a second body"),
+            Self::All | Self::Held => None,
+        }
+    }
+}

@@ -1,0 +1,98 @@
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::threshold::Threshold;
+use super::{Args, Unknown};
+use crate::base::BaseArgs;
+use crate::convergence::NotConverged;
+use crate::elastic::OtherArgs;
+use crate::hardness::GivenHardness;
+use crate::law::Adhesion;
+use crate::load::LoadRecord;
+use crate::scan::Scan;
+use crate::session::Session;
+use crate::source::Second;
+use crate::trace::Trace;
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
+    pub rms_gradient: f64,
+    pub max_slope: f64,
+    pub rms_height: f64,
+    pub e_star: f64,
+    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    #[serde(flatten)]
+    pub others: OtherArgs,
+    #[serde(skip)]
+    pub body: Option<String>,
+    #[serde(flatten)]
+    pub base: BaseArgs,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Lower>,
+    pub boundary: &'static str,
+    #[serde(skip_serializing_if = "Unknown::is_normal")]
+    pub components: Unknown,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
+    pub loads: Vec<LoadRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<Trace>,
+    /// Along x and along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flow_threshold: Option<[Option<Threshold>; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<NotConverged>,
+    pub peak_bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out: Option<PathBuf>,
+    pub plots: Vec<PathBuf>,
+}
+
+/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
+const SMALL_SLOPES: f64 = 0.2;
+
+impl Report {
+    /// Warns of slopes and strains that are not small.
+    pub(super) fn warn_of_slopes(&self, args: &Args, session: &Session) {
+        let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
+        if *rms_gradient <= SMALL_SLOPES {
+            return;
+        }
+        let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
+        let hint =
+            if args.finite_slope { "strains are still taken as small" } else { "--finite-slope includes the slopes" };
+        session.warn(
+            "large-slope",
+            format!(
+                "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
+                 linear theory neglects is of this size; {hint}"
+            ),
+        );
+    }
+}
+
+/// The surface below the slab, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Lower {
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    pub rms_gradient: f64,
+    pub rms_height: f64,
+}

@@ -1,0 +1,252 @@
+//! The loads of one contact, solved in turn, each from the state of the one before.
+
+use std::time::Instant;
+
+use gfmd_contact::{Fields as _, Refusal, Resumable, SolveError, Stiffness};
+use gfmd_files::contiguous;
+use gfmd_flow::{Flow, FlowError};
+use gfmd_measure::Scales;
+use ndarray::ArrayView2;
+
+use super::file::{Chosen, ContactFile};
+use super::report::Report;
+use super::statistics::{Measured, through};
+use super::watching::Watching;
+use super::{Args, Prepared, figures};
+use crate::convergence::{History, NotConverged};
+use crate::failure::{Failure, reached};
+use crate::load::{FlowRecord, LoadRecord, Recorded, Stiff};
+use crate::progress::Progress;
+use crate::resume::{Kept, Part};
+use crate::session::Session;
+use crate::trace::Tracer;
+
+/// What the loads of one contact have beside their scalars.
+#[derive(Default)]
+pub(super) struct Gathered {
+    pub(super) loads: Vec<Measured>,
+    /// Of the last load.
+    pub(super) flow: Option<Flow>,
+}
+
+/// The loads of one contact.
+pub(super) struct Series<'a, E: Resumable> {
+    pub(super) prepared: &'a Prepared,
+    pub(super) contact: &'a E,
+    pub(super) args: &'a Args,
+    pub(super) first: Option<First<'a, E::State>>,
+    pub(super) session: &'a Session,
+}
+
+/// Makes the state from which the first load starts.
+pub(super) type First<'a, S> = &'a dyn Fn() -> Result<Option<S>, Failure>;
+
+impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
+    /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
+    /// whose state is kept has no file.
+    pub(super) fn solve(
+        &self,
+        report: &mut Report,
+        mut kept: Option<&mut Kept>,
+        config: String,
+    ) -> Result<Option<Failure>, Failure> {
+        let Self {
+            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
+            contact,
+            args,
+            first,
+            session,
+        } = *self;
+        let budget = args.solver.budget();
+        let provenance = session.provenance(config);
+        let recording = args.recording(surface);
+        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
+        let create =
+            |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
+        let mut file = output.as_ref().map(create).transpose()?;
+        if let (Some(file), Some(base)) = (&mut file, base) {
+            file.write_base(base, surface)?;
+        }
+        if let (Some(file), Some(lower)) = (&mut file, lower) {
+            file.write_lower(lower)?;
+        }
+        if let Some(file) = &mut file {
+            file.write_hardness(hardness.as_ref(), surface)?;
+        }
+        let lift = base.as_ref().map(|base| &base.lift);
+        let progress = Progress::new(&session.common, "loads", controls.len() as f64);
+        let scales = Scales { contact_modulus: report.e_star, rms_gradient: report.rms_gradient };
+        let mut gathered = Gathered::default();
+        let mut last = match (&mut kept, &mut file) {
+            (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
+            _ => None,
+        };
+        if let (None, Some(first)) = (&last, first) {
+            last = first()?;
+        }
+        let mut failure = None;
+        for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
+            let started = Instant::now();
+            let mut watch = Watching {
+                index,
+                progress: &progress,
+                session,
+                history: History::default(),
+                tracer: args.trace.tracer(&surface.grid, args.axes(surface))?,
+                kept: kept.as_deref_mut(),
+                closing: false,
+                failed: None,
+            };
+            let press = contact.press(*load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
+            let solved = press.watch(&mut watch).solve();
+            let Watching { history, tracer, failed, .. } = watch;
+            failed.map_or(Ok(()), Err)?;
+            report.history = tracer.map(Tracer::trace);
+            if let (Err(SolveError::Refused(Refusal::Search(error))), true) = (&solved, args.dynamics.is_given()) {
+                return Err(Failure::input("--dt, --damping", error));
+            }
+            let why = if let Err(SolveError::NotConverged { why, .. }) = &solved { Some(*why) } else { None };
+            let (mut state, stopped) = match reached(solved) {
+                // Numbers that this load alone makes too large; the loads before it stay.
+                Err(refused) if index > 0 => {
+                    failure = Some(Failure::Computation(refused.to_string()).at(&format!("load {index}")));
+                    break;
+                }
+                other => other?,
+            };
+            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
+            let stiffness = self.stiffness(index, &state, stopped.is_some());
+            let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
+            record.seconds = started.elapsed().as_secs_f64();
+            self.gather(index, &state.pressure().view(), &state.gap(), &mut record, &mut gathered, true)?;
+            progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
+            record.check(index)?;
+            report.loads.push(record);
+            if let Some(why) = why {
+                let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
+                unmet.tell("load");
+                report.not_converged = Some(unmet);
+            }
+            if let Some(file) = &mut file {
+                file.write(index, &state, lift)?;
+            }
+            if let Some(stopped) = stopped {
+                failure = Some(stopped.at(&format!("load {index}")));
+                last = Some(state);
+                break;
+            }
+            if let Some(kept) = &mut kept {
+                let fields = chosen.fields(&state, lift);
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
+            }
+            last = Some(state);
+        }
+        if failure.is_none() && args.flow_threshold {
+            report.flow_threshold = Some(self.threshold(&scales, &progress)?);
+        }
+        progress.finish();
+        if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
+            return Ok(failure);
+        }
+        report.warn_of_slopes(args, session);
+        if let Some(mut file) = file {
+            file.write_statistics(surface, &gathered.loads)?;
+            if let Some(found) = &report.flow_threshold {
+                file.write_threshold(surface.unit(), found)?;
+            }
+            if let Some(history) = &report.history {
+                file.write_history(history, surface.unit())?;
+            }
+            report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
+        }
+        if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
+            let pressure = state.pressure().mapv(|p| p.max(0.0));
+            let variance = self.prepared.pressure_variance(args.components);
+            report.plots = figures::draw(prefix, report, &surface.grid, &pressure, variance)?;
+            if let Some(lower) = state.lower() {
+                report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
+            }
+            report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
+        }
+        Ok(failure)
+    }
+
+    /// The stiffness of a load that converged.
+    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Option<Stiffness> {
+        if stopped {
+            return None;
+        }
+        self.contact.stiffness_of(state).unwrap_or_else(|(reached, why)| {
+            self.session.warn("stiffness", format!("load {index}: {why}"));
+            Some(reached)
+        })
+    }
+
+    /// Measures what `--statistics` asks for and, of a load that is not kept, computes the flow.
+    fn gather(
+        &self,
+        index: usize,
+        pressure: &ArrayView2<f64>,
+        gap: &ArrayView2<f64>,
+        record: &mut LoadRecord,
+        gathered: &mut Gathered,
+        is_new: bool,
+    ) -> Result<(), Failure> {
+        let Self { prepared: Prepared { surface, body, .. }, args, session, .. } = *self;
+        if args.statistics || (args.flow && is_new) {
+            // In contact are the points that are repelled.
+            let pressure = pressure.mapv(|p| p.max(0.0));
+            if args.statistics {
+                let e_star = args.components.conducting(body.contact_modulus());
+                gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
+            }
+            if args.flow && is_new {
+                let found = match through(surface, pressure.view(), *gap, record.mean_gap) {
+                    Err(FlowError::NotConverged { state, .. }) => {
+                        session
+                            .warn("flow", format!("load {index}: the residual of the flow is {:.1e}", state.residual));
+                        *state
+                    }
+                    found => {
+                        found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
+                    }
+                };
+                record.flow = Some(FlowRecord::from(&found));
+                gathered.flow = Some(found);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes over the loads that are kept; returns the state of the last one.
+    fn recall(
+        &self,
+        report: &mut Report,
+        kept: &mut Kept,
+        file: &mut ContactFile,
+        gathered: &mut Gathered,
+        progress: &Progress,
+    ) -> Result<Option<E::State>, Failure> {
+        let shape = self.prepared.surface.grid.points();
+        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).pressure_and_gap();
+        for index in 0..kept.finished() {
+            let Part { text, fields } = kept.part(index)?;
+            let mut record: LoadRecord =
+                toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
+            if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
+                let field = |values| ArrayView2::from_shape(shape, values);
+                let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
+                let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);
+                self.gather(index, &pressure, &gap, &mut record, gathered, false)?;
+            }
+            report.loads.push(record);
+            file.write_values(index, &fields)?;
+            progress.advance(1.0, "kept");
+        }
+        let Some(index) = kept.finished().checked_sub(1) else { return Ok(None) };
+        let load = self.prepared.controls[index];
+        kept.state().map(|mut stored| stored.restore(|visitor| self.contact.restore(load.into(), visitor))).transpose()
+    }
+}
