@@ -154,7 +154,8 @@ impl SteepContact {
             change = worst(displacement.iter().zip(&lateral).map(|(new, old)| (new - old).abs()));
             let relative = change / self.surface.rms_height();
             let is_rounding = relative <= ROUNDING && change >= 0.5 * last;
-            if relative <= precision || is_rounding || !(relative <= FAR) {
+            let settles = relative <= FAR;
+            if relative <= precision || is_rounding || !settles {
                 break;
             }
             mixing.advance(&mut lateral, &displacement[..axes * points]);

@@ -125,7 +125,7 @@ fn slopes_that_are_too_large_and_wrong_input_are_refused() {
     let contact = SteepContact::new(&body(0.0), &grid, &heights).unwrap();
     let error = contact.press(Load::MeanPressure(1.0)).solve().unwrap_err();
     assert!(matches!(error, SolveError::NotConverged { .. }), "{error}");
-    assert!(error.state().is_some_and(|state| !(state.worst() <= 1e-8)));
+    assert!(error.state().is_some_and(|state| state.worst().is_nan() || state.worst() > 1e-8));
     let refused = |result: Result<_, SolveError<_>>| matches!(result, Err(SolveError::Refused(_)));
     assert!(refused(contact.press(Load::MeanPressure(-1.0)).solve()));
     assert!(refused(contact.press(Load::Approach(0.0)).solve()));

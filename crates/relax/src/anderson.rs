@@ -77,7 +77,8 @@ impl Anderson {
         // From the newest change to the oldest, on both sides of the diagonal.
         for k in (0..n).rev() {
             let pivot = rows[k][k];
-            if !(pivot > LEAST_PIVOT * largest) {
+            let says_more = pivot > LEAST_PIVOT * largest;
+            if !says_more {
                 rows[k].fill(0.0);
                 rows.iter_mut().for_each(|row| row[k] = 0.0);
                 continue;
