@@ -397,6 +397,19 @@ fn finite_slopes_change_the_contact_and_are_certified() {
         assert_eq!(report["warnings"][0]["code"], "large-slope");
     }
     assert_eq!(report("--rms-gradient 0.05")["warnings"].as_array().unwrap().len(), 0);
+    // The fields below have the lateral displacement of the file.
+    report("--rms-gradient 0.25 --finite-slope --out s.h5");
+    json(
+        folder.path(),
+        &["body", "--surface", "s.h5", "--depths", "0", "--quantities", "displacement", "--out", "b.h5", "--json"],
+    );
+    let open = |name: &str| Reader::open(folder.path().join(name)).unwrap();
+    let below: Vec<f64> = open("b.h5").values("/fields/displacement").unwrap();
+    for (component, axis) in ["x", "y", "z"].iter().enumerate() {
+        let field: Vec<f64> = open("s.h5").values(&format!("/fields/displacement_{axis}")).unwrap();
+        let differ = field.iter().zip(below.iter().skip(component).step_by(3)).map(|(a, b)| (a - b).abs());
+        assert!(field.iter().any(|u| u.abs() > 1e-4) && differ.fold(0.0, f64::max) < 1e-12, "{axis}");
+    }
     for (more, flag) in [
         ("--boundary free", "--boundary"),
         ("--hardness 0.1", "--hardness"),

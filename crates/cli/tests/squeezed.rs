@@ -132,6 +132,8 @@ fn what_does_not_go_together_is_refused() {
         (format!("{with} --second-body 1,0.3"), ["--second-body", "--lower-seed"]),
         (format!("{with} --law exponential --param gamma=1e-5 --param range=1e-3"), ["--law", "hard-wall"]),
         (format!("{with} --hardness 1"), ["--hardness", "--lower-seed"]),
+        (format!("{with} --components held"), ["--components", "--lower-seed"]),
+        (format!("{with} --finite-slope"), ["--finite-slope", "--lower-seed"]),
         (format!("{with} --boundary free"), ["--boundary", "periodic"]),
         (format!("{with} --base-displacement flat.npy"), ["--base-displacement", "--lower-seed"]),
         (format!("{with} --statistics"), ["--statistics", "--lower-seed"]),

@@ -162,8 +162,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if crate::lower::is_stored(&reader) {
         return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
     }
-    // The surface of such a contact has no lateral displacement.
+    // Surfaces whose lateral displacement is not that of a pressure alone.
     let is_held = normal && record.get("components").and_then(toml::Value::as_str) == Some("held");
+    let is_steep = normal && record.contains_key("finite_slope");
     let (mut values, load): (Vec<f64>, _) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);
@@ -179,11 +180,18 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
-    let kind = if normal && !is_held { Kind::Normal } else { Kind::Full };
-    if is_held {
-        let components = if points[1] == 1 { 2 } else { 3 };
-        values = values.iter().flat_map(|u| std::iter::repeat_n(0.0, components - 1).chain([*u])).collect();
-        shape = vec![points[0], points[1], components];
+    let kind = if normal && !is_held && !is_steep { Kind::Normal } else { Kind::Full };
+    if is_held || is_steep {
+        let names = ["/fields/displacement_x", "/fields/displacement_y"];
+        let names = if points[1] == 1 { &names[..1] } else { &names[..] };
+        let of_file = |name: &&str| reader.slab(name, load.unwrap_or(0)).map_err(words);
+        let lateral: Vec<Vec<f64>> = match is_held {
+            true => vec![vec![0.0; values.len()]; names.len()],
+            false => names.iter().map(of_file).collect::<Result<_, _>>()?,
+        };
+        let at = |(i, u): (usize, &f64)| lateral.iter().map(|field| field[i]).chain([*u]).collect::<Vec<f64>>();
+        values = values.iter().enumerate().flat_map(at).collect();
+        shape = vec![points[0], points[1], 1 + lateral.len()];
     }
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();

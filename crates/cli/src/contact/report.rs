@@ -74,13 +74,16 @@ impl Report {
             return;
         }
         let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
-        let hint =
-            if args.finite_slope { "strains are still taken as small" } else { "--finite-slope includes the slopes" };
+        let hint = match args.check_finite_slope() {
+            _ if args.finite_slope => "; strains are still taken as small",
+            Ok(()) => "; --finite-slope includes the slopes",
+            Err(_) => "",
+        };
         session.warn(
             "large-slope",
             format!(
                 "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
-                 linear theory neglects is of this size; {hint}"
+                 linear theory neglects is of this size{hint}"
             ),
         );
     }

@@ -100,6 +100,8 @@ impl Args {
             () if self.base.base_traction.is_some() => refuse("--base-traction", "given".into(), "left out"),
             () if self.law.law != Kind::HardWall => refuse("--law", self.law.law.name().into(), "hard-wall"),
             () if self.boundary == Boundary::Free => refuse("--boundary", self.boundary.to_string(), "periodic"),
+            () if self.components != Unknown::Normal => refuse("--components", self.components.name().into(), "normal"),
+            () if self.finite_slope => refuse("--finite-slope", "given".into(), "left out"),
             () if self.statistics => refuse("--statistics", "given".into(), "left out"),
             () if self.flow => refuse("--flow", "given".into(), "left out"),
             () if self.flow_threshold => refuse("--flow-threshold", "given".into(), "left out"),
