@@ -66,6 +66,17 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         "held" => page.asked.push(Fact::new("lateral displacement", "held at zero on the whole surface")),
         _ => {}
     }
+    if table.contains_key("finite_slope") {
+        page.asked
+            .push(Fact::new("slopes", "finite: displaced points, pressures along the normal of the rigid surface"));
+    }
+    match table.get("hardness") {
+        Some(toml::Value::String(file)) => {
+            page.asked.push(Fact::new("hardness", &format!("that of each point, {file}")))
+        }
+        Some(hardness) => page.asked.push(Fact::new("hardness", &hardness.to_string())),
+        None => {}
+    }
     page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));
     let tolerance = of(&table, "tol");
     page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));
