@@ -101,17 +101,19 @@ def test_the_module_and_the_page_of_the_package_run(words, tmp_path, monkeypatch
 def test_results_have_the_attributes_that_are_documented(words):
     adhesive = gfmd.contact(words["s"], gfmd.Body(), approach=0.001, law=gfmd.law("morse", gamma=1e-4, range=5e-3))
     rubbed = gfmd.friction(gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1)
+    indented = gfmd.path(gfmd.self_affine(n=16), gfmd.Body(), p_star=[0.1], hardness=0.05, steps=1)
     examples = [
         (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
                         gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1)]),
-        (gfmd.Path, [words["loop"], rubbed]),
+        (gfmd.Path, [words["loop"], rubbed, indented]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Statistics, [words["s"].statistics()]),
         (gfmd.Body, [gfmd.Body()]),
-        (gfmd.Residual, [words["c"].residual, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual]),
+        (gfmd.Residual, [words["c"].residual, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual,
+                         gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual]),
     ]
     for kind, results in examples:
         typed = {key for key in kind.__annotations__ if not key.startswith("_")}

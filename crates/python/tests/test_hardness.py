@@ -71,7 +71,7 @@ def test_plastic_depth_stays_along_a_path():
         assert p.steps.displacement[6] == pytest.approx(p.steps.displacement[2], rel=1e-8)
     free = gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], boundary="free", steps=2)
     assert free.boundary == "free" and free.dissipated == 0.0
-    with pytest.raises(gfmd.InputError, match="--hardness"):
+    with pytest.raises(gfmd.InputError, match="hardness"):
         gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], hardness=0.1, friction=0.1)
 
 

@@ -153,7 +153,7 @@ class Contact(Record):
 
     @property
     def components(self) -> str:
-        """The components of the surface displacement that were unknown: "normal", "all" or "held"."""
+        """The components of the surface displacement that were unknown, by name: "normal", "all" or "held"."""
         return self._settings[4]
 
     @property
@@ -163,7 +163,7 @@ class Contact(Record):
 
     @property
     def displacement_y(self) -> Optional[Array]:
-        """Displacement along y, as `displacement_x`; None for a profile. Read-only."""
+        """Displacement of the elastic surface along y [x, y], length, as `displacement_x`; None for a profile. Read-only."""
         return self._lateral[1] if len(self._lateral) > 1 else None
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,9 @@ class Path(Record):
         shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
         plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
             hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
+        hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
+        adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
+            (length), `process_zone_points`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
@@ -49,6 +52,8 @@ class Path(Record):
     shear_x: Array
     shear_y: Array
     plastic_depth: Array
+    hardness: Union[float, Array]
+    adhesion: dict[str, float]
     dissipated: Optional[float]
     dissipated_error: Optional[float]
     sliding: list[Record]
