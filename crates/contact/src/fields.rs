@@ -42,3 +42,25 @@ pub trait Fields {
         self.summary_in(&self.scales())
     }
 }
+
+/// The fields of a state whose [`Solution`](crate::Solution) is in `part`: the pressure, the displacement, the gap and the mean pressure.
+macro_rules! fields_of {
+    ($part:ident) => {
+        fn pressure(&self) -> ndarray::CowArray<'_, f64, ndarray::Ix2> {
+            $crate::Fields::pressure(&self.$part)
+        }
+
+        fn displacement_z(&self) -> ndarray::ArrayView2<'_, f64> {
+            $crate::Fields::displacement_z(&self.$part)
+        }
+
+        fn gap(&self) -> ndarray::ArrayView2<'_, f64> {
+            $crate::Fields::gap(&self.$part)
+        }
+
+        fn mean_pressure(&self) -> f64 {
+            self.$part.mean_pressure
+        }
+    };
+}
+pub(crate) use fields_of;

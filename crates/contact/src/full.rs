@@ -12,8 +12,9 @@ use gfmd_relax::{
 };
 use gfmd_response::{FullResponse, FullTransforms, Hermitian};
 use gfmd_vector::{pass, total};
-use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayRef2};
 
+use crate::fields::fields_of;
 use crate::layer::STIFFNESS_LENGTH;
 use crate::solution::{Conditions, field};
 use crate::{
@@ -267,21 +268,7 @@ impl Resumable for FullContact {
 }
 
 impl Fields for FullSolution {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.normal.pressure.view().into()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.normal.displacement.view()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.normal.gap.view()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.normal.mean_pressure
-    }
+    fields_of!(normal);
 
     fn approach(&self) -> f64 {
         self.normal.approach

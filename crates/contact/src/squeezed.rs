@@ -9,8 +9,9 @@ use gfmd_green::{Body, Plate};
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Variables as _, Visit, Watch, worst};
 use gfmd_response::{PlateResponse, PlateTransforms};
-use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayRef2};
 
+use crate::fields::fields_of;
 use crate::solution::Conditions;
 use crate::{
     Drive, Effort, Equilibrium, Fields, Load, Refusal, Residual, Resumable, RigidSurface, Solution, SolveError, Solver,
@@ -274,21 +275,7 @@ impl SqueezedSolution {
 }
 
 impl Fields for SqueezedSolution {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.upper.pressure()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.upper.displacement_z()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.upper.gap()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.upper.mean_pressure
-    }
+    fields_of!(upper);
 
     fn approach(&self) -> f64 {
         self.approach

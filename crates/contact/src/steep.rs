@@ -8,8 +8,9 @@ use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Anderson, Budget, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
 use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
 use gfmd_vector::{dot, for_each};
-use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayRef2};
 
+use crate::fields::fields_of;
 use crate::solution::{Conditions, field};
 use crate::{
     Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
@@ -360,21 +361,7 @@ impl Resumable for SteepContact {
 }
 
 impl Fields for SteepSolution {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.normal.pressure.view().into()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.normal.displacement.view()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.normal.gap.view()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.normal.mean_pressure
-    }
+    fields_of!(normal);
 
     fn approach(&self) -> f64 {
         self.normal.approach

@@ -41,7 +41,7 @@ fn apart(found: &Array2<f64>, wanted: &Array2<f64>) -> f64 {
     found.iter().zip(wanted).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / scale
 }
 
-fn near(found: f64, wanted: f64, tolerance: f64) {
+fn assert_near(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} {wanted}");
 }
 
@@ -60,9 +60,9 @@ fn mirror_images_are_one_surface_on_a_sliding_base_of_half_the_height() {
                 assert!(apart(&face.pressure, &wanted.pressure) < 1e-8);
                 assert!(apart(&face.gap, &wanted.gap) < 1e-8);
                 assert!(apart(&face.displacement, &wanted.displacement) < 1e-8);
-                near(face.approach, wanted.approach, 1e-9);
+                assert_near(face.approach, wanted.approach, 1e-9);
             }
-            near(found.approach, 2.0 * wanted.approach, 1e-9);
+            assert_near(found.approach, 2.0 * wanted.approach, 1e-9);
             let again = solve(&both, Load::Approach(found.approach));
             assert!(apart(&again.upper.pressure, &wanted.pressure) < 1e-7);
         }
@@ -81,11 +81,11 @@ fn a_flat_surface_is_a_sliding_base() {
     assert!(found.lower.pressure.iter().all(|p| *p > 0.0));
     assert!(apart(&found.upper.pressure, &wanted.pressure) < 1e-8);
     assert!(apart(&found.upper.gap, &wanted.gap) < 1e-8);
-    near(found.approach, wanted.approach, 1e-9);
+    assert_near(found.approach, wanted.approach, 1e-9);
     // Nothing but the two surfaces holds the slab, so that its base does not matter, and it may lie the other way round.
     let turned = solve(&squeezed(&body, &flat, &surface), load);
     assert!(apart(&turned.lower.pressure, &found.upper.pressure) < 1e-8);
-    near(turned.approach, found.approach, 1e-9);
+    assert_near(turned.approach, found.approach, 1e-9);
 }
 
 /// The faces of a slab higher than its cell do not feel each other, but for e^(−q height).
@@ -125,11 +125,11 @@ fn forces_balance_and_residuals_are_those_of_the_fields() {
         assert_eq!(again.residual(), state.residual());
         assert_eq!((&again.upper.gap, &again.lower.gap), (&state.upper.gap, &state.lower.gap));
         assert!(state.worst() <= 1e-11, "{}", state.worst());
-        near(state.lower.mean_pressure, state.upper.mean_pressure, 1e-12);
-        near(state.upper.approach + state.lower.approach, state.approach, 1e-14);
+        assert_near(state.lower.mean_pressure, state.upper.mean_pressure, 1e-12);
+        assert_near(state.upper.approach + state.lower.approach, state.approach, 1e-14);
         // Displacements are measured from the level at which their means are opposite.
         let [u, v] = [&state.upper, &state.lower].map(|face| face.displacement.mean().unwrap());
-        near(u, v, 1e-9);
+        assert_near(u, v, 1e-9);
         // gap = clearance - approach - u on either face, each as seen from its own side.
         for (face, surface) in [(&state.upper, &upper), (&state.lower, &lower)] {
             let highest = surface.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -151,8 +151,8 @@ fn the_approach_of_a_load_gives_the_load() {
         for mean in [1e-4, 1e-2] {
             let pressed = solve(&contact, Load::MeanPressure(mean));
             let approached = solve(&contact, Load::Approach(pressed.approach));
-            near(approached.upper.mean_pressure, mean, 1e-6);
-            near(approached.lower.mean_pressure, approached.upper.mean_pressure, 1e-12);
+            assert_near(approached.upper.mean_pressure, mean, 1e-6);
+            assert_near(approached.lower.mean_pressure, approached.upper.mean_pressure, 1e-12);
         }
     }
 }
@@ -204,7 +204,7 @@ fn units_and_threads_change_nothing() {
     let small = SqueezedContact::new(&body, &grid, &(&upper * length), &(&lower * length)).unwrap();
     let scaled = small.press(Load::MeanPressure(0.01 * stress)).solve().unwrap();
     assert!(apart(&(&scaled.upper.pressure / stress), &state.upper.pressure) < 1e-7);
-    near(scaled.approach / length, state.approach, 1e-7);
+    assert_near(scaled.approach / length, state.approach, 1e-7);
 }
 
 #[test]

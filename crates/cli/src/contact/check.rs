@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, FullContact, Load, SqueezedContact, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, Contact, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
 use gfmd_files::Reader;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
@@ -37,14 +37,14 @@ pub(crate) fn check(
     let prepared = Prepared::new(&args, session)?;
     let Prepared { surface, body, base, lower, law, controls, .. } = &prepared;
     let heights = &*MovedBase::under(base.as_ref(), &surface.heights);
-    let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
+    let refuse = |error: Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
-    let solved = |field: &Array2<f64>| field.iter().all(|value| value.is_finite());
     let count = reader.shape("/loads/mean_pressure")?.first().copied().unwrap_or(0);
     if count != controls.len() {
         comparison
             .differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {}", controls.len()));
     }
+    let loads = &controls[..count.min(controls.len())];
     let needed = if args.law.law == Kind::HardWall { "/fields/pressure" } else { "/fields/gap" };
     let mut needed = [needed].into_iter().chain(lower.is_some().then_some("/fields/lower_pressure"));
     if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
@@ -68,66 +68,55 @@ pub(crate) fn check(
     };
     if args.finite_slope {
         let contact = SteepContact::new(body, &surface.grid, heights).map_err(refuse)?;
-        for (index, load) in controls.iter().enumerate().take(count) {
-            let pressure = file.field("pressure", index)?;
-            if solved(&pressure) {
-                file.compare(index, *load, &contact.certify(&pressure, *load).map_err(refuse)?, None, comparison)?;
-            }
-        }
-        return file.compare_statistics(comparison);
-    }
-    if args.components == Unknown::All {
+        let certify = |pressure: &Array2<f64>, load| contact.certify(pressure, load).map(unstiff);
+        file.compare_all("pressure", loads, comparison, certify)
+    } else if args.components == Unknown::All {
         let contact = FullContact::on(FullResponse::new(surface.grid, body), heights).map_err(refuse)?;
-        for (index, load) in controls.iter().enumerate().take(count) {
-            let pressure = file.field("pressure", index)?;
-            if solved(&pressure) {
-                file.compare(index, *load, &contact.certify(&pressure, *load).map_err(refuse)?, None, comparison)?;
-            }
-        }
-        return file.compare_statistics(comparison);
-    }
-    if let Some(lower) = lower {
+        let certify = |pressure: &Array2<f64>, load| contact.certify(pressure, load).map(unstiff);
+        file.compare_all("pressure", loads, comparison, certify)
+    } else if let Some(lower) = lower {
         if let Ok(stated) = reader.text("/lower", "height_sha256")
             && lower.checksum() != stated
         {
             comparison.differ("/lower/height", "its checksum does not hold".into());
         }
         let contact = SqueezedContact::new(body, &surface.grid, heights, &lower.heights).map_err(refuse)?;
-        for (index, load) in controls.iter().enumerate().take(count) {
+        for (index, load) in loads.iter().enumerate() {
             let [upper, lower] = [file.field("pressure", index)?, file.field("lower_pressure", index)?];
-            if solved(&upper) && solved(&lower) {
+            if is_solved(&upper) && is_solved(&lower) {
                 let state = contact.certify([&upper, &lower], *load).map_err(refuse)?;
                 file.compare(index, *load, &state, None, comparison)?;
             }
         }
-        return Ok(());
-    }
-    if args.law.law == Kind::HardWall {
+        Ok(())
+    } else if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
             Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
             Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
         let contact = prepared.harden(contact.map_err(refuse)?)?;
-        for (index, load) in controls.iter().enumerate().take(count) {
-            let pressure = file.field("pressure", index)?;
-            if solved(&pressure) {
-                let state = contact.certify(&pressure, *load).map_err(refuse)?;
-                let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
-                file.compare(index, *load, &state, Some(stiffness), comparison)?;
-            }
-        }
-        return file.compare_statistics(comparison);
+        let certify = |pressure: &Array2<f64>, load| {
+            let state = contact.certify(pressure, load)?;
+            let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
+            Ok((state, Some(stiffness)))
+        };
+        file.compare_all("pressure", loads, comparison, certify)
+    } else {
+        let response = NormalResponse::new(surface.grid, body);
+        let interface = Interface::on(response, heights, std::sync::Arc::clone(law)).map_err(refuse)?;
+        let certify = |gap: &Array2<f64>, load: Load| interface.certify(gap, load.into()).map(unstiff);
+        file.compare_all("gap", loads, comparison, certify)
     }
-    let response = NormalResponse::new(surface.grid, body);
-    let interface = Interface::on(response, heights, std::sync::Arc::clone(law)).map_err(refuse)?;
-    for (index, load) in controls.iter().enumerate().take(count) {
-        let gap = file.field("gap", index)?;
-        if solved(&gap) {
-            let state = interface.certify(&gap, (*load).into()).map_err(refuse)?;
-            file.compare(index, *load, &state, None, comparison)?;
-        }
-    }
-    file.compare_statistics(comparison)
+}
+
+/// False for the fields of a load that was not solved, which are NaN.
+fn is_solved(field: &Array2<f64>) -> bool {
+    field.iter().all(|value| value.is_finite())
+}
+
+/// A state without its stiffness.
+fn unstiff<S>(state: S) -> (S, Option<Stiffness>) {
+    (state, None)
 }
 
 /// The file of a contact, and what its loads must have.
@@ -149,6 +138,25 @@ impl Checked<'_> {
         let values = self.reader.slab(&format!("/fields/{name}"), index)?;
         let made = Array2::from_shape_vec(self.surface.grid.points(), values);
         made.map_err(|error| Failure::input("/fields", error))
+    }
+
+    /// Compares all loads with the states that `certify` makes of the field `name`, and then the statistics.
+    fn compare_all<S: Recorded>(
+        &mut self,
+        name: &str,
+        loads: &[Load],
+        comparison: &mut Comparison,
+        certify: impl Fn(&Array2<f64>, Load) -> Result<(S, Option<Stiffness>), Refusal>,
+    ) -> Result<(), Failure> {
+        for (index, load) in loads.iter().enumerate() {
+            let field = self.field(name, index)?;
+            if is_solved(&field) {
+                let (state, stiffness) =
+                    certify(&field, *load).map_err(|error| Failure::input("/surface/height", error))?;
+                self.compare(index, *load, &state, stiffness, comparison)?;
+            }
+        }
+        self.compare_statistics(comparison)
     }
 
     fn compare<S: Recorded>(
