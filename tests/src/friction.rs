@@ -57,6 +57,17 @@ fn case(case: &Value) -> Result<Check, ValidationError> {
     let heights = Array2::from_shape_fn((points[0], points[1]), |(i, j)| heights[i * points[1] + j]);
     let limit = Limit::Coulomb(get(&case["coefficient"]));
     let contact = FrictionalContact::new(&body(case)?, &grid, &heights, limit)?;
+    follow(&contact, case, format!("friction, {name}"), DENSE)
+}
+
+/// The states of a case by `contact`, each increment from the state before.
+pub(crate) fn follow(
+    contact: &FrictionalContact,
+    case: &Value,
+    name: String,
+    source: &'static str,
+) -> Result<Check, ValidationError> {
+    let get = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
     let (mut worst, mut last) = (Worst::new(), None);
     for wanted in case["states"].as_array().into_iter().flatten() {
         let lateral = numbers(&wanted["lateral"]);
@@ -72,7 +83,7 @@ fn case(case: &Value) -> Result<Check, ValidationError> {
         worst.compare(state.stick_fraction * pressure.len() as f64, get(&wanted["sticking_nodes"]));
         last = Some(state);
     }
-    Ok(worst.check(format!("friction, {name}: pressure and shear of all increments"), DENSE, 1e-8))
+    Ok(worst.check(format!("{name}: pressure and shear of all increments"), source, 1e-8))
 }
 
 /// The tangential over the normal stiffness of a rough contact, against that of a circle. The points in contact stick, and the pressure stays.

@@ -18,6 +18,7 @@ mod laws;
 mod layered;
 mod limits;
 mod moving;
+mod patch;
 mod plastic;
 mod punch;
 mod reference;
@@ -36,7 +37,7 @@ pub use check::{Bound, Check, Topic, ValidationError};
 pub use reference::Reference;
 
 /// All topics, in the order of docs/validation.md.
-pub const TOPICS: [Topic; 15] = [
+pub const TOPICS: [Topic; 16] = [
     Topic { name: "limits", title: "Limits of the stiffness: tables 3.1 to 3.3 of the source", checks: limits::checks },
     Topic { name: "kernels", title: "Stiffness and compliance of one wave vector", checks: kernels::checks },
     Topic { name: "inside", title: "Fields inside the body", checks: inside::checks },
@@ -49,6 +50,7 @@ pub const TOPICS: [Topic; 15] = [
     Topic { name: "layered", title: "Layers, bases and pairs of bodies", checks: layered::checks },
     Topic { name: "laws", title: "Adhesion, cohesion, friction", checks: laws::checks },
     Topic { name: "friction", title: "Friction with pressure and shear coupled", checks: friction::checks },
+    Topic { name: "patch", title: "Laws, friction and slabs on a patch", checks: patch::checks },
     Topic { name: "moving", title: "A base that moves", checks: moving::checks },
     Topic { name: "squeezed", title: "A slab between two rough surfaces", checks: squeezed::checks },
     Topic { name: "steep", title: "Finite slopes", checks: steep::checks },

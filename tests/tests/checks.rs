@@ -30,7 +30,7 @@ macro_rules! topics {
     };
 }
 topics!(
-    limits, kernels, inside, punch, damping, analytic, exact, bounded, plastic, layered, laws, friction, moving,
+    limits, kernels, inside, punch, damping, analytic, exact, bounded, plastic, layered, laws, friction, patch, moving,
     squeezed, steep
 );
 

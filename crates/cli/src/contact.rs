@@ -225,9 +225,6 @@ impl Prepared {
                 return Err(Failure::value(flag, bad, allowed));
             }
         }
-        if let (Boundary::Free, true) = (args.boundary, pulls) {
-            return Err(Failure::value("--boundary", args.boundary, "periodic with --law"));
-        }
         if let (Some(hardness), true) = (&args.hardness, pulls) {
             return Err(Failure::value("--hardness", hardness, "absent with --law"));
         }
@@ -279,7 +276,8 @@ impl Prepared {
                 if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
             }
             (Kind::HardWall, _) => Held::FREE,
-            _ => Held::LAW,
+            (_, Boundary::Periodic) => Held::LAW,
+            (_, Boundary::Free) => Held::LAW_FREE,
         };
         fields.check("the grid", surface.grid.points())?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
@@ -353,7 +351,8 @@ impl Prepared {
             let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
             return self.press(&contact, contact.surface(), args, None, session);
         }
-        let interface = Interface::new(body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        let interface =
+            Interface::bounded(args.boundary, body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
         self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
@@ -372,7 +371,7 @@ impl Prepared {
         let mut last: Option<State> = None;
         for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
             let Some(law) = args.law.with_range(factor)? else { break };
-            let made = Interface::new(&self.body, &self.surface.grid, heights, law.into_shared());
+            let made = Interface::bounded(args.boundary, &self.body, &self.surface.grid, heights, law.into_shared());
             let interface = made.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
             let mut watch = |_: &gfmd_contact::Progress| {
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

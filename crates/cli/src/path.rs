@@ -116,29 +116,33 @@ impl Args {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 
-    /// True for the contact of a hard wall that has free boundaries or a hardness.
+    /// True for the contact of a hard wall alone that has free boundaries or a hardness.
     ///
     /// # Errors
-    /// A law, friction or lateral displacement beside them.
+    /// What a hardness or free boundaries do not go with.
     fn is_wall(&self) -> Result<bool, Failure> {
-        let (flag, found) = match (&self.hardness, self.boundary) {
-            (Some(hardness), _) => ("--hardness", hardness.to_string()),
-            (None, Boundary::Free) => ("--boundary", self.boundary.to_string()),
-            (None, Boundary::Periodic) => return Ok(false),
-        };
-        let others = [
-            ("--law", self.law.law != Kind::HardWall),
-            ("--friction", self.friction.is_some()),
-            ("--shear-strength", self.shear_strength.is_some()),
-            ("--lateral", !self.waypoints.lateral.is_empty()),
-        ];
-        match others.into_iter().find(|(_, given)| *given) {
-            Some((other, _)) => {
-                let allowed = if self.hardness.is_some() { "absent" } else { Boundary::Periodic.name() };
-                Err(Failure::value(flag, found, format!("{allowed} with {other}")))
-            }
-            None => Ok(true),
+        let (law, lateral) = (self.law.law != Kind::HardWall, !self.waypoints.lateral.is_empty());
+        let slides = self.friction.is_some() || self.shear_strength.is_some();
+        if let Some(hardness) = &self.hardness {
+            let others = [
+                ("--law", law),
+                ("--friction", self.friction.is_some()),
+                ("--shear-strength", self.shear_strength.is_some()),
+                ("--lateral", lateral),
+            ];
+            return match others.into_iter().find(|(_, given)| *given) {
+                Some((other, _)) => Err(Failure::value("--hardness", hardness, format!("absent with {other}"))),
+                None => Ok(true),
+            };
         }
+        if self.boundary == Boundary::Periodic || slides {
+            return Ok(false);
+        }
+        if lateral {
+            let allowed = "periodic with --lateral, unless there is --friction or --shear-strength";
+            return Err(Failure::value("--boundary", self.boundary, allowed));
+        }
+        Ok(!law)
     }
 
     /// The resolved configuration as TOML.
@@ -200,10 +204,12 @@ impl Prepared {
             action
         };
         let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = match all {
-            true => Held::ALL_COMPONENTS,
-            false if is_wall => Held::FREE,
-            false => Held::PATH,
+        let fields = match (all, args.boundary) {
+            _ if is_wall => Held::FREE,
+            (true, Boundary::Periodic) => Held::ALL_COMPONENTS,
+            (true, Boundary::Free) => Held::ALL_COMPONENTS_FREE,
+            (false, Boundary::Periodic) => Held::PATH,
+            (false, Boundary::Free) => Held::PATH_FREE,
         };
         fields.check("the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
@@ -216,11 +222,14 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let refuse = |error: Refusal| Failure::input(&args.source.name(), error);
-        let (body, Surface { grid, heights, .. }) = (&self.body, &self.surface);
+        let refuse = |refusal: Refusal| match refusal {
+            Refusal::Body(_) => Failure::input("--boundary free", refusal),
+            _ => Failure::input(&args.source.name(), refusal),
+        };
+        let (body, Surface { grid, heights, boundary, .. }) = (&self.body, &self.surface);
         let law = match &self.action {
             Action::Friction(limit) => {
-                let contact = FrictionalContact::new(body, grid, heights, *limit).map_err(refuse)?;
+                let contact = FrictionalContact::bounded(*boundary, body, grid, heights, *limit).map_err(refuse)?;
                 return self.follow(&contact, args, session);
             }
             Action::Wall(_) => return self.follow(&self.wall(refuse)?, args, session),
@@ -229,7 +238,7 @@ impl Prepared {
         let interface = if self.moves_sideways(args) {
             Interface::in_all_components(body, grid, heights, law)
         } else {
-            Interface::new(body, grid, heights, law)
+            Interface::bounded(*boundary, body, grid, heights, law)
         };
         let interface = interface.map_err(refuse)?;
         self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
@@ -257,10 +266,7 @@ impl Prepared {
     /// The contact with a hard wall whose plastic depth stays.
     fn wall(&self, refuse: impl Fn(Refusal) -> Failure) -> Result<PlasticContact, Failure> {
         let Surface { grid, heights, boundary, .. } = &self.surface;
-        let contact = Contact::bounded(*boundary, &self.body, grid, heights).map_err(|refusal| match refusal {
-            Refusal::Body(_) => Failure::input("--boundary free", refusal),
-            _ => refuse(refusal),
-        })?;
+        let contact = Contact::bounded(*boundary, &self.body, grid, heights).map_err(&refuse)?;
         let contact = match self.hardness() {
             Some(hardness) => contact.with_hardness(hardness.clone()),
             None => Ok(contact),

@@ -7,7 +7,7 @@ pub enum Boundary {
     /// The surface is one period of an endless one.
     #[default]
     Periodic,
-    /// The surface is a patch on an unbounded half-space: pressure acts within the patch only, and the displacement is zero
+    /// The surface is a patch on an unbounded half-space, slab or stack of layers: pressure acts within the patch only, and the displacement is zero
     /// far away (theory.md, section 3.1).
     Free,
 }
@@ -28,7 +28,7 @@ impl Boundary {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Periodic => "the surface repeats without end",
-            Self::Free => "the surface is a patch on an unbounded half-space",
+            Self::Free => "the surface is a patch on an unbounded body",
         }
     }
 }

@@ -63,7 +63,8 @@ impl RigidSurface {
     }
 
     /// The surface as a patch that does not repeat. The step from its last to its first points is no part of it.
-    pub(crate) fn alone(self) -> Self {
+    #[must_use]
+    pub fn alone(self) -> Self {
         Self { repeats: false, rms_gradient: OnceLock::new(), ..self }
     }
 

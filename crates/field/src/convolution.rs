@@ -3,7 +3,7 @@ use std::fmt;
 use gfmd_vector::Split;
 
 use crate::plan::Plan;
-use crate::{Grid, Real, ShapeError, Workspace};
+use crate::{Grid, GridError, Real, ShapeError, Workspace};
 
 /// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with
 /// a kernel that is even in both directions. It is built once and shared between threads.
@@ -113,6 +113,19 @@ impl Convolution {
 impl<T> fmt::Debug for Convolution<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Convolution").field("grid", &self.grid).finish_non_exhaustive()
+    }
+}
+
+impl Grid {
+    /// The periodic cell in which a patch on this grid does not meet its images: the same spacing and at least twice the points
+    /// along each axis with more than one, an even product of 2, 3, 5 and 7.
+    ///
+    /// # Errors
+    /// More points than memory can address.
+    pub fn padded(&self) -> Result<Self, GridError> {
+        let points = self.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
+        let spacing = self.spacing();
+        Self::new(points, [0, 1].map(|axis| spacing[axis] * points[axis] as f64))
     }
 }
 

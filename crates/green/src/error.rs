@@ -1,3 +1,5 @@
+use gfmd_field::GridError;
+
 use crate::BaseKind;
 
 /// Reasons to refuse a material, a body, or a place in it.
@@ -31,9 +33,44 @@ pub enum GreenError {
     /// A half-space or a pair of bodies, pressed on both faces.
     #[error("the body is {0}; a body that is pressed on both faces must be a slab or a stack of layers")]
     Plate(&'static str),
-    /// A patch of surface with free boundaries on a body of finite height.
-    #[error("the height is {0}; with free boundaries it must be inf, a half-space")]
-    FreeBoundary(f64),
+    /// Shear of a patch with free boundaries on a body of finite height.
+    #[error("the height is {0}; with free boundaries and shear it must be inf, a half-space")]
+    FreeShear(f64),
+    /// A profile with free boundaries on a body of finite height.
+    #[error("the height is {0}; for a profile with free boundaries it must be inf, a half-space")]
+    FreeProfile(f64),
+    /// A patch with free boundaries on a plate.
+    #[error("nothing holds the plate; with free boundaries the base must be bonded, sliding or half-space")]
+    FreePlate,
+    /// Layers that are too thin for a patch.
+    #[error(
+        "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: about 1/200 of the diagonal of the patch, and 1/4 of the spacing"
+    )]
+    ThinLayer {
+        /// The height.
+        found: f64,
+        /// The least height.
+        least: f64,
+    },
+    /// A patch that cannot be doubled.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// Shear of a profile with free boundaries.
+    #[error(
+        "the grid is a profile; shear with free boundaries needs a surface, since the lateral displacement of a profile is known up to a constant"
+    )]
+    LineShear,
+    /// The compliance of a patch whose table has entries that are rounding errors.
+    #[error(
+        "the compliance of the patch is between {least:e} and {largest:e}; the least must be above 1e-12 of the largest (a body \
+         that is incompressible and thin cannot be had with free boundaries and a law)"
+    )]
+    PatchStiffness {
+        /// The least compliance of a wave.
+        least: f64,
+        /// The largest.
+        largest: f64,
+    },
     /// A height above the base was asked of a half-space.
     #[error("the height above the base is {0}, but a half-space has no base; give the depth below the surface")]
     HalfSpaceHeight(f64),

@@ -1,32 +1,84 @@
-//! A half-space whose surface is loaded on a patch only: the displacement by a uniform pressure on one cell of a grid
+//! A body whose surface is loaded on a patch only: the displacement by a uniform pressure on one cell of a grid
 //! (theory.md, section 3.1).
+
+mod layered;
 
 use std::f64::consts::PI;
 
 use gfmd_field::Grid;
 
 use crate::{Body, GreenError, Height};
+use layered::Correction;
 
 /// The frictionless compliance of a patch of surface, in length/stress: the displacement, downwards, at the centre of a cell
-/// by a uniform unit pressure on the cell that lies `[i, j]` cells away, and zero far away (Love 1929).
+/// by a uniform unit pressure on the cell that lies `[i, j]` cells away, and zero far away: of a half-space in closed form (Love
+/// 1929), and what layers add to it by quadrature of their compliance over all wavenumbers, to about 1e-12 of the entry `[0, 0]`.
 ///
 /// On a line the cells are strips without end, and the displacement is known up to a constant: it is zero at one length of
 /// the patch from the centre of a strip that is far shorter.
 ///
 /// # Errors
-/// A body other than a half-space, or two of them.
+/// A plate, which nothing holds; layers on a line; layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
-    if let Some(Height::Finite(height)) =
-        [Some(body), body.second()].into_iter().flatten().map(Body::height).find(|height| *height != Height::Infinite)
-    {
-        return Err(GreenError::FreeBoundary(height));
-    }
+    let correction = Correction::of(body, grid)?;
     let modulus = body.contact_modulus();
     let (sides, length, is_line) = (grid.spacing(), grid.lengths()[0], grid.is_line());
     Ok(move |[i, j]: [usize; 2]| {
         let at = [i as f64 * sides[0], j as f64 * sides[1]];
         let integral = if is_line { -2.0 * strip(at[0], sides[0], length) } else { rectangle(at, sides) };
-        integral / (PI * modulus)
+        integral / (PI * modulus) + correction.as_ref().map_or(0.0, |correction| correction.integral(at))
+    })
+}
+
+/// The compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell by a uniform
+/// unit traction on another one (Boussinesq and Cerruti; Johnson 1985, section 3.6).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "entries of the matrix G in u = G t, with +z out of the body")]
+pub struct PatchMatrix {
+    pub xx: f64,
+    pub yy: f64,
+    pub zz: f64,
+    pub xy: f64,
+    pub xz: f64,
+    pub yz: f64,
+}
+
+/// The [matrix](PatchMatrix) of a patch of a half-space: of the displacement at the cell that lies `[i, j]` cells from the
+/// loaded one, i and j ≥ 0. xy is odd in i and in j, xz in i, yz in j; the others are even.
+///
+/// # Errors
+/// A body other than a half-space, or two of them; a line, whose lateral displacement is known up to a constant.
+pub fn patch_matrix(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> PatchMatrix + Sync + use<>, GreenError> {
+    if grid.is_line() {
+        return Err(GreenError::LineShear);
+    }
+    let heights = [Some(body), body.second()].into_iter().flatten().map(Body::height);
+    if let Some(Height::Finite(height)) = heights.into_iter().find(|height| *height != Height::Infinite) {
+        return Err(GreenError::FreeShear(height));
+    }
+    let normal = patch_compliance(body, grid)?;
+    let sides = grid.spacing();
+    let bodies = [Some(body), body.second()].into_iter().flatten().map(Body::material);
+    let sum = |of: &dyn Fn(&crate::Material) -> f64| bodies.clone().map(of).sum::<f64>();
+    let direct = sum(&|material| (1.0 - material.poisson()) / (2.0 * PI * material.shear_modulus()));
+    let poisson = sum(&|material| material.poisson() / (2.0 * PI * material.shear_modulus()));
+    // A second body is upside down.
+    let signs = [1.0, -1.0].into_iter();
+    let coupled: f64 = (bodies.clone().zip(signs))
+        .map(|(material, sign)| sign * (1.0 - 2.0 * material.poisson()) / (4.0 * PI * material.shear_modulus()))
+        .sum();
+    Ok(move |[i, j]: [usize; 2]| {
+        let at = [i as f64 * sides[0], j as f64 * sides[1]];
+        let turned = |[x, y]: [f64; 2]| [y, x];
+        let [along, other] = [along_x(at, sides), along_x(turned(at), turned(sides))];
+        PatchMatrix {
+            xx: direct * (along + other) + poisson * along,
+            yy: direct * (along + other) + poisson * other,
+            zz: normal([i, j]),
+            xy: if i == 0 || j == 0 { 0.0 } else { poisson * across(at, sides) },
+            xz: if i == 0 { 0.0 } else { coupled * aside(at, sides) },
+            yz: if j == 0 { 0.0 } else { coupled * aside(turned(at), turned(sides)) },
+        }
     })
 }
 
@@ -48,13 +100,13 @@ const THREE: [[f64; 2]; 3] = [
     [0.387_298_334_620_741_7, 0.277_777_777_777_777_8],
 ];
 
-/// ∫∫ dA/r over a rectangle with these sides, for the distance r from the point `at` relative to its centre.
-fn rectangle(at: [f64; 2], sides: [f64; 2]) -> f64 {
+/// ∫∫ f dA over a rectangle with these sides, whose centre lies at `at` relative to the origin; ∂²`primitive`/∂x∂y = f.
+fn integral(at: [f64; 2], sides: [f64; 2], f: impl Fn(f64, f64) -> f64, primitive: impl Fn(f64, f64) -> f64) -> f64 {
     let [x, y] = at;
     let [a, b] = sides;
     let cells = x.hypot(y) / a.max(b);
     let by = |nodes: &[[f64; 2]]| {
-        let along = |u: f64| -> f64 { nodes.iter().map(|[t, w]| w / u.hypot(y + t * b)).sum() };
+        let along = |u: f64| -> f64 { nodes.iter().map(|[t, w]| w * f(u, y + t * b)).sum() };
         a * b * nodes.iter().map(|[t, w]| w * along(x + t * a)).sum::<f64>()
     };
     if cells > FAR[1] {
@@ -64,9 +116,30 @@ fn rectangle(at: [f64; 2], sides: [f64; 2]) -> f64 {
         return by(&FIVE);
     }
     // The corners never lie beside the point.
-    let primitive = |x: f64, y: f64| x * (y / x.abs()).asinh() + y * (x / y.abs()).asinh();
     let [left, right, below, above] = [x - 0.5 * a, x + 0.5 * a, y - 0.5 * b, y + 0.5 * b];
     primitive(right, above) - primitive(left, above) - primitive(right, below) + primitive(left, below)
+}
+
+/// ∫∫ dA/r over a rectangle with these sides, for the distance r from the point `at` relative to its centre.
+fn rectangle(at: [f64; 2], sides: [f64; 2]) -> f64 {
+    let primitive = |x: f64, y: f64| x * (y / x.abs()).asinh() + y * (x / y.abs()).asinh();
+    integral(at, sides, |x, y| 1.0 / x.hypot(y), primitive)
+}
+
+/// ∫∫ x²/r³ dA.
+fn along_x(at: [f64; 2], sides: [f64; 2]) -> f64 {
+    integral(at, sides, |x, y| x * x / x.hypot(y).powi(3), |x, y| y * (x / y.abs()).asinh())
+}
+
+/// ∫∫ x y/r³ dA.
+fn across(at: [f64; 2], sides: [f64; 2]) -> f64 {
+    integral(at, sides, |x, y| x * y / x.hypot(y).powi(3), |x, y| -x.hypot(y))
+}
+
+/// ∫∫ x/r² dA.
+fn aside(at: [f64; 2], sides: [f64; 2]) -> f64 {
+    let primitive = |x: f64, y: f64| y * x.hypot(y).ln() + x * (y / x).atan();
+    integral(at, sides, |x, y| x / (x * x + y * y), primitive)
 }
 
 /// ∫ ln(|x + s|/length) ds over −width/2 to width/2.
@@ -118,12 +191,45 @@ mod tests {
         assert!((strip(30.0, 9.0, 100.0) / parts - 1.0).abs() < 1e-13);
     }
 
+    /// The primitives against quadrature, and xx + yy, whose part by the distance alone is that of zz.
     #[test]
-    fn only_a_half_space_has_one() {
+    fn tangential_integrals_are_those_of_their_functions() {
+        for sides in [[1.0, 1.0], [1.0, 0.3], [0.4, 1.0]] {
+            for at in [[1.0, 1.0], [2.0, 0.0], [0.0, 3.0], [3.0, 2.0]] {
+                let at = [at[0] * sides[0], at[1] * sides[1]];
+                // Gauss's quadrature on 20 x 20 parts of the rectangle.
+                let fine = |f: &dyn Fn(f64, f64) -> f64| {
+                    let mut sum = 0.0;
+                    for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (i, j))) {
+                        let part = |k: i32, side: f64| side * ((f64::from(k) + 0.5) / 20.0 - 0.5);
+                        for ([s, v], [t, w]) in FIVE.iter().flat_map(|a| FIVE.iter().map(move |b| (a, b))) {
+                            let x = at[0] + part(i, sides[0]) + s * sides[0] / 20.0;
+                            let y = at[1] + part(j, sides[1]) + t * sides[1] / 20.0;
+                            sum += v * w * f(x, y);
+                        }
+                    }
+                    sum * sides[0] * sides[1] / 400.0
+                };
+                let r = |x: f64, y: f64| x.hypot(y);
+                for (found, wanted) in [
+                    (along_x(at, sides), fine(&|x, y| x * x / r(x, y).powi(3))),
+                    (across(at, sides), fine(&|x, y| x * y / r(x, y).powi(3))),
+                    (aside(at, sides), fine(&|x, y| x / r(x, y).powi(2))),
+                ] {
+                    assert!((found - wanted).abs() < 1e-11, "{sides:?} {at:?}: {found} {wanted}");
+                }
+            }
+        }
+        let turned = along_x([0.3, 0.7], [1.0, 0.5]) + along_x([0.7, 0.3], [0.5, 1.0]);
+        assert!((turned - rectangle([0.3, 0.7], [1.0, 0.5])).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_cell_below_its_own_pressure_sinks_as_love_says() {
         let material = Material::from_contact_modulus(2.0, 0.3).unwrap();
         let grid = Grid::square(4, 1.0).unwrap();
         let slab = Body::slab(material, 0.5).unwrap();
-        assert_eq!(patch_compliance(&slab, &grid).err(), Some(GreenError::FreeBoundary(0.5)));
+        assert_eq!(patch_matrix(&slab, &grid).err(), Some(GreenError::FreeShear(0.5)));
         let compliance = patch_compliance(&Body::half_space(material), &grid).unwrap();
         assert!((compliance([0, 0]) - 4.0 * 0.25 * 1.0_f64.asinh() / (2.0 * PI)).abs() < 1e-15);
         assert_eq!(compliance([1, 3]), compliance([3, 1]));

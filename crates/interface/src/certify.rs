@@ -18,11 +18,11 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         Certificate { interface, frame, position, traction, gap: vec![0.0; points], wall_pressure: vec![0.0; points] };
     let lowest = certificate.separations();
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
-    let means: Vec<f64> = certificate.traction.chunks_exact(points).map(mean).collect();
+    let means: Vec<f64> = certificate.traction.chunks_exact(points).map(|field| frame.mean(field)).collect();
     let (mean_pressure, load) = match frame.drive.load {
         // The mean pressure of wall and law; at rest it equals the mean of the elastic traction.
         Load::MeanPressure(asked) => {
-            let exerted = mean(&certificate.wall_pressure) - balances[z].law_mean;
+            let exerted = frame.mean(&certificate.wall_pressure) - balances[z].law_mean;
             (exerted, exerted - asked)
         }
         Load::Approach(_) => (-means[z], 0.0),
@@ -34,10 +34,10 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let interface_energy = certificate.interface_energy();
     let contact_fraction = certificate.contact_fraction();
     let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
-    let elastic_energy = 0.5 * gfmd_vector::dot(&certificate.traction, &displacement) / points as f64;
-    let [nx, ny] = interface.elastic.grid().points();
-    let vectors = |values: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), values).expect(FITS);
-    let field = |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect(FITS);
+    let elastic_energy = 0.5 * gfmd_vector::dot(&certificate.traction, &displacement) / frame.inside() as f64;
+    let [nx, ny] = interface.surface.grid().points();
+    let vectors = |all: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), frame.values_inside(all)).expect(FITS);
+    let field = |all: Vec<f64>| Array2::from_shape_vec((nx, ny), frame.values_inside(all)).expect(FITS);
     let Certificate { traction, gap, wall_pressure, .. } = certificate;
     let (gap, wall_pressure) = (field(gap), field(wall_pressure));
     let (closed, pressed) = ((&wall_pressure * &gap).sum(), wall_pressure.sum());
@@ -71,18 +71,20 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
 
 impl Interface {
     /// The state that follows from a gap under `drive`, with its residuals, from new transforms. It applies to an interface
-    /// in u_z alone, whose displacement the gap determines.
+    /// in u_z alone, whose displacement the gap determines; with free boundaries that outside of the patch follows from the
+    /// `pressure`, which is not used otherwise.
     ///
     /// # Errors
-    /// An invalid drive; a gap of another shape than the grid, or an interface in all components.
-    pub fn certify(&self, gap: &ArrayRef2<f64>, drive: Drive) -> Result<State, Refusal> {
+    /// An invalid drive; fields of another shape than the grid, or an interface in all components.
+    pub fn certify(&self, gap: &ArrayRef2<f64>, pressure: &ArrayRef2<f64>, drive: Drive) -> Result<State, Refusal> {
         let frame = self.frame(drive)?;
-        let expected = frame.components() * frame.points();
-        if gap.len() != expected {
-            return Err(Refusal::Start { found: gap.len(), expected });
+        let expected = frame.components() * frame.inside();
+        if let Some(found) = [gap.len(), pressure.len()].into_iter().find(|found| *found != expected) {
+            return Err(Refusal::Start { found, expected });
         }
-        let position: Vec<f64> = frame.wall().zip(gap).map(|(wall, gap)| wall - gap).collect();
-        Ok(certify(self, &frame, &position))
+        let wall: Vec<f64> = frame.values_inside(frame.wall().collect());
+        let inside = wall.iter().zip(gap).map(|(wall, gap)| wall - gap).collect();
+        Ok(certify(self, &frame, &frame.position(&self.elastic, inside, pressure)))
     }
 }
 
@@ -175,14 +177,14 @@ impl Certificate<'_> {
             };
             for_each([&mut wall_pressure[..]], &press);
         }
-        Balance { unbalanced, tension, largest, law_mean: law_total / points as f64 }
+        Balance { unbalanced, tension, largest, law_mean: law_total / frame.inside() as f64 }
     }
 
     /// The energy of the law per area.
     fn interface_energy(&self) -> f64 {
         let Self { interface, frame, position, .. } = self;
-        let points = frame.points();
-        sum(points, &|range| range.map(|i| interface.energy(frame.separation(position, i))).sum()) / points as f64
+        let of = |i: usize| interface.energy(frame.separation(position, frame.place_of(i)));
+        sum(frame.inside(), &|range| range.map(of).sum()) / frame.inside() as f64
     }
 
     /// The fraction of points that the wall presses; without a wall, of points that the law repels.
@@ -190,11 +192,11 @@ impl Certificate<'_> {
         let Self { interface, frame, position, wall_pressure, .. } = self;
         let wall = interface.law.has_wall();
         let in_contact = |i: usize| {
+            let i = frame.place_of(i);
             let (normal, sliding) = frame.separation(position, i);
             if wall { wall_pressure[i] > 0.0 } else { interface.law.traction(normal, sliding)[2] < 0.0 }
         };
-        let points = frame.points();
-        sum(points, &|range| range.map(|i| f64::from(in_contact(i))).sum()) / points as f64
+        sum(frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum()) / frame.inside() as f64
     }
 
     /// The displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the elastic surface
@@ -204,7 +206,8 @@ impl Certificate<'_> {
         let mut displacement = position.to_vec();
         let Load::MeanPressure(_) = frame.drive.load else { return (displacement, frame.approach) };
         let normal = &mut displacement[frame.z() * frame.points()..];
-        let approach = mean(normal) + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure;
+        let inside = frame.inside() as f64 / frame.points() as f64;
+        let approach = mean(normal) + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure * inside;
         normal.iter_mut().for_each(|u| *u -= approach);
         (displacement, approach)
     }

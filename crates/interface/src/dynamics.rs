@@ -25,7 +25,7 @@ pub(crate) fn relax_to_rest(
     start: Option<&State>,
     watch: &mut dyn Watch,
 ) -> Result<Ended, RelaxError> {
-    let mut position = frame.starting_position(start);
+    let mut position = frame.starting_position(&interface.elastic, start);
     let [softest, stiffest] = interface.elastic.stiffness_range();
     let lowest = (0..frame.points()).map(|i| frame.separation(&position, i).0).fold(0.0, f64::min);
     let bounds = interface.law.has_wall().then(|| {

@@ -1,5 +1,8 @@
-use gfmd_contact::{Drive, Load, Refusal};
+use gfmd_contact::{Drive, Fields as _, Load, Refusal};
+use gfmd_response::Elastic;
+use gfmd_vector::total;
 
+use crate::patch::Patch;
 use crate::{Interface, State};
 
 /// The coordinates in which a drive is solved. Under a prescribed load the rigid surface stays at first touch and the body
@@ -11,11 +14,12 @@ pub(crate) struct Frame<'a> {
     pub(crate) uniform_stiffness: Vec<f64>,
     /// Components whose mean is held at 0, because a uniform traction does not move the body along them.
     pub(crate) held: Vec<bool>,
-    /// Mean pressure that pushes the body up, stress.
+    /// Mean pressure that pushes the body up, stress; of a patch the mean over its cell.
     pub(crate) push: f64,
     /// Approach of the rigid surface, length.
     pub(crate) approach: f64,
     clearance: &'a [f64],
+    patch: Option<&'a Patch>,
 }
 
 impl Interface {
@@ -29,12 +33,17 @@ impl Interface {
         let mut uniform_stiffness: Vec<f64> = uniform.iter().map(|g| if *g > 0.0 { 1.0 / g } else { 0.0 }).collect();
         let mut held: Vec<bool> = uniform.iter().map(|g| *g == 0.0).collect();
         let z = uniform.len() - 1;
+        let clearance = self.patch.as_ref().map_or_else(|| self.surface.clearance(), Patch::clearance);
+        let inside = self.surface.clearance().len() as f64 / clearance.len() as f64;
         let (push, approach) = match drive.load {
             Load::MeanPressure(mean) => {
                 (uniform_stiffness[z], held[z]) = (0.0, false);
-                (mean, 0.0)
+                (mean * inside, 0.0)
             }
             Load::Approach(found) => {
+                if self.patch.is_some() && self.surface.grid().is_line() {
+                    return Err(Refusal::LineApproach);
+                }
                 let limit = self.surface.mean_clearance();
                 if self.law.has_wall() && held[z] && found >= limit {
                     return Err(Refusal::Approach { found, limit: Some(limit) });
@@ -42,7 +51,7 @@ impl Interface {
                 (0.0, found)
             }
         };
-        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance: self.surface.clearance() })
+        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance, patch: self.patch.as_ref() })
     }
 }
 
@@ -50,6 +59,29 @@ impl Frame<'_> {
     /// Number of points.
     pub(crate) fn points(&self) -> usize {
         self.clearance.len()
+    }
+
+    /// Number of points where the rigid surface is: all, or those of the patch.
+    pub(crate) fn inside(&self) -> usize {
+        self.patch.map_or(self.points(), Patch::len)
+    }
+
+    /// The point that is number `i` of those [inside](Self::inside).
+    pub(crate) fn place_of(&self, i: usize) -> usize {
+        self.patch.map_or(i, |patch| patch.place_of(i))
+    }
+
+    /// The values inside of fields, one field after another.
+    pub(crate) fn values_inside(&self, fields: Vec<f64>) -> Vec<f64> {
+        match self.patch {
+            Some(patch) => patch.inside(&fields),
+            None => fields,
+        }
+    }
+
+    /// The mean over the points inside, where the other points are zero.
+    pub(crate) fn mean(&self, field: &[f64]) -> f64 {
+        total(field) / self.inside() as f64
     }
 
     /// Number of components.
@@ -79,19 +111,45 @@ impl Frame<'_> {
         self.clearance.iter().map(|clearance| clearance - self.approach)
     }
 
+    /// The position with these values `inside`. That of the points outside of a patch follows from the pressure on it.
+    pub(crate) fn position<'p>(
+        &self,
+        elastic: &Elastic,
+        inside: Vec<f64>,
+        pressure: impl IntoIterator<Item = &'p f64>,
+    ) -> Vec<f64> {
+        let Some(patch) = self.patch else { return inside };
+        let mut traction = vec![0.0; self.points()];
+        patch.place(pressure, &mut traction);
+        traction.iter_mut().for_each(|t| *t = -*t);
+        let mut position = vec![0.0; self.points()];
+        elastic.transforms().compliance(&traction, &elastic.uniform_compliance(), &mut position);
+        if let Load::MeanPressure(_) = self.drive.load {
+            // In the frame of a load the body moves as a whole.
+            let rise = (total(&inside) - total(&patch.inside(&position))) / patch.len() as f64;
+            position.iter_mut().for_each(|w| *w += rise);
+        }
+        patch.place(&inside, &mut position);
+        position
+    }
+
     /// The position from which a search begins: `start`, with the points under pressure of the wall placed on it; without
     /// one, the undeformed surface, clipped at the wall.
-    pub(crate) fn starting_position(&self, start: Option<&State>) -> Vec<f64> {
-        let mut position = vec![0.0; self.components() * self.points()];
+    pub(crate) fn starting_position(&self, elastic: &Elastic, start: Option<&State>) -> Vec<f64> {
         let z = self.z() * self.points();
         let Some(state) = start else {
+            let mut position = vec![0.0; self.components() * self.points()];
             position[z..].iter_mut().zip(self.wall()).for_each(|(w, wall)| *w = wall.min(0.0));
             return position;
         };
-        position.iter_mut().zip(&state.displacement).for_each(|(w, u)| *w = *u);
-        let rise = if let Load::MeanPressure(_) = self.drive.load { state.approach } else { 0.0 };
-        for ((w, wall), pressure) in position[z..].iter_mut().zip(self.wall()).zip(&state.wall_pressure) {
-            *w = if *pressure > 0.0 { wall } else { *w + rise };
+        let mut position: Vec<f64> = state.displacement.iter().copied().collect();
+        if let Load::MeanPressure(_) = self.drive.load {
+            position[self.z() * self.inside()..].iter_mut().for_each(|w| *w += state.approach);
+        }
+        let mut position = self.position(elastic, position, &state.pressure());
+        for (i, _) in state.wall_pressure.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0) {
+            let at = self.place_of(i);
+            position[z + at] = self.clearance[at] - self.approach;
         }
         position
     }

@@ -4,21 +4,23 @@
 mod certify;
 mod increment;
 mod normal;
+mod response;
 mod state;
 mod tangential;
 
 use std::sync::Arc;
 
-use gfmd_contact::{Drive, Equilibrium, Load, Refusal, RigidSurface, SolveError, Solver, Units, judge};
+use gfmd_contact::{Boundary, Drive, Equilibrium, Load, Refusal, RigidSurface, SolveError, Solver, Units, judge};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::Limit;
 use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
-use gfmd_response::FullResponse;
+use gfmd_response::{FreeFullCompliance, FullResponse};
 use ndarray::ArrayRef2;
 
 use certify::certify;
 use increment::Increment;
+use response::Response;
 pub use state::{FrictionResidual, FrictionState};
 
 /// A rigid rough surface pressed on an elastic one and moved sideways, with a hard wall and friction.
@@ -33,7 +35,7 @@ pub use state::{FrictionResidual, FrictionState};
 #[derive(Clone, Debug)]
 pub struct FrictionalContact {
     /// The response of the body, the rigid surface and the limit of the shear, in `units`.
-    response: Arc<FullResponse>,
+    response: Response,
     surface: Arc<RigidSurface>,
     limit: Limit,
     /// The rigid surface as given.
@@ -65,21 +67,36 @@ impl FrictionalContact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
+        Self::bounded(Boundary::Periodic, body, grid, heights, limit)
+    }
+
+    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] displacements are against points far
+    /// away, and a mean pressure is the force over Lx Ly.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); and with free boundaries a body other than a half-space, or a profile.
+    pub fn bounded(
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        limit: Limit,
+    ) -> Result<Self, Refusal> {
         let limit = limit.check()?;
-        let given = Self::rough(grid, heights)?;
+        let given = Self::rough(grid, heights, boundary)?;
         let units = Units::of(body, &given)?;
         let limit = match limit {
             Limit::Coulomb(coefficient) => Limit::Coulomb(coefficient),
             Limit::Tresca(strength) => Limit::Tresca(strength / units.stress()),
         };
-        Ok(Self {
-            response: FullResponse::new(units.grid(grid), &units.body(body)).into(),
-            surface: units.surface(&given),
-            limit,
-            given,
-            contact_modulus: body.contact_modulus(),
-            units,
-        })
+        let contact_modulus = body.contact_modulus();
+        let (grid, body) = (units.grid(grid), units.body(body));
+        let response = match boundary {
+            Boundary::Periodic => Response::Periodic(FullResponse::new(grid, &body).into()),
+            Boundary::Free => Response::Free(FreeFullCompliance::new(grid, &body)?.into()),
+        };
+        let surface = units.surface(&given);
+        Ok(Self { response, surface, limit, given, contact_modulus, units })
     }
 
     /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
@@ -89,13 +106,15 @@ impl FrictionalContact {
     pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
         let response = response.into();
         let limit = limit.check()?;
-        let surface = Self::rough(response.grid(), heights)?;
+        let surface = Self::rough(response.grid(), heights, Boundary::Periodic)?;
         let (given, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
+        let response = Response::Periodic(response);
         Ok(Self { response, surface, limit, given, contact_modulus, units: Units::ONE })
     }
 
-    fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
+    fn rough(grid: &Grid, heights: &ArrayRef2<f64>, boundary: Boundary) -> Result<Arc<RigidSurface>, Refusal> {
         let surface = RigidSurface::new(grid, heights)?;
+        let surface = if boundary == Boundary::Free { surface.alone() } else { surface };
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 
@@ -108,6 +127,11 @@ impl FrictionalContact {
     /// The state of `drive` before its solution, with all tractions as they are guessed.
     pub(crate) fn at_start(&self, drive: Drive) -> FrictionState {
         certify(&mut Increment::new(self, self.units.drive(drive), None))
+    }
+
+    /// The boundary of the surface.
+    pub fn boundary(&self) -> Boundary {
+        self.response.boundary()
     }
 
     /// The number of lateral components.
@@ -130,7 +154,7 @@ impl Equilibrium for FrictionalContact {
             Load::Approach(found) if found <= 0.0 => Err(Refusal::NotPressed { what: "approach", found }),
             Load::Approach(found) => {
                 let limit = self.given.mean_clearance();
-                if self.response.uniform_compliance()[2] == 0.0 && found >= limit {
+                if self.response.has_fixed_level() && found >= limit {
                     return Err(Refusal::Approach { found, limit: Some(limit) });
                 }
                 Ok(())

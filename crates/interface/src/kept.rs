@@ -28,7 +28,7 @@ impl Interface {
     /// An interface of all components; fields of another size than the grid; numbers that are not finite.
     pub fn recall(&self, kept: Kept<'_>) -> Result<State, Refusal> {
         let Kept { pressure, displacement_z, gap, approach } = kept;
-        let [nx, ny] = self.elastic.grid().points();
+        let [nx, ny] = self.surface.grid().points();
         let expected = nx * ny;
         let of_other_size = [pressure, displacement_z, gap].map(|field| (field.dim(), field.len()));
         if let Some((_, found)) = of_other_size.into_iter().find(|(shape, _)| *shape != (nx, ny)) {
@@ -42,10 +42,11 @@ impl Interface {
         let mean = total(&pressures) / n;
         let frame = self.frame(Load::MeanPressure(mean).into())?;
         // In the frame of a load, the elastic surface moves in place of the rigid one.
-        let position: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
-        if let Some(value) = position.iter().find(|w| !w.is_finite()) {
+        let inside: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
+        if let Some(value) = inside.iter().find(|w| !w.is_finite()) {
             return Err(Refusal::NotFinite { what: "displacement of the start", found: *value });
         }
+        let position = frame.position(&self.elastic, inside, pressure);
         let state = certify(self, &frame, &position);
         // The sum above is rounded. What touches the wall is told by the gap that was kept.
         let held = |gap: f64, pressure: f64| {
@@ -53,8 +54,8 @@ impl Interface {
             if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }
         };
         let wall_pressure = Array2::from_shape_fn((nx, ny), |at| held(gap[at], pressure[at]));
-        let mut displacement = state.displacement;
-        displacement.index_axis_mut(ndarray::Axis(0), 0).assign(displacement_z);
-        Ok(State { displacement, gap: gap.to_owned(), wall_pressure, approach, ..state })
+        let alone = |field: &ArrayRef2<f64>| field.to_owned().insert_axis(ndarray::Axis(0));
+        let (displacement, traction) = (alone(displacement_z), -alone(pressure));
+        Ok(State { displacement, traction, gap: gap.to_owned(), wall_pressure, approach, ..state })
     }
 }

@@ -42,6 +42,7 @@ mod friction;
 mod kept;
 mod newton;
 mod numbers;
+mod patch;
 mod path;
 mod plastic;
 mod problem;

@@ -1,11 +1,13 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Refusal, RigidSurface, Units};
+use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::{InUnits, Law};
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
+
+use crate::patch::Patch;
 
 /// A law that is too steep for the grid: single points jump where the contact edge of a continuous surface would move
 /// smoothly.
@@ -28,6 +30,8 @@ pub struct Interface {
     pub(crate) elastic: Elastic,
     pub(crate) law: Arc<dyn Law>,
     pub(crate) surface: Arc<RigidSurface>,
+    /// The patch inside the cell of `elastic`, with free boundaries.
+    pub(crate) patch: Option<Patch>,
     /// The rigid surface as given.
     pub(crate) given: Arc<RigidSurface>,
     /// E* as given.
@@ -43,6 +47,30 @@ impl Interface {
     /// Heights of another shape than the grid, or not finite.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
         Self::in_own_units(body, grid, heights, law, NormalResponse::new)
+    }
+
+    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against points far
+    /// away, a mean pressure is the force over Lx Ly, and the problem is solved in a cell of twice the points along each axis
+    /// (theory.md, section 8.1).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); and with free boundaries a body without a level far away.
+    pub fn bounded(
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        if boundary == Boundary::Periodic {
+            return Self::new(body, grid, heights, law);
+        }
+        let given = RigidSurface::new(grid, heights)?.alone();
+        let on_patch = |surface: &RigidSurface, body: &Body| {
+            let (patch, cell) = Patch::of(surface)?;
+            Ok((NormalResponse::of_patch(surface.grid(), cell, body)?.into(), Some(patch)))
+        };
+        Self::with_surface(body, given.into(), law, on_patch)
     }
 
     /// As [`new`](Self::new), in all components: with lateral displacement and shear.
@@ -67,7 +95,8 @@ impl Interface {
         let elastic = elastic.into();
         let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
-        Ok(Self { elastic, law: law.into_shared(), surface, given, contact_modulus, units: Units::ONE })
+        let (law, patch, units) = (law.into_shared(), None, Units::ONE);
+        Ok(Self { elastic, law, surface, patch, given, contact_modulus, units })
     }
 
     fn in_own_units<E: Into<Elastic>>(
@@ -77,18 +106,28 @@ impl Interface {
         law: impl Law + 'static,
         response: impl FnOnce(Grid, &Body) -> E,
     ) -> Result<Self, Refusal> {
-        let given = Arc::new(RigidSurface::new(grid, heights)?);
+        let given = RigidSurface::new(grid, heights)?.into();
+        Self::with_surface(body, given, law, |surface, body| Ok((response(*surface.grid(), body).into(), None)))
+    }
+
+    /// The interface of a `given` surface, solved in its own units, with the response of surface and body in these.
+    fn with_surface(
+        body: &Body,
+        given: Arc<RigidSurface>,
+        law: impl Law + 'static,
+        response: impl FnOnce(&RigidSurface, &Body) -> Result<(Elastic, Option<Patch>), Refusal>,
+    ) -> Result<Self, Refusal> {
         let units = Units::of(body, &given)?;
         let law = law.into_shared();
         let law = if units.are_one() { law } else { InUnits::new(law, units.stress(), units.length()).into_shared() };
-        Ok(Self {
-            elastic: response(units.grid(grid), &units.body(body)).into(),
-            law,
-            surface: units.surface(&given),
-            given,
-            contact_modulus: body.contact_modulus(),
-            units,
-        })
+        let surface = units.surface(&given);
+        let (elastic, patch) = response(&surface, &units.body(body))?;
+        Ok(Self { elastic, law, surface, patch, given, contact_modulus: body.contact_modulus(), units })
+    }
+
+    /// The boundary of the surface.
+    pub fn boundary(&self) -> Boundary {
+        if self.patch.is_some() { Boundary::Free } else { Boundary::Periodic }
     }
 
     /// The rigid surface.

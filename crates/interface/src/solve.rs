@@ -97,7 +97,7 @@ impl Interface {
         watch: &mut dyn Watch,
     ) -> Result<State, SolveError<State>> {
         let frame = self.frame(drive)?;
-        let expected = frame.components() * frame.points();
+        let expected = frame.components() * frame.inside();
         if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
             return Err(Refusal::Start { found, expected }.into());
         }

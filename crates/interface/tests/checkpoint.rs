@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Budget, Drive, Equilibrium, Load, Progress, Resumable, Solver, Tape, Variables as _, Visit, Watch};
+use gfmd_contact::{
+    Budget, Drive, Equilibrium, Fields as _, Load, Progress, Resumable, Solver, Tape, Variables as _, Visit, Watch,
+};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Refinement, Step};
@@ -91,14 +93,14 @@ fn the_gap_determines_the_state() {
     let interface = interface();
     for load in [Load::MeanPressure(0.02), Load::Approach(0.002), Load::MeanPressure(-0.0005)] {
         let state = interface.press(load).solve().unwrap();
-        let again = interface.certify(&state.gap, load.into()).unwrap();
+        let again = interface.certify(&state.gap, &state.pressure(), load.into()).unwrap();
         assert!(again.residual.worst() < 2e-8, "{load:?}: {:?} from {:?}", again.residual, state.residual);
         assert_eq!(again.contact_fraction, state.contact_fraction);
         assert!((again.approach - state.approach).abs() < 1e-12);
         let moved = &again.displacement - &state.displacement;
         assert!(moved.iter().all(|u| u.abs() < 1e-12));
     }
-    assert!(interface.certify(&Array2::zeros((3, 3)), Load::Approach(0.002).into()).is_err());
+    assert!(interface.certify(&Array2::zeros((3, 3)), &Array2::zeros((3, 3)), Load::Approach(0.002).into()).is_err());
 }
 
 /// Follows a path, and follows it again from its state after every step.

@@ -131,6 +131,8 @@ pub struct AdhesiveContact {
     pub radius: f64,
     /// Normal force, negative if pulled; stress × length².
     pub force: f64,
+    /// Approach against points far away, negative if the surfaces stretch towards each other.
+    pub approach: f64,
 }
 
 impl AdhesiveSphere {
@@ -170,6 +172,7 @@ impl AdhesiveSphere {
         AdhesiveContact {
             radius: a * self.radius_unit(),
             force: (a.powi(3) - lambda * a * a * (root + m * m * arc)) * self.force_unit(),
+            approach: (a * a - 4.0 / 3.0 * lambda * a * root) * self.radius_unit().powi(2) / self.curvature_radius,
         }
     }
 

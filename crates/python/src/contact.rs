@@ -219,7 +219,7 @@ impl Problem {
             (Kind::HardWall, Boundary::Periodic) if hardness.is_none() => Held::HARD_WALL,
             (Kind::HardWall, _) => Held::FREE,
             (_, Boundary::Periodic) => Held::LAW,
-            (_, Boundary::Free) => return Err(Failure::value("boundary", boundary, "periodic with a law")),
+            (_, Boundary::Free) => Held::LAW_FREE,
         };
         held.check("the grid", grid.points())?;
         let of_input = |error| Failure::input("surface", error);

@@ -115,7 +115,10 @@ impl Loads {
             let allowed = contact.solvers();
             (Kindred::Wall(contact), allowed)
         } else {
-            let interface = Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?;
+            let interface = match boundary {
+                Boundary::Periodic => Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?,
+                Boundary::Free => Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?,
+            };
             if let Some(trapping) = interface.trapping() {
                 tracing::warn!("{trapping}");
             }
@@ -164,7 +167,9 @@ impl Loads {
                 let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(interface, load, budget, start, watch)?;
                 let seconds = started.elapsed().as_secs_f64();
-                Ok((Rest::of(state, with_pressure, scales, budget.tolerance, seconds), failure))
+                let mut rest = Rest::of(state, with_pressure, scales, budget.tolerance, seconds);
+                rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid());
+                Ok((rest, failure))
             }
         }
     }

@@ -2,7 +2,7 @@
 //! = G traction), applied to whole fields.
 //!
 //! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
-//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat.
+//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat; [`FreeFullCompliance`]: for all components.
 //! - [`PlateResponse`]: pressure and indentation on both faces of a plate, a 2 × 2 matrix per mode.
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
 //! - [`Elastic`]: either of the two, shared; its [`Transforms`] have the memory and a counter. Each problem owns one.
@@ -48,6 +48,7 @@
 mod components;
 mod elastic;
 mod free;
+mod free_full;
 mod full;
 mod hermitian;
 mod normal;
@@ -59,6 +60,7 @@ mod units;
 pub use components::Components;
 pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
 pub use free::{FreeCompliance, FreeRounded, FreeTransforms};
+pub use free_full::{FreeFullCompliance, FreeFullTransforms};
 pub use full::FullResponse;
 pub use hermitian::Hermitian;
 pub use normal::NormalResponse;

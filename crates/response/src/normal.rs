@@ -1,8 +1,11 @@
 use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Transform};
-use gfmd_green::{Body, normal_stiffness_table, restricted_normal_stiffness_table};
+use gfmd_green::{Body, GreenError, normal_stiffness_table, patch_compliance, restricted_normal_stiffness_table};
+use num_complex::Complex64;
+use rayon::prelude::*;
 
+use crate::elastic::fits;
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
@@ -19,6 +22,15 @@ pub struct NormalResponse {
     stiffness_range: [f64; 2],
     contact_modulus: f64,
     rounded: OnceLock<Rounded>,
+}
+
+/// The least entry of the compliance of a patch over the largest.
+const LEAST_COMPLIANCE: f64 = 1e-12;
+
+/// A table of stiffnesses with zero for the uniform mode, which is recognised by its index, the first.
+fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
+    table[0] = 0.0;
+    table
 }
 
 impl NormalResponse {
@@ -54,6 +66,47 @@ impl NormalResponse {
         }
     }
 
+    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid `cell`: if the traction
+    /// vanishes outside of the patch, the displacement inside is that of a surface which is at rest far away. G_zz is the
+    /// transform of the compliance between two cells, positive for every mode; the uniform mode has one, too.
+    ///
+    /// # Errors
+    /// A body without a level far away; a table with an entry that is not positive.
+    pub fn of_patch(patch: &Grid, cell: Grid, body: &Body) -> Result<Self, GreenError> {
+        let between = patch_compliance(body, patch)?;
+        let [nx, ny] = cell.points();
+        let field: Vec<f64> = (0..cell.len())
+            .into_par_iter()
+            .map(|index| {
+                let [i, j] = [index / ny, index % ny];
+                between([i.min(nx - i), j.min(ny - j)])
+            })
+            .collect();
+        let transform = Transform::new(cell);
+        let mut spectrum = vec![Complex64::ZERO; cell.spectrum_len()];
+        fits(transform.forward(&field, &mut spectrum, &mut transform.workspace()));
+        let mut compliance: Vec<f64> = spectrum.iter().map(|mode| mode.re * cell.len() as f64).collect();
+        let [softest, stiffest] =
+            [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick).unwrap_or(0.0));
+        // Below, an entry would be a rounding error of the largest.
+        if !(stiffest > LEAST_COMPLIANCE * softest) {
+            return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
+        }
+        let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
+        let uniform_compliance = std::mem::take(&mut compliance[0]);
+        Ok(Self {
+            transform,
+            compliance,
+            stiffness: OnceLock::from(without_uniform(stiffness)),
+            tabulate: normal_stiffness_table,
+            body: body.clone(),
+            uniform_compliance,
+            stiffness_range: [1.0 / softest, 1.0 / stiffest],
+            contact_modulus: body.contact_modulus(),
+            rounded: OnceLock::new(),
+        })
+    }
+
     /// The grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
@@ -78,11 +131,7 @@ impl NormalResponse {
 
     /// 1/G_zz(q) in stress/length, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
-        self.stiffness.get_or_init(|| {
-            let mut stiffness = (self.tabulate)(&self.body, self.grid(), 0.0);
-            stiffness[0] = 0.0;
-            stiffness
-        })
+        self.stiffness.get_or_init(|| without_uniform((self.tabulate)(&self.body, self.grid(), 0.0)))
     }
 
     /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).

@@ -56,6 +56,11 @@ impl Operator {
         }
     }
 
+    /// The operator with these matrices, laid out as [`Grid::modes`].
+    pub(crate) fn of_matrices(transform: Transform, matrices: Vec<Hermitian>) -> Self {
+        Self { components: Components::of(transform.grid()), transform: transform.into(), matrices }
+    }
+
     fn on(transform: Arc<Transform>, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         let grid = *transform.grid();
         let matrices = (0..grid.spectrum_len())

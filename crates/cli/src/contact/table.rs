@@ -17,7 +17,7 @@ impl fmt::Display for Report {
         }
         writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
         let (kind, free) = if self.boundary == Boundary::Free.name() {
-            ("differences", "; free boundaries: a patch on an unbounded half-space")
+            ("differences", "; free boundaries: a patch on an unbounded body")
         } else {
             ("spectral", "")
         };

@@ -2,10 +2,10 @@ use gfmd_contact::{Drive, Load};
 use gfmd_relax::{
     Budget, Descended, Ending, Minimum, ProjectedCg, RelaxError, SpectralProjectedGradient, Target, Watch,
 };
-use gfmd_response::FullTransforms;
 
 use super::FrictionalContact;
 use super::normal::NormalProblem;
+use super::response::Transforms;
 use super::state::FrictionState;
 use super::tangential::{Limits, TangentialProblem};
 
@@ -13,8 +13,8 @@ use super::tangential::{Limits, TangentialProblem};
 pub(super) struct Increment<'a> {
     pub(super) contact: &'a FrictionalContact,
     pub(super) drive: Drive,
-    pub(super) transforms: FullTransforms,
-    pub(super) normal: NormalProblem<'a>,
+    pub(super) transforms: Transforms,
+    pub(super) normal: NormalProblem,
     /// Lateral displacement of the elastic surface if nothing slips.
     pub(super) stuck: Vec<f64>,
     pub(super) pressure: Vec<f64>,
@@ -44,7 +44,7 @@ impl<'a> Increment<'a> {
         let mut increment = Self {
             contact,
             drive,
-            transforms: FullTransforms::of(&contact.response),
+            transforms: contact.response.transforms(),
             normal: NormalProblem::new(&contact.response, contact.surface.clearance()),
             stuck,
             pressure,

@@ -1,46 +1,72 @@
-use gfmd_field::Workspace;
+use std::sync::Arc;
+
+use gfmd_field::{Convolution, ShapeError, Workspace};
 use gfmd_relax::Quadratic;
 use gfmd_response::FullResponse;
 
+use super::FITS;
+use super::response::Response;
+
 /// The normal problem: ½⟨p, G_zz p⟩ + ⟨p, linear⟩ → min over p ≥ 0.
-pub(super) struct NormalProblem<'a> {
-    response: &'a FullResponse,
+pub(super) struct NormalProblem {
+    compliance: Compliance,
     workspace: Workspace,
-    /// G_zz of every mode.
-    compliance: Vec<f64>,
     /// The clearance less the u_z of the shear, and less the approach if it is prescribed.
     pub(super) linear: Vec<f64>,
     /// The number of transform pairs so far.
     pub(super) pairs: u64,
 }
 
-impl<'a> NormalProblem<'a> {
-    pub(super) fn new(response: &'a FullResponse, clearance: &[f64]) -> Self {
-        Self {
-            response,
-            workspace: response.compliance().transform().workspace(),
-            compliance: response.compliance().matrices().iter().map(|matrix| matrix.zz).collect(),
-            linear: clearance.to_vec(),
-            pairs: 0,
-        }
+/// G_zz, of every mode or between two points.
+enum Compliance {
+    Periodic(Arc<FullResponse>, Vec<f64>),
+    Free(Arc<Convolution>),
+}
+
+impl NormalProblem {
+    pub(super) fn new(response: &Response, clearance: &[f64]) -> Self {
+        let compliance = match response {
+            Response::Periodic(response) => {
+                let normal = response.compliance().matrices().iter().map(|matrix| matrix.zz).collect();
+                Compliance::Periodic(Arc::clone(response), normal)
+            }
+            Response::Free(response) => Compliance::Free(Arc::clone(response.normal())),
+        };
+        let workspace = match &compliance {
+            Compliance::Periodic(response, _) => response.compliance().transform().workspace(),
+            Compliance::Free(convolution) => convolution.workspace(),
+        };
+        Self { compliance, workspace, linear: clearance.to_vec(), pairs: 0 }
     }
 }
 
-impl Quadratic for NormalProblem<'_> {
+impl Quadratic for NormalProblem {
     fn linear(&self) -> &[f64] {
         &self.linear
     }
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
         self.pairs += 1;
-        let transform = self.response.compliance().transform();
-        transform.convolve(&self.compliance, x, out, &mut self.workspace).expect(super::FITS);
+        let Self { compliance, workspace, .. } = self;
+        let applied: Result<(), ShapeError> = match compliance {
+            Compliance::Periodic(response, normal) => {
+                response.compliance().transform().convolve(normal, x, out, workspace)
+            }
+            Compliance::Free(convolution) => convolution.apply(x, out, workspace),
+        };
+        applied.expect(FITS);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
         self.pairs += 1;
-        let transform = self.response.compliance().transform();
-        let mean = transform.quadratic_form(&self.compliance, direction, &mut self.workspace);
-        mean.expect(super::FITS) * direction.len() as f64
+        let Self { compliance, workspace, .. } = self;
+        let sum = match compliance {
+            Compliance::Periodic(response, normal) => {
+                let mean = response.compliance().transform().quadratic_form(normal, direction, workspace);
+                mean.map(|mean| mean * direction.len() as f64)
+            }
+            Compliance::Free(convolution) => convolution.quadratic_form(direction, workspace),
+        };
+        sum.expect(FITS)
     }
 }

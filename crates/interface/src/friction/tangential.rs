@@ -1,12 +1,12 @@
 use gfmd_relax::OnConvexSet;
-use gfmd_response::FullTransforms;
 use gfmd_vector::{for_each, reduce};
 
+use super::response::Transforms;
 use crate::numbers::higher;
 
 /// The tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit, with s₀ the slip without shear.
 pub(super) struct TangentialProblem<'a> {
-    pub(super) transforms: &'a mut FullTransforms,
+    pub(super) transforms: &'a mut Transforms,
     pub(super) limits: &'a Limits,
     /// Memory for a traction and a displacement of all components; the normal component of the traction is 0.
     pub(super) traction: Vec<f64>,

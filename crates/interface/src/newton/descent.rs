@@ -67,7 +67,7 @@ impl<'a> Descent<'a> {
             wall: Wall::new(frame, interface.law.has_wall(), interface.length_scale()),
             curvature: Curvature::new(interface, frame),
             here: Placed { w: zeros(), elastic: zeros() },
-            trial: Placed { w: frame.starting_position(start), elastic: zeros() },
+            trial: Placed { w: frame.starting_position(&interface.elastic, start), elastic: zeros() },
             force: zeros(),
             region: TrustRegion::new(size),
             lowest: f64::NAN,

@@ -59,11 +59,13 @@ fn an_adhesive_sphere_goes_from_jkr_to_dmt_as_its_range_grows() {
 
 #[test]
 fn an_adhesive_sphere_of_jkr_obeys_their_force() {
-    // a³ − √(6 a³) in units of Maugis.
+    // a³ − √(6 a³), and the approach a² − (2/3) √(6 a), in units of Maugis.
     let sphere = AdhesiveSphere { modulus: 0.7, curvature_radius: 1.5, work: 2e-3 };
     let contact = sphere.maugis(200.0, 1.000_02);
     let a = contact.radius / sphere.radius_unit();
     assert_relative_eq!(contact.force / sphere.force_unit(), a.powi(3) - (6.0 * a.powi(3)).sqrt(), max_relative = 1e-3);
+    let approach = contact.approach * sphere.curvature_radius / sphere.radius_unit().powi(2);
+    assert_relative_eq!(approach, a * a - 2.0 / 3.0 * (6.0 * a).sqrt(), max_relative = 1e-3);
 }
 
 #[test]

@@ -154,7 +154,7 @@ def path(
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
         shear_strength: strength of the interface (Tresca), stress, in place of a law.
         hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
-        boundary: "periodic", or "free" as of `contact`, behind a hard wall.
+        boundary: "periodic", or "free" as of `contact`; "free" without lateral motion, or with friction on half-spaces.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.

@@ -136,7 +136,7 @@ def contact(
         mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area); or
         p_star: mean pressure over E* times the rms gradient; or
         approach: rigid approach beyond first touch, length.
-        boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, pressed by a hard wall; its rms
+        boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, slab or stack of layers; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
         hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it is

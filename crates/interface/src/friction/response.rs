@@ -1,0 +1,83 @@
+use std::sync::Arc;
+
+use gfmd_contact::Boundary;
+use gfmd_field::Grid;
+use gfmd_response::{Components, FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
+
+/// The response of the body with either boundary.
+#[derive(Clone, Debug)]
+pub(super) enum Response {
+    Periodic(Arc<FullResponse>),
+    Free(Arc<FreeFullCompliance>),
+}
+
+impl Response {
+    pub(super) fn boundary(&self) -> Boundary {
+        match self {
+            Self::Periodic(_) => Boundary::Periodic,
+            Self::Free(_) => Boundary::Free,
+        }
+    }
+
+    /// The grid of the surface.
+    pub(super) fn grid(&self) -> &Grid {
+        match self {
+            Self::Periodic(response) => response.grid(),
+            Self::Free(response) => response.grid(),
+        }
+    }
+
+    pub(super) fn components(&self) -> Components {
+        match self {
+            Self::Periodic(response) => response.components(),
+            Self::Free(response) => response.components(),
+        }
+    }
+
+    /// Smallest and largest stiffness, in stress/length.
+    pub(super) fn stiffness_range(&self) -> [f64; 2] {
+        match self {
+            Self::Periodic(response) => response.stiffness_range(),
+            Self::Free(response) => response.stiffness_range(),
+        }
+    }
+
+    /// True if no mean pressure moves the mean level of the surface.
+    pub(super) fn has_fixed_level(&self) -> bool {
+        match self {
+            Self::Periodic(response) => response.uniform_compliance()[2] == 0.0,
+            Self::Free(_) => false,
+        }
+    }
+
+    pub(super) fn transforms(&self) -> Transforms {
+        match self {
+            Self::Periodic(response) => Transforms::Periodic(FullTransforms::of(response)),
+            Self::Free(response) => Transforms::Free(FreeFullTransforms::of(response)),
+        }
+    }
+}
+
+/// The transforms of a [`Response`].
+pub(super) enum Transforms {
+    Periodic(FullTransforms),
+    Free(FreeFullTransforms),
+}
+
+impl Transforms {
+    /// Displacement ← G traction.
+    pub(super) fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        match self {
+            Self::Periodic(transforms) => transforms.compliance(traction, displacement),
+            Self::Free(transforms) => transforms.compliance(traction, displacement),
+        }
+    }
+
+    /// Transforms of one component so far, in pairs.
+    pub(super) fn pairs(&self) -> f64 {
+        match self {
+            Self::Periodic(transforms) => transforms.pairs(),
+            Self::Free(transforms) => transforms.pairs(),
+        }
+    }
+}
