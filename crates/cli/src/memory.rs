@@ -24,13 +24,13 @@ impl Held {
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
     /// The same on a patch, which is solved in a cell of four times its points.
-    pub const LAW_FREE: Self = Self(108);
+    pub const LAW_FREE: Self = Self(90);
     /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(36);
     /// The same with a law, on a patch.
-    pub const PATH_FREE: Self = Self(144);
+    pub const PATH_FREE: Self = Self(130);
     /// A path with friction, on a patch.
-    pub const ALL_COMPONENTS_FREE: Self = Self(180);
+    pub const ALL_COMPONENTS_FREE: Self = Self(155);
     /// A path that moves all components.
     pub const ALL_COMPONENTS: Self = Self(92);
     /// A punch.

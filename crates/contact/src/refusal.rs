@@ -1,4 +1,3 @@
-use gfmd_field::GridError;
 use gfmd_green::GreenError;
 use gfmd_law::LawError;
 use gfmd_relax::{RelaxError, ToleranceError};
@@ -137,9 +136,6 @@ pub enum Refusal {
     /// The body cannot have the boundary.
     #[error(transparent)]
     Body(#[from] GreenError),
-    /// The grid cannot be doubled, as free boundaries need.
-    #[error(transparent)]
-    Grid(#[from] GridError),
     /// There is no contact, which friction needs.
     #[error("the {what} is {found}; it must be positive, since friction needs contact")]
     NotPressed {

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Refusal, RigidSurface};
+use gfmd_contact::RigidSurface;
 use gfmd_field::Grid;
 
 /// The periodic cell in which the problem of a patch with free boundaries is solved: the patch and, around it, an empty
@@ -19,18 +19,13 @@ pub(crate) struct Patch {
 const FAR: f64 = 1e30;
 
 impl Patch {
-    /// The patch of `surface`, with its cell.
-    ///
-    /// # Errors
-    /// A cell with more points than memory can address.
-    pub(crate) fn of(surface: &RigidSurface) -> Result<(Self, Grid), Refusal> {
-        let cell = surface.grid().padded()?;
+    /// The patch of `surface` in its cell.
+    pub(crate) fn of(surface: &RigidSurface, cell: &Grid) -> Self {
         let points = surface.grid().points();
-        let mut patch = Self { points, cell: cell.points(), clearance: Arc::default() };
+        let patch = Self { points, cell: cell.points(), clearance: Arc::default() };
         let mut clearance = vec![FAR; cell.len()];
         patch.place(surface.clearance(), &mut clearance);
-        patch.clearance = clearance.into();
-        Ok((patch, cell))
+        Self { clearance: clearance.into(), ..patch }
     }
 
     pub(crate) fn clearance(&self) -> &[f64] {

@@ -67,8 +67,9 @@ impl Interface {
         }
         let given = RigidSurface::new(grid, heights)?.alone();
         let on_patch = |surface: &RigidSurface, body: &Body| {
-            let (patch, cell) = Patch::of(surface)?;
-            Ok((NormalResponse::of_patch(surface.grid(), cell, body)?.into(), Some(patch)))
+            let response = NormalResponse::of_patch(surface.grid(), body)?;
+            let patch = Patch::of(surface, response.grid());
+            Ok((response.into(), Some(patch)))
         };
         Self::with_surface(body, given.into(), law, on_patch)
     }

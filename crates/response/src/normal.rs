@@ -66,22 +66,23 @@ impl NormalResponse {
         }
     }
 
-    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid `cell`: if the traction
+    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if the traction
     /// vanishes outside of the patch, the displacement inside is that of a surface which is at rest far away. G_zz is the
     /// transform of the compliance between two cells, positive for every mode; the uniform mode has one, too.
     ///
     /// # Errors
-    /// A body without a level far away; a table with an entry that is not positive.
-    pub fn of_patch(patch: &Grid, cell: Grid, body: &Body) -> Result<Self, GreenError> {
+    /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
+    pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
         let between = patch_compliance(body, patch)?;
+        let cell = patch.padded()?;
         let [nx, ny] = cell.points();
-        let field: Vec<f64> = (0..cell.len())
+        let columns = ny / 2 + 1;
+        let near: Vec<f64> = (0..(nx / 2 + 1) * columns)
             .into_par_iter()
-            .map(|index| {
-                let [i, j] = [index / ny, index % ny];
-                between([i.min(nx - i), j.min(ny - j)])
-            })
+            .map(|index| between([index / columns, index % columns]))
             .collect();
+        let at = |[i, j]: [usize; 2]| near[i.min(nx - i) * columns + j.min(ny - j)];
+        let field: Vec<f64> = (0..cell.len()).map(|index| at([index / ny, index % ny])).collect();
         let transform = Transform::new(cell);
         let mut spectrum = vec![Complex64::ZERO; cell.spectrum_len()];
         fits(transform.forward(&field, &mut spectrum, &mut transform.workspace()));
