@@ -1,13 +1,17 @@
 //! The parts of figures that several commands have in common.
 
+mod scene;
+
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
-use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series};
+use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
 use ndarray::Array2;
 
 use crate::failure::Failure;
+
+pub(crate) use scene::{Face, Kind, Scene, Shown, rough};
 
 /// Parses a prefix of figures, whose folder must exist.
 ///
@@ -60,6 +64,22 @@ pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
 /// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
+/// Writes a number with four digits, without an exponent unless it is very small or large.
+pub(crate) fn short(value: f64) -> String {
+    let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    match exponent {
+        -3..=4 => {
+            let digits = (3 - exponent).max(0) as usize;
+            let text = format!("{value:.digits$}");
+            if digits > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+        }
+        _ => format!("{:.3}·10^{{{exponent}}}", value / 10_f64.powi(exponent)),
+    }
+}
+
+/// The ratio of the points along x to those along y from which on a map is two columns wide.
+const LONG: usize = 4;
+
 /// A figure of a field: a map, or the profile of a line contact.
 pub(crate) enum Drawn<'a> {
     Chart(Chart),
@@ -94,6 +114,10 @@ pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str)
     let mut map = Map::new(values, grid.points(), [lx, ly], label);
     map.x = format!("*x* / {unit}");
     map.y = format!("*y* / {unit}");
+    let [nx, ny] = grid.points();
+    if nx >= LONG * ny {
+        map.width = TWO_COLUMNS;
+    }
     Drawn::Map(map)
 }
 
@@ -101,7 +125,7 @@ pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str)
 pub(crate) fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
     let mut drawn = field(grid, values, "pressure *p*/*E*\\*", unit);
     if let Drawn::Map(map) = &mut drawn {
-        map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
+        map.below = Some(Below::pale(0.0, "no contact"));
     }
     drawn
 }

@@ -24,9 +24,9 @@ impl Held {
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(27);
     /// A path of u_z alone, with the states before and after a jump.
-    pub const PATH: Self = Self(36);
+    pub const PATH: Self = Self(39);
     /// A path that moves all components.
-    pub const ALL_COMPONENTS: Self = Self(92);
+    pub const ALL_COMPONENTS: Self = Self(95);
     /// A punch.
     pub const PUNCH: Self = Self(48);
     /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
