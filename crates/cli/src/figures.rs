@@ -64,16 +64,17 @@ pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
 /// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
-/// Writes a number with four digits, without an exponent unless it is very small or large.
+/// Writes a number with up to four digits, without an exponent unless it is very small or large.
 pub(crate) fn short(value: f64) -> String {
     let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    let signed = |text: String| text.replace('-', "−");
+    let digits = |value: f64, places: i32| {
+        let text = format!("{value:.0$}", places.max(0) as usize);
+        if places > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    };
     match exponent {
-        -3..=4 => {
-            let digits = (3 - exponent).max(0) as usize;
-            let text = format!("{value:.digits$}");
-            if digits > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-        }
-        _ => format!("{:.3}·10^{{{exponent}}}", value / 10_f64.powi(exponent)),
+        -3..=4 => signed(digits(value, 3 - exponent)),
+        _ => signed(format!("{}·10^{{{exponent}}}", digits(value / 10_f64.powi(exponent), 3))),
     }
 }
 
@@ -140,4 +141,15 @@ pub(crate) fn draw_pressure(
 ) -> Result<Vec<PathBuf>, Failure> {
     let values: Vec<f64> = values.iter().map(|p| p / modulus).collect();
     pressure(grid, &values, unit).save(stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_numbers_have_no_needless_digits() {
+        let found = [0.0, 0.5078125, -2.5, 12345.6, 1e-4, 1.852e-5, -3.21e7, 0.001].map(short);
+        assert_eq!(found, ["0", "0.5078", "−2.5", "12346", "1·10^{−4}", "1.852·10^{−5}", "−3.21·10^{7}", "0.001"]);
+    }
 }

@@ -104,7 +104,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the path and the map at its largest contact: PREFIX-path.svg, .png, PREFIX-map.svg, .png
+    /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section
+    /// (both surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,

@@ -113,14 +113,17 @@ impl StoredSurface {
         })
     }
 
-    /// What the figures of a face show of state `index`. Gap and displacement may be missing.
+    /// What the figures of a face show of state `index`. Gap and displacement may be missing. The pressure of a wall behind an
+    /// attraction is not in the file: where the gap is closed there is contact, too.
     ///
     /// # Errors
     /// As [`field`](Self::field), for the pressure.
     pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<Shown, String> {
         let pressure = self.field(reader, fields.pressure, index)?;
-        let repulsion = pressure.iter().map(|p| p.max(0.0)).collect();
         let gap = self.field(reader, fields.gap, index).unwrap_or_default();
+        let mut repulsion: Vec<f64> = pressure.iter().map(|p| p.max(0.0)).collect();
+        let closed = repulsion.iter_mut().zip(&gap).filter(|(_, gap)| **gap <= 0.0);
+        closed.for_each(|(repulsion, _)| *repulsion = repulsion.max(f64::MIN_POSITIVE));
         let mut level = self.field(reader, fields.displacement, index).unwrap_or_default();
         if fields.face == Face::Upper {
             let depth = self.field(reader, "plastic_depth", index).unwrap_or_default();
