@@ -11,6 +11,7 @@ mod statistics;
 mod table;
 mod threshold;
 mod together;
+mod vtk;
 mod watching;
 
 use std::ops::ControlFlow;
@@ -55,6 +56,7 @@ pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
 use series::{First, Series};
+use vtk::VtkFile;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -64,6 +66,7 @@ use series::{First, Series};
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
+  gfmd contact --n 512 --p-star 0.05 --vtk contact.vtp
   gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
   gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed
   gfmd contact --surface a.x3p --second-surface b.x3p --shift 3e-6,0 --detrend plane --p-star 0.02
@@ -145,9 +148,14 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the contact map and area against pressure: PREFIX-map.svg, .png, PREFIX-area.svg, .png; with a lower surface also its
-    /// map PREFIX-lower-map, with the statistics also
-    /// patches, distributions and spectrum, with the flow its flux
+    /// Write the surface of the last load to this file of VTK, for ParaView: .vti the points of the undeformed surface, .vtp the
+    /// deformed surface, both with all fields, the heights and the points in contact
+    #[arg(long, value_name = "FILE.vti|FILE.vtp")]
+    #[serde(skip)]
+    vtk: Option<PathBuf>,
+    /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both surfaces and the
+    /// pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also PREFIX-lower-map and so on, with
+    /// the statistics also patches, distributions and spectrum, with the flow its flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -204,6 +212,7 @@ struct Prepared {
     hardness: Option<Hardness>,
     controls: Vec<Load>,
     output: Option<Output>,
+    vtk: Option<VtkFile>,
 }
 
 impl Prepared {
@@ -290,7 +299,8 @@ impl Prepared {
             .collect();
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, base, lower, law, hardness, controls, output })
+        let vtk = args.vtk.as_deref().map(VtkFile::claim).transpose()?;
+        Ok(Self { surface, body, base, lower, law, hardness, controls, output, vtk })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
@@ -434,6 +444,7 @@ impl Prepared {
             not_converged: None,
             peak_bytes: 0,
             out: None,
+            vtk: None,
             plots: Vec::new(),
         };
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };

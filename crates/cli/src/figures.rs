@@ -1,13 +1,17 @@
 //! The parts of figures that several commands have in common.
 
+mod scene;
+
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
-use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series};
+use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
 use ndarray::Array2;
 
 use crate::failure::Failure;
+
+pub(crate) use scene::{Face, Kind, Scene, Shown, rough};
 
 /// Parses a prefix of figures, whose folder must exist.
 ///
@@ -60,6 +64,23 @@ pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
 /// The largest number of values that are drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
+/// Writes a number with up to four digits, without an exponent unless it is very small or large.
+pub(crate) fn short(value: f64) -> String {
+    let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    let signed = |text: String| text.replace('-', "−");
+    let digits = |value: f64, places: i32| {
+        let text = format!("{value:.0$}", places.max(0) as usize);
+        if places > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    };
+    match exponent {
+        -3..=4 => signed(digits(value, 3 - exponent)),
+        _ => signed(format!("{}·10^{{{exponent}}}", digits(value / 10_f64.powi(exponent), 3))),
+    }
+}
+
+/// The ratio of the points along x to those along y from which on a map is two columns wide.
+const LONG: usize = 4;
+
 /// A figure of a field: a map, or the profile of a line contact.
 pub(crate) enum Drawn<'a> {
     Chart(Chart),
@@ -94,6 +115,10 @@ pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str)
     let mut map = Map::new(values, grid.points(), [lx, ly], label);
     map.x = format!("*x* / {unit}");
     map.y = format!("*y* / {unit}");
+    let [nx, ny] = grid.points();
+    if nx >= LONG * ny {
+        map.width = TWO_COLUMNS;
+    }
     Drawn::Map(map)
 }
 
@@ -101,7 +126,7 @@ pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str)
 pub(crate) fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
     let mut drawn = field(grid, values, "pressure *p*/*E*\\*", unit);
     if let Drawn::Map(map) = &mut drawn {
-        map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
+        map.below = Some(Below::pale(0.0, "no contact"));
     }
     drawn
 }
@@ -116,4 +141,15 @@ pub(crate) fn draw_pressure(
 ) -> Result<Vec<PathBuf>, Failure> {
     let values: Vec<f64> = values.iter().map(|p| p / modulus).collect();
     pressure(grid, &values, unit).save(stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_numbers_have_no_needless_digits() {
+        let found = [0.0, 0.5078125, -2.5, 12345.6, 1e-4, 1.852e-5, -3.21e7, 0.001].map(short);
+        assert_eq!(found, ["0", "0.5078", "−2.5", "12346", "1·10^{−4}", "1.852·10^{−5}", "−3.21·10^{7}", "0.001"]);
+    }
 }

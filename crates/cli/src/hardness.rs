@@ -6,7 +6,7 @@ use std::str::FromStr;
 use gfmd_contact::Hardness;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous};
-use ndarray::Ix2;
+use ndarray::{Array2, Ix2};
 use serde::Serialize;
 
 use crate::array;
@@ -89,6 +89,17 @@ pub(crate) fn write(hardness: Option<&Hardness>, archive: &mut Archive, axes: [&
     let variable =
         Variable { dimensions: &axes, units: "stress", long_name: "largest pressure that the surfaces carry" };
     Ok(archive.write(STORED, &variable, &contiguous(field))?)
+}
+
+/// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another shape.
+pub(crate) fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<Hardness> {
+    match config.get("hardness")? {
+        toml::Value::String(_) => {
+            let values: Vec<f64> = reader.values(STORED).ok()?;
+            Array2::from_shape_vec(grid.points(), values).ok().map(Into::into)
+        }
+        number => number.as_float().map(Into::into),
+    }
 }
 
 /// The flag of the hardness that a file has, which reads it from there.

@@ -20,7 +20,6 @@ use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Quasistatic, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
-use ndarray::Array2;
 use serde::Serialize;
 
 use self::file::PathFile;
@@ -30,7 +29,7 @@ use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
-use crate::figures::parse_prefix;
+use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::memory::Held;
@@ -105,7 +104,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the path and the map at its largest contact: PREFIX-path.svg, .png, PREFIX-map.svg, .png
+    /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section
+    /// (both surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -392,8 +392,17 @@ impl Prepared {
         let out = file.map(|file| file.finish(&log.steps, self.drives.len(), not_converged.as_ref())).transpose()?;
         let report = Report::new(self.head(args), log.steps, args.steps as usize);
         let mut report = Report { parted_at, not_converged, out, ..report };
-        if let (None, Some(prefix), Some((_, pressure))) = (&failure, &args.plots, &log.widest) {
-            report.plots = figures::draw(prefix, &report, args.steps as usize, &self.surface.grid, pressure)?;
+        if let (None, Some(prefix), Some((_, shown))) = (&failure, &args.plots, &log.widest) {
+            let scene = Scene {
+                shown,
+                grid: &self.surface.grid,
+                unit: self.surface.unit(),
+                modulus: report.head.e_star,
+                hardness: self.hardness(),
+                rigid: rough(self.surface.second.is_some()),
+                face: Face::Upper,
+            };
+            report.plots = figures::draw(prefix, &report, args.steps as usize, &scene)?;
         }
         Ok(Outcome { report, failure })
     }
@@ -429,8 +438,8 @@ struct Log<'a> {
     steps: Vec<StepRecord>,
     steps_of_leg: usize,
     file: Option<PathFile<'a>>,
-    /// The largest contact area, and its field of compressive pressure.
-    widest: Option<(f64, Array2<f64>)>,
+    /// The largest contact area, and its fields.
+    widest: Option<(f64, Shown)>,
     points: [usize; 2],
     unit_pressure: f64,
     tolerance: f64,
@@ -465,18 +474,17 @@ impl<'a> Log<'a> {
         let (Some(mut stored), Some(index)) = (kept.state(), kept.finished().checked_sub(1)) else { return Ok(()) };
         stored.restore(|visitor| {
             path.resume(drives[index], visitor)?;
-            let points = self.points;
-            self.widest = Some((f64::NAN, Array2::zeros(points)));
+            self.widest = Some((f64::NAN, Shown::zeros(self.points.iter().product())));
             self.visit_widest(visitor);
             Ok::<_, Refusal>(())
         })
     }
 
-    /// Visits the largest contact area and its pressure; there are none before the first step.
+    /// Visits the largest contact area and its fields; there are none before the first step.
     fn visit_widest(&mut self, visitor: &mut dyn Visit) {
-        if let Some((area, pressure)) = &mut self.widest {
+        if let Some((area, shown)) = &mut self.widest {
             visitor.number(area);
-            pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
         }
     }
 
@@ -497,8 +505,7 @@ impl<'a> Log<'a> {
         let p_star = reading.mean_pressure / self.unit_pressure;
         let record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
         if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
-            let pressure = state.pressure().mapv(|p| p.max(0.0));
-            self.widest = Some((record.area_fraction, pressure.as_standard_layout().into_owned()));
+            self.widest = Some((record.area_fraction, Shown::of(state, None, state.plastic_depth())));
         }
         self.steps.push(record);
         Ok(fields)

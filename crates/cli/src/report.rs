@@ -20,7 +20,7 @@ use crate::session::{Session, list_files};
 use crate::{contact, kappa_sweep, path};
 
 pub(crate) use page::{Certificate, Fact, Page, Table};
-pub(crate) use reading::{Stored, StoredSurface, config};
+pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
 pub(crate) use write::{given, interval, number, of, text, whole};
 
 /// Flags of `report`.

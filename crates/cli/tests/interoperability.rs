@@ -58,6 +58,12 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
     run(&format!("{body} --out body.vti"));
     run(&format!("{body} --slice x=0.25 --out slice.h5"));
 
+    for ending in ["vti", "vtp"] {
+        run(&format!(
+            "contact --n 32 --length 2,1 --finite-slope --p-star 0.05,0.2 --json --out last.h5 --vtk last.{ending}"
+        ));
+    }
+    run("contact --n 64 --dim 2 --p-star 0.05 --json --vtk line.vtp");
     run("punch --n 16 --json --out punch.h5");
     run("punch --n 16 --dim 2 --json --out strip.h5");
     run("damping --n 8 --factors 0.5,1 --steps 40 --json --out damping.h5");
@@ -97,7 +103,8 @@ for name in 'schema_version program version git_commit command created config ma
     succeeds(Command::new(python()).args(["-c", script]).arg(folder.path()));
     let script = "
 import sys, numpy, xarray
-from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+from vtkmodules.vtkCommonCore import vtkDataArray
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader
 from vtkmodules.util.numpy_support import vtk_to_numpy
 fields = xarray.open_dataset(sys.argv[1] + '/body.h5', group='fields', engine='h5netcdf')
 assert fields.displacement.dims == ('depth', 'x', 'y', 'component') and list(fields.component) == ['x', 'y', 'z']
@@ -121,6 +128,41 @@ for name in names:
     wanted = fields[name].transpose('depth', 'y', 'x', ...)[::-1]
     wanted = wanted.sel({wanted.dims[-1]: labels}) if labels else wanted
     numpy.testing.assert_array_equal(seen, wanted.values.reshape(seen.shape), err_msg=name)
+assert data.GetScalars().GetName() == 'von_mises'
+assert data.GetArray('displacement').GetInformation().Get(vtkDataArray.UNITS_LABEL()) == 'length'
+last = xarray.open_dataset(sys.argv[1] + '/last.h5', group='fields', engine='h5netcdf').isel(load=-1)
+height = xarray.open_dataset(sys.argv[1] + '/last.h5', group='surface', engine='h5netcdf').height
+for kind, ending in [(vtkXMLImageDataReader, 'vti'), (vtkXMLPolyDataReader, 'vtp')]:
+    reader = kind()
+    reader.SetFileName(sys.argv[1] + '/last.' + ending)
+    reader.Update()
+    surface = reader.GetOutput()
+    assert surface.GetNumberOfPoints() == 32 * 32
+    assert surface.GetNumberOfCells() == 31 * 31 and surface.GetCellType(0) == {'vti': 8, 'vtp': 9}[ending]
+    data = surface.GetPointData()
+    names = [data.GetArrayName(k) for k in range(data.GetNumberOfArrays())]
+    assert names == ['pressure', 'displacement_z', 'gap', 'displacement_x', 'displacement_y', 'height', 'contact'], names
+    assert data.GetScalars().GetName() == 'pressure'
+    values = {name: vtk_to_numpy(data.GetArray(name)).reshape(32, 32).T for name in names}
+    for name in names[:5]:
+        numpy.testing.assert_array_equal(values[name], last[name].values, err_msg=name)
+        unit = data.GetArray(name).GetInformation().Get(vtkDataArray.UNITS_LABEL())
+        assert unit == last[name].units, unit
+    numpy.testing.assert_array_equal(values['height'], height.values)
+    numpy.testing.assert_array_equal(values['contact'], values['pressure'] > 0)
+    points = numpy.array([surface.GetPoint(k) for k in range(32 * 32)]).reshape(32, 32, 3)
+    x, y = numpy.meshgrid(numpy.arange(32) / 16, numpy.arange(32) / 32)
+    if ending == 'vtp':
+        moved = [values[name].T for name in ('displacement_x', 'displacement_y', 'displacement_z')]
+        numpy.testing.assert_allclose(points, numpy.stack([x + moved[0], y + moved[1], moved[2]], axis=-1), atol=1e-15)
+    else:
+        numpy.testing.assert_allclose(points, numpy.stack([x, y, 0 * x], axis=-1), atol=1e-15)
+reader = vtkXMLPolyDataReader()
+reader.SetFileName(sys.argv[1] + '/line.vtp')
+reader.Update()
+line = reader.GetOutput()
+assert (line.GetNumberOfPoints(), line.GetNumberOfLines(), line.GetNumberOfPolys()) == (64, 1, 0)
+assert line.GetCell(0).GetNumberOfPoints() == 64
 slice = xarray.open_dataset(sys.argv[1] + '/slice.h5', group='fields', engine='h5netcdf')
 assert slice.stress.dims == ('depth', 'y', 'tensor')
 numpy.testing.assert_array_equal(slice.stress.values, fields.stress.sel(x=0.25).values)

@@ -70,10 +70,10 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
         &["contact", "--n", "32", "--eps-f-inv", "8", "--p-star", "0.02,0.1", "--out", "c.h5", "--json", "-q"],
     );
     let report = json(folder, &["report", "c.h5", "--json", "-q"]);
-    assert_eq!((report["kind"].as_str(), report["figures"].as_u64()), (Some("contact"), Some(3)));
+    assert_eq!((report["kind"].as_str(), report["figures"].as_u64()), (Some("contact"), Some(5)));
     let made = page(folder, "c.html");
     check_page(&made);
-    assert_eq!(outline(&made), (all.to_vec(), 3, 2));
+    assert_eq!(outline(&made), (all.to_vec(), 5, 2));
     let area = 100.0 * contact["loads"][1]["area_fraction"].as_f64().unwrap();
     assert!(made.contains(&format!("<p class=\"headline\">{area:.3} %")), "{area}");
     assert!(made.contains("Every residual is within its bound") && made.contains("gfmd check c.h5 --rerun"));
@@ -84,7 +84,7 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     assert_eq!(make(folder, "report p.h5 --out path.html -q"), Some(0));
     let made = page(folder, "path.html");
     check_page(&made);
-    assert_eq!(outline(&made), (all.to_vec(), 4, 2));
+    assert_eq!(outline(&made), (all.to_vec(), 5, 2));
 
     let sweep = json(folder, &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);
     assert_eq!(make(folder, "report s.h5 -q"), Some(0));
@@ -165,7 +165,7 @@ fn a_load_of_zero_has_its_map() {
     let report = json(folder.path(), &["report", "c.h5", "--json", "-q"]);
     assert_eq!(
         (report["figures"].as_u64(), report["remarks"].as_array().map(Vec::len)),
-        (Some(2), Some(0)),
+        (Some(5), Some(0)),
         "{report}"
     );
 }

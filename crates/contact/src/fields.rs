@@ -8,6 +8,11 @@ pub trait Fields {
     /// Normal pressure on the elastic surface, in stress; attraction is negative.
     fn pressure(&self) -> CowArray<'_, f64, Ix2>;
 
+    /// The repulsive part of the pressure, in stress ≥ 0; its points are those in contact.
+    fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
+        self.pressure().mapv(|p| p.max(0.0)).into()
+    }
+
     /// Normal displacement u_z of the elastic surface, in length; negative downwards.
     fn displacement_z(&self) -> ArrayView2<'_, f64>;
 

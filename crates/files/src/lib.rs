@@ -4,7 +4,7 @@
 //!   that name is valid until the new one is complete.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
-//! - [`vti::Image`] writes fields for ParaView; [`npy`] reads and writes arrays of NumPy.
+//! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes arrays of NumPy.
 //! - [`Topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs.
 //!
 //! ```
@@ -33,6 +33,8 @@ mod output;
 mod stored;
 mod topography;
 pub mod vti;
+mod vtk;
+pub mod vtp;
 mod warning;
 
 pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
@@ -44,4 +46,5 @@ pub use output::{Output, folder, replace, sync_folder, target};
 pub use stored::Number;
 pub use topography::archived::{lengths as cell_lengths, split as split_dataset};
 pub use topography::{ListedChannel, Listing, Topography, TopographyError, X3p};
+pub use vtk::PointArray;
 pub use warning::{Warning, Warnings};

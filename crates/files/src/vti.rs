@@ -1,15 +1,14 @@
 //! VTK image data (`.vti`) for ParaView and similar programs: values on a regular grid, written plane by plane.
 //!
-//! The values follow the header in binary form ("appended", "raw", little-endian, lengths of 64 bits). The position of
-//! each plane in the file is therefore known in advance, and no plane is kept in memory. x varies fastest; z varies
-//! slowest and points upwards. (The crate `vtkio` needs the whole volume in memory, and has not been developed since
-//! 2022.)
+//! The values follow the header in binary form. The position of each plane in the file is therefore known in advance, and no
+//! plane is kept in memory. x varies fastest; z varies slowest and points upwards. (The crate `vtkio` needs the whole volume in
+//! memory, and has not been developed since 2022.)
 
-use std::fmt::Write;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write as _};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
+use crate::vtk::{FOOTER, Header, LENGTH, PointArray, VALUE};
 use crate::{FileError, Output};
 
 /// A regular grid of points.
@@ -21,21 +20,6 @@ pub struct Lattice {
     pub origin: [f64; 3],
     /// Distance between neighbours along x, y, z.
     pub spacing: [f64; 3],
-}
-
-/// A quantity at every point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointArray {
-    /// Name of the quantity.
-    pub name: &'static str,
-    /// Names of the components; empty for a scalar. ParaView reads 3 components as a vector, 6 as a symmetric tensor.
-    pub components: &'static [&'static str],
-}
-
-impl PointArray {
-    fn width(&self) -> usize {
-        self.components.len().max(1)
-    }
 }
 
 /// An image file being written to `NAME.part`; [`Image::finish`] renames it to the target.
@@ -126,55 +110,33 @@ impl Drop for Image<'_> {
     }
 }
 
-/// Bytes of a value, and of the length field before an array.
-const VALUE: usize = size_of::<f64>();
-const LENGTH: u64 = size_of::<u64>() as u64;
-
-const FOOTER: &str = "\n</AppendedData>\n</VTKFile>\n";
-
 /// The XML header up to the first appended byte, and the length of each array in bytes.
 fn header(lattice: &Lattice, arrays: &[PointArray]) -> (String, Vec<u64>) {
     let Lattice { points, origin, spacing } = lattice;
     let extent = points.map(|n| format!("0 {}", n - 1)).join(" ");
     let triple = |values: &[f64; 3]| values.map(|value| format!("{value:e}")).join(" ");
-    let mut text = format!(
-        "<?xml version=\"1.0\"?>\n\
-         <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
-         <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\">\n<Piece Extent=\"{extent}\">\n<PointData>\n",
-        triple(origin),
-        triple(spacing)
-    );
-    let (mut offset, mut bytes) = (0, Vec::new());
-    for array in arrays {
-        let _ = write!(
-            text,
-            "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"",
-            array.name,
-            array.width()
-        );
-        for (k, name) in array.components.iter().enumerate() {
-            let _ = write!(text, " ComponentName{k}=\"{name}\"");
-        }
-        let _ = writeln!(text, " format=\"appended\" offset=\"{offset}\"/>");
-        let length = (points.iter().product::<usize>() * array.width() * VALUE) as u64;
-        offset += LENGTH + length;
-        bytes.push(length);
-    }
-    text += "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
-    (text, bytes)
+    let (origin, spacing) = (triple(origin), triple(spacing));
+    let place = format!(" WholeExtent=\"{extent}\" Origin=\"{origin}\" Spacing=\"{spacing}\"");
+    let mut header = Header::new("ImageData", &place);
+    header.add(&format!("<Piece Extent=\"{extent}\">"));
+    header.point_data(arrays, points.iter().product());
+    header.end("ImageData")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn scalar(name: &str) -> PointArray<'_> {
+        PointArray { name, components: &[], units: "" }
+    }
+
     #[test]
     fn planes_land_where_the_header_says_in_any_order() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("volume.vti")).unwrap();
         let lattice = Lattice { points: [3, 2, 2], origin: [0.0; 3], spacing: [0.5, 0.5, 0.25] };
-        let arrays =
-            [PointArray { name: "height", components: &[] }, PointArray { name: "place", components: &["X", "Y"] }];
+        let arrays = [scalar("height"), PointArray { components: &["X", "Y"], ..scalar("place") }];
         let mut image = Image::create(&output, lattice, &arrays).unwrap();
         for level in [1, 0] {
             image.write_plane(0, level, &[level as f64; 6]).unwrap();
@@ -198,7 +160,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("volume.vti")).unwrap();
         let lattice = Lattice { points: [2, 2, 2], origin: [0.0; 3], spacing: [1.0; 3] };
-        drop(Image::create(&output, lattice, &[PointArray { name: "u", components: &[] }]).unwrap());
+        drop(Image::create(&output, lattice, &[scalar("u")]).unwrap());
         drop(output);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -100,15 +100,6 @@ impl State {
         }
     }
 
-    /// The repulsive pressure: that of the wall, or without wall the positive part of −t_z.
-    pub fn repulsion(&self) -> Array2<f64> {
-        if self.wall_pressure.iter().any(|p| *p > 0.0) {
-            self.wall_pressure.clone()
-        } else {
-            self.normal_traction().mapv(|t| f64::max(-t, 0.0))
-        }
-    }
-
     fn normal_traction(&self) -> ArrayView2<'_, f64> {
         self.traction.index_axis(Axis(0), self.traction.len_of(Axis(0)) - 1)
     }
@@ -117,6 +108,15 @@ impl State {
 impl Fields for State {
     fn pressure(&self) -> CowArray<'_, f64, Ix2> {
         self.normal_traction().mapv(|t| -t).into()
+    }
+
+    /// The repulsive pressure: that of the wall, or without wall the positive part of −t_z.
+    fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
+        if self.wall_pressure.iter().any(|p| *p > 0.0) {
+            self.wall_pressure.view().into()
+        } else {
+            self.normal_traction().mapv(|t| f64::max(-t, 0.0)).into()
+        }
     }
 
     fn displacement_z(&self) -> ArrayView2<'_, f64> {

@@ -1,4 +1,4 @@
-//! Panels side by side, with a legend above.
+//! Panels side by side or one below the other, with a legend above.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -6,13 +6,16 @@ use std::path::{Path, PathBuf};
 use super::axis::{Ticks, padded};
 use super::colour::{INK, REFERENCE, hex, hue};
 use super::drawing::Drawing;
-use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
+use super::frame::{EDGE, Frame, GAP, LABEL, TICK, UNDER, draw_axes, left_margin};
 use super::legend::{arrange, draw_legend, legend};
-use super::symbol::symbol;
+use super::symbol::{PALE_AREA, line_width, symbol};
 use super::text::{Anchor, Text, number};
-use super::{Axis, Mark, Panel, PlotError, Point, Scale, Series};
+use super::{Axis, Mark, Panel, PlotError, Point, Scale, Series, Side, stack};
 
 const BETWEEN_PANELS: f64 = 12.0;
+
+/// Height of the titles and factors above the axes.
+pub(super) const HEAD: f64 = LABEL + GAP + 1.0;
 
 /// Width of one journal column, in points.
 pub const COLUMN: f64 = 252.0;
@@ -20,16 +23,18 @@ pub const COLUMN: f64 = 252.0;
 /// Width of two journal columns, in points.
 pub const TWO_COLUMNS: f64 = 516.0;
 
-/// Panels side by side.
+/// Panels side by side, or one below the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// Panels from left to right.
+    /// Panels from left to right, or from top to bottom.
     pub panels: Vec<Panel>,
     /// True if all panels have one common ordinate, labelled at the left.
     pub share_y: bool,
+    /// True if the panels lie one below the other, with the abscissa of the lowest; `share_y` then has no effect.
+    pub stacked: bool,
     /// Width of the figure in points.
     pub width: f64,
-    /// Height of the axes in points.
+    /// Height of the axes in points; of stacked panels that of the first, and twice that of each other one.
     pub height: f64,
 }
 
@@ -37,7 +42,13 @@ impl Chart {
     /// A chart one column wide if it has one panel, else two columns wide with a common ordinate.
     pub fn new(panels: Vec<Panel>) -> Self {
         let several = panels.len() > 1;
-        Self { panels, share_y: several, width: if several { TWO_COLUMNS } else { COLUMN }, height: 150.0 }
+        let width = if several { TWO_COLUMNS } else { COLUMN };
+        Self { panels, share_y: several, stacked: false, width, height: 150.0 }
+    }
+
+    /// A chart two columns wide with its panels one below the other.
+    pub fn stacked(panels: Vec<Panel>) -> Self {
+        Self { stacked: true, share_y: false, width: TWO_COLUMNS, ..Self::new(panels) }
     }
 
     /// The figure as SVG text.
@@ -67,6 +78,9 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
         return Err(PlotError::Empty { what: "the figure has no panels" });
     }
     chart.panels.iter().try_for_each(check)?;
+    if chart.stacked {
+        return stack::draw(chart);
+    }
     let count = chart.panels.len();
     let ranges = ranges(chart)?;
     let y_ticks = ranges
@@ -79,7 +93,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
     let (legend_rows, legend_height) = arrange(&legend, chart.width - 2.0 * EDGE);
     let titled = chart.panels.iter().any(|panel| !panel.title.is_empty());
     let factored = y_ticks.iter().any(|ticks| !ticks.factor.is_empty());
-    let above = if titled || factored { LABEL + GAP + 1.0 } else { 0.0 };
+    let above = if titled || factored { HEAD } else { 0.0 };
     let top = EDGE + legend_height + above + 0.5 * TICK;
 
     // The margins hold tick labels and the label of the ordinate at the left, names of reference lines at the right.
@@ -99,13 +113,12 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
         left += lefts[i];
         let x = Ticks::new(panel.x.scale, ranges[i][0], width / 34.0)?;
         let frame = Frame { left, top, width, height: chart.height, x, y: y_ticks[i].clone() };
-        let bare = chart.share_y && i > 0;
-        let named = !chart.share_y || i + 1 == count;
-        draw_panel(&mut svg, panel, &frame, i, bare, named);
+        let labels = Labels { x: true, y: !chart.share_y || i == 0, levels: !chart.share_y || i + 1 == count };
+        draw_panel(&mut svg, panel, &frame, i, labels);
         left += width + rights[i] + BETWEEN_PANELS;
     }
     draw_legend(&mut svg, &legend_rows, chart.width);
-    let bottom = top + chart.height + GAP + TICK + GAP + LABEL + 0.3 * LABEL + EDGE;
+    let bottom = top + chart.height + UNDER + EDGE;
     Ok(Drawing { width: chart.width, height: bottom, pictures: Vec::new(), elements: svg })
 }
 
@@ -141,13 +154,14 @@ fn check(panel: &Panel) -> Result<(), PlotError> {
 }
 
 /// The ranges of x and y for each panel.
-fn ranges(chart: &Chart) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
+pub(super) fn ranges(chart: &Chart) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
     let xs = |panel: &Panel| -> Vec<f64> { panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.x)).collect() };
     let ys = |panel: &Panel| -> Vec<f64> {
         let positive = |y: &f64| panel.y.scale == Scale::Linear || *y > 0.0;
         let of = |point: &Point| [Some(point.y), point.range.map(|r| r[0]), point.range.map(|r| r[1])];
         let points = panel.series.iter().flat_map(|series| series.points.iter().flat_map(of).flatten());
-        points.chain(panel.levels.iter().flat_map(|level| level.range)).filter(positive).collect()
+        let zero = panel.series.iter().filter(|series| series.mark == Mark::Filled(Side::Zero)).map(|_| 0.0);
+        points.chain(zero).chain(panel.levels.iter().flat_map(|level| level.range)).filter(positive).collect()
     };
     let common: Vec<f64> = chart.panels.iter().flat_map(ys).collect();
     let end = |axis: &Axis, values: Vec<f64>| {
@@ -165,12 +179,20 @@ fn ranges(chart: &Chart) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
         .collect()
 }
 
-fn right_margin(panel: &Panel) -> f64 {
+pub(super) fn right_margin(panel: &Panel) -> f64 {
     let widest = panel.levels.iter().map(|level| Text::new(&level.label, TICK).width()).fold(0.0, f64::max);
     if widest > 0.0 { widest + GAP } else { 0.5 * TICK }
 }
 
-fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: usize, bare: bool, named: bool) {
+/// The parts of a panel that have labels.
+#[derive(Clone, Copy)]
+pub(super) struct Labels {
+    pub(super) x: bool,
+    pub(super) y: bool,
+    pub(super) levels: bool,
+}
+
+pub(super) fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: usize, labels: Labels) {
     let Frame { left, top, width, height, .. } = frame;
     let [l, t, w, h] = [*left, *top, *width, *height].map(number);
     let _ = writeln!(svg, r#"<clipPath id="panel{index}"><rect x="{l}" y="{t}" width="{w}" height="{h}"/></clipPath>"#);
@@ -190,22 +212,27 @@ fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: usize, bare
                 writeln!(svg, r#"<rect x="{l}" y="{y}" width="{w}" height="{tall}" fill="{colour}" opacity="0.18"/>"#);
         }
     }
-    let is_line = |series: &&Series| matches!(series.mark, Mark::Line | Mark::Dashes);
-    for series in panel.series.iter().filter(is_line) {
-        draw_series(svg, series, frame);
-    }
-    for series in panel.series.iter().filter(|series| !is_line(series)) {
-        draw_series(svg, series, frame);
+    // Areas, then lines, then symbols.
+    let layer = |series: &Series| match series.mark {
+        Mark::Filled(_) => 0,
+        Mark::Line | Mark::Dashes | Mark::Bold => 1,
+        Mark::Points | Mark::HollowPoints | Mark::JoinedPoints => 2,
+    };
+    for wanted in 0..3 {
+        panel.series.iter().filter(|series| layer(series) == wanted).for_each(|series| draw_series(svg, series, frame));
     }
     svg.push_str("</g>\n");
-    draw_axes(svg, frame, &panel.x, if bare { None } else { Some(&panel.y) });
+    draw_axes(svg, frame, Some(&panel.x).filter(|_| labels.x), Some(&panel.y).filter(|_| labels.y));
     if !panel.title.is_empty() {
-        let indent =
-            if frame.y.factor.is_empty() || bare { 0.0 } else { Text::new(&frame.y.factor, TICK).width() + 2.0 * GAP };
+        let indent = if frame.y.factor.is_empty() || !labels.y {
+            0.0
+        } else {
+            Text::new(&frame.y.factor, TICK).width() + 2.0 * GAP
+        };
         let title = Text::new(&panel.title, LABEL);
         title.write(svg, left + indent, top - GAP - 1.0, Anchor::Start, 0.0, &hex(INK));
     }
-    if named {
+    if labels.levels {
         draw_level_names(svg, panel, frame);
     }
 }
@@ -243,23 +270,31 @@ fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
 fn draw_series(svg: &mut String, series: &Series, frame: &Frame) {
     let colour = hex(hue(series.hue));
     let positions: Vec<(f64, f64)> = series.points.iter().map(|point| frame.at(point.x, point.y)).collect();
-    let line = match series.mark {
-        Mark::Line => Some((1.1, "")),
-        Mark::Dashes => Some((1.1, r#" stroke-dasharray="5 2.5""#)),
-        Mark::JoinedPoints => Some((0.7, "")),
-        Mark::Points | Mark::HollowPoints => None,
-    };
-    if let (Some((width, dashes)), true) = (line, positions.len() > 1) {
+    if let (Some(width), true) = (line_width(series.mark), positions.len() > 1) {
         let mut path = String::new();
         for (i, (x, y)) in positions.iter().enumerate() {
             let _ = write!(path, "{}{} {}", if i == 0 { 'M' } else { 'L' }, number(*x), number(*y));
         }
+        if let Mark::Filled(side) = series.mark {
+            let edge = match side {
+                Side::Top => frame.top,
+                Side::Bottom => frame.top + frame.height,
+                Side::Zero => frame.at(0.0, 0.0).1,
+            };
+            let [first, last] = [0, positions.len() - 1].map(|i| number(positions[i].0));
+            let edge = number(edge);
+            let _ = writeln!(
+                svg,
+                r#"<path d="{path}L{last} {edge}L{first} {edge}Z" fill="{colour}" opacity="{PALE_AREA}"/>"#
+            );
+        }
+        let dashes = if series.mark == Mark::Dashes { r#" stroke-dasharray="5 2.5""# } else { "" };
         let _ = writeln!(
             svg,
             r#"<path d="{path}" stroke="{colour}" stroke-width="{width}"{dashes} stroke-linejoin="round" fill="none"/>"#
         );
     }
-    if matches!(series.mark, Mark::Line | Mark::Dashes) {
+    if matches!(series.mark, Mark::Line | Mark::Dashes | Mark::Bold | Mark::Filled(_)) {
         return;
     }
     let mut bars = String::new();

@@ -36,6 +36,11 @@ pub(super) fn sequential(fraction: f64) -> Rgb {
     colorous::VIRIDIS.eval_continuous(fraction.clamp(0.0, 1.0)).as_array()
 }
 
+/// The colour of the maps with two signs at a fraction from 0 to 1: red, white in the middle, blue.
+pub(super) fn diverging(fraction: f64) -> Rgb {
+    colorous::RED_BLUE.eval_continuous(fraction.clamp(0.0, 1.0)).as_array()
+}
+
 /// The mixture of `share` of `a` with 1 − `share` of `b`, linear in light intensity.
 pub(super) fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
     let light = |c: u8| (f64::from(c) / 255.0).powf(2.2);

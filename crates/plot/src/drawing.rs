@@ -12,7 +12,7 @@ use super::PlotError;
 use super::colour::Rgb;
 use super::text::{FAMILY, ITALIC, REGULAR, escape, number};
 
-/// Dots per inch of the PNG.
+/// Dots per inch of a PNG without pictures of more pixels than that.
 const RESOLUTION: f64 = 300.0;
 
 /// Points per inch.
@@ -87,7 +87,8 @@ impl Drawing {
             usvg::Options { fontdb: Arc::new(fonts), font_family: "Arimo".into(), ..usvg::Options::default() };
         let tree = usvg::Tree::from_str(&self.wrap(""), &options).map_err(|error| render(&error))?;
 
-        let scale = RESOLUTION / POINTS;
+        let resolution = self.pictures.iter().map(Picture::resolution).fold(RESOLUTION, f64::max);
+        let scale = resolution / POINTS;
         let [width, height] = [self.width, self.height].map(|length| (length * scale).round() as u32);
         let mut page = Pixmap::new(width, height).ok_or_else(|| render(&"the figure has no area"))?;
         page.fill(resvg::tiny_skia::Color::WHITE);
@@ -98,7 +99,7 @@ impl Drawing {
         let stretch = width as f32 / tree.size().width();
         resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
         let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
-        encode(width, height, &pixels, Some(RESOLUTION)).map_err(|error| render(&error))
+        encode(width, height, &pixels, Some(resolution)).map_err(|error| render(&error))
     }
 
     pub(super) fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
@@ -127,6 +128,12 @@ impl Drawing {
 }
 
 impl Picture {
+    /// The dots per inch that give every pixel a dot.
+    fn resolution(&self) -> f64 {
+        let [_, _, width, height] = self.frame;
+        POINTS * (self.columns as f64 / width).max(self.rows as f64 / height)
+    }
+
     /// True if the pixels are so large that they should be visible as squares.
     fn is_coarse(&self) -> bool {
         self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
@@ -141,10 +148,15 @@ impl Picture {
         for (target, rgb) in source.pixels_mut().iter_mut().zip(&self.pixels) {
             *target = resvg::tiny_skia::PremultipliedColorU8::from_rgba(rgb[0], rgb[1], rgb[2], 255)?;
         }
-        let [x, y, width, height] = self.frame.map(|length| length * scale);
+        let [mut x, mut y, width, height] = self.frame.map(|length| length * scale);
         let stretch = [width / self.columns as f64, height / self.rows as f64].map(|s| s as f32);
+        // A picture of one dot a pixel begins at a dot.
+        let is_fine = self.resolution() * (1.0 + 1e-9) > scale * POINTS;
+        if is_fine {
+            (x, y) = (x.round(), y.round());
+        }
         let transform = Transform::from_row(stretch[0], 0.0, 0.0, stretch[1], x as f32, y as f32);
-        let quality = if self.is_coarse() { FilterQuality::Nearest } else { FilterQuality::Bilinear };
+        let quality = if is_fine || self.is_coarse() { FilterQuality::Nearest } else { FilterQuality::Bilinear };
         page.draw_pixmap(0, 0, source.as_ref(), &PixmapPaint { quality, ..PixmapPaint::default() }, transform, None);
         Some(())
     }

@@ -41,8 +41,11 @@ pub(super) fn left_margin(ticks: &Ticks, axis: &Axis) -> f64 {
     widest + GAP + label
 }
 
-/// Draws the box, the ticks and all labels; without `y` the ordinate has no labels.
-pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: &Axis, y: Option<&Axis>) {
+/// The height of the labels below the axes.
+pub(super) const UNDER: f64 = GAP + TICK + GAP + 1.3 * LABEL;
+
+/// Draws the box, the ticks and all labels; an axis that is not given has no labels.
+pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: Option<&Axis>, y: Option<&Axis>) {
     let Frame { left, top, width, height, .. } = frame;
     let (right, bottom) = (left + width, top + height);
     let ink = hex(INK);
@@ -72,14 +75,16 @@ pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: &Axis, y: Option<&Ax
         r#"<rect x="{l}" y="{t}" width="{w}" height="{h}" stroke="{ink}" stroke-width="0.8" fill="none"/>"#
     );
 
-    for (value, label) in &frame.x.major {
-        let at = left + frame.x.fraction(*value) * width;
-        Text::new(label, TICK).write(svg, at, bottom + GAP + 0.85 * TICK, Anchor::Middle, 0.0, &ink);
-    }
-    let below = bottom + GAP + TICK + GAP + 0.8 * LABEL;
-    Text::new(&x.label, LABEL).write(svg, left + 0.5 * width, below, Anchor::Middle, 0.0, &ink);
-    if !frame.x.factor.is_empty() {
-        Text::new(&frame.x.factor, TICK).write(svg, right, below, Anchor::End, 0.0, &ink);
+    if let Some(x) = x {
+        for (value, label) in &frame.x.major {
+            let at = left + frame.x.fraction(*value) * width;
+            Text::new(label, TICK).write(svg, at, bottom + GAP + 0.85 * TICK, Anchor::Middle, 0.0, &ink);
+        }
+        let below = bottom + GAP + TICK + GAP + 0.8 * LABEL;
+        Text::new(&x.label, LABEL).write(svg, left + 0.5 * width, below, Anchor::Middle, 0.0, &ink);
+        if !frame.x.factor.is_empty() {
+            Text::new(&frame.x.factor, TICK).write(svg, right, below, Anchor::End, 0.0, &ink);
+        }
     }
     let Some(y) = y else { return };
     for (value, label) in &frame.y.major {

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::colour::{INK, hex, hue};
 use super::frame::{EDGE, GAP, TICK};
-use super::symbol::{SYMBOL, symbol};
+use super::symbol::{PALE_AREA, SYMBOL, line_width, symbol};
 use super::text::{Anchor, Text, number};
-use super::{Mark, Panel, Series};
+use super::{Mark, Panel, Series, Side};
 
 const SAMPLE: f64 = 16.0;
 
@@ -86,9 +86,17 @@ pub(super) fn draw_legend(svg: &mut String, rows: &[Vec<&Entry>], width: f64) {
 fn draw_sample(svg: &mut String, series: &Series, ends: [f64; 2], y: f64) {
     let colour = hex(hue(series.hue));
     let dashes = if series.mark == Mark::Dashes { r#" stroke-dasharray="5 2.5""# } else { "" };
-    if matches!(series.mark, Mark::Line | Mark::Dashes | Mark::JoinedPoints) {
+    if let Mark::Filled(side) = series.mark {
+        let half = 0.5 * TICK;
+        let top = if side == Side::Top { y - half } else { y };
+        let [x, top, wide, tall] = [ends[0], top, ends[1] - ends[0], half].map(number);
+        let _ = writeln!(
+            svg,
+            r#"<rect x="{x}" y="{top}" width="{wide}" height="{tall}" fill="{colour}" opacity="{PALE_AREA}"/>"#
+        );
+    }
+    if let Some(width) = line_width(series.mark) {
         let [x0, x1, y] = [ends[0], ends[1], y].map(number);
-        let width = if series.mark == Mark::JoinedPoints { 0.7 } else { 1.1 };
         let _ =
             writeln!(svg, r#"<path d="M{x0} {y}H{x1}" stroke="{colour}" stroke-width="{width}"{dashes} fill="none"/>"#);
     }
@@ -100,6 +108,6 @@ fn draw_sample(svg: &mut String, series: &Series, ends: [f64; 2], y: f64) {
         Mark::HollowPoints => {
             let _ = writeln!(svg, r##"<path d="{symbol}" fill="#ffffff" stroke="{colour}" stroke-width="1"/>"##);
         }
-        Mark::Line | Mark::Dashes => {}
+        Mark::Line | Mark::Dashes | Mark::Bold | Mark::Filled(_) => {}
     }
 }

@@ -5,14 +5,20 @@ use std::path::{Path, PathBuf};
 
 use super::axis::{Ticks, padded};
 use super::chart::COLUMN;
-use super::colour::{INK, PALE, Rgb, hex, mix, sequential};
+use super::colour::{INK, PALE, Rgb, diverging, hex, hue, mix, sequential};
 use super::drawing::{Drawing, Picture};
 use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
 use super::text::{Anchor, Text, number};
 use super::{Axis, PlotError, Scale};
 
-/// Largest number of pixels along one side: more are not visible in print at one column width.
-const PIXELS: usize = 1024;
+/// Largest number of pixels; of more points, blocks become a pixel.
+const PIXELS: usize = 1 << 20;
+
+/// Largest number of pixels along one side.
+const LONGEST: usize = 1 << 13;
+
+/// The decades that a logarithmic scale has at most, unless its range is given.
+const DECADES: i32 = 8;
 
 /// Width of the colour bar in points.
 const BAR: f64 = 9.0;
@@ -32,7 +38,11 @@ pub struct Map<'a> {
     pub y: String,
     /// Label of the colour bar.
     pub label: String,
-    /// Values that are drawn pale instead of coloured.
+    /// Spacing of the colours; of logarithmic ones, all values above the threshold of `below` must be above zero.
+    pub scale: Scale,
+    /// The colours of the scale.
+    pub colours: Colours,
+    /// Values that have one colour of their own.
     pub below: Option<Below>,
     /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
     /// bar then has a triangle there.
@@ -43,20 +53,54 @@ pub struct Map<'a> {
     pub width: f64,
 }
 
-/// A class of values up to a threshold that is drawn pale, such as "no contact".
+/// A class of values up to a threshold that has one colour, such as "no contact".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Below {
     /// The largest value of the class.
     pub threshold: f64,
     /// Its name beside the colour bar.
     pub label: String,
+    /// Its colour, an index as of [`Series`](super::Series); pale grey if absent.
+    pub hue: Option<usize>,
+}
+
+impl Below {
+    /// A pale class.
+    pub fn pale(threshold: f64, label: &str) -> Self {
+        Self { threshold, label: label.into(), hue: None }
+    }
+
+    fn colour(&self) -> Rgb {
+        self.hue.map_or(PALE, hue)
+    }
+}
+
+/// The colours of a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Colours {
+    /// From dark to light.
+    #[default]
+    Sequential,
+    /// Red below the middle of the range, white in the middle, blue above: for values of two signs, with a range about zero.
+    Diverging,
+}
+
+impl Colours {
+    fn at(self, fraction: f64) -> Rgb {
+        match self {
+            Self::Sequential => sequential(fraction),
+            Self::Diverging => diverging(fraction),
+        }
+    }
 }
 
 impl<'a> Map<'a> {
     /// A map of `values` on a cell of `size`, one column wide, with all values coloured.
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
-        Self { values, shape, size, x, y, label, below: None, range: None, numbers: true, width: COLUMN }
+        let (scale, colours) = (Scale::default(), Colours::default());
+        let (below, range, numbers) = (None, None, true);
+        Self { values, shape, size, x, y, label, scale, colours, below, range, numbers, width: COLUMN }
     }
 
     fn is_coloured(&self, value: f64) -> bool {
@@ -126,7 +170,7 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     }
     let (range, beyond) = colour_range(map)?;
     let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
-    let mut bar_ticks = ticks(range, 5.0)?;
+    let mut bar_ticks = Ticks::new(map.scale, range, 5.0)?;
     if !map.numbers {
         bar_ticks.major.clear();
     }
@@ -138,17 +182,18 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
     let left = EDGE + left_margin(&ticks([0.0, map.size[1]], 4.0)?, &y_label);
     let width = (map.width - left - right - EDGE).max(40.0);
-    // A flat map is stretched so that the labels along y fit.
-    let lowest = Text::new(&map.y, LABEL).width().max(Text::new(&map.label, LABEL).width()).min(width);
+    // A flat map is stretched so that the labels along y fit, that of the bar beside its coloured part.
+    let beside = Text::new(&map.label, LABEL).width() + swatch(map) + beyond.map(point).iter().sum::<f64>();
+    let lowest = Text::new(&map.y, LABEL).width().max(beside).min(width);
     let height = (width * map.size[1] / map.size[0]).clamp(lowest, 3.0 * width);
     let (x, y) = (ticks([0.0, map.size[0]], width / 40.0)?, ticks([0.0, map.size[1]], height / 40.0)?);
     let top = EDGE + if bar_ticks.factor.is_empty() && y.factor.is_empty() { 0.5 * TICK } else { TICK + 2.0 * GAP };
 
     let frame = Frame { left, top, width, height, x, y };
     let mut svg = String::new();
-    draw_axes(&mut svg, &frame, &Axis::linear(&map.x), Some(&y_label));
+    draw_axes(&mut svg, &frame, Some(&Axis::linear(&map.x)), Some(&y_label));
     draw_bar(&mut svg, map, &frame, &bar_ticks, beyond);
-    let picture = paint(map, range, [left, top, width, height]);
+    let picture = paint(map, &bar_ticks, [left, top, width, height]);
     let bottom = top + height + GAP + TICK + GAP + 1.1 * LABEL + EDGE;
     Ok(Drawing { width: map.width, height: bottom, pictures: vec![picture], elements: svg })
 }
@@ -156,18 +201,30 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
 /// The range of the colour scale, and two flags: values lie below it, values lie above it.
 ///
 /// A field with singular edges has a few extremely large values. Unless the range is given, the scale therefore ends at
-/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end.
+/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end; a
+/// logarithmic one begins at the 0.5 % quantile.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &v| (least.min(v), most.max(v)));
-    let range = match (map.range, &map.below) {
-        (Some(range), _) => range,
-        (None, _) if values.is_empty() => [0.0, 1.0],
-        (None, below) => {
+    if map.scale == Scale::Log && least <= 0.0 {
+        return Err(PlotError::NotPositive { found: least, place: "a value of the map".into() });
+    }
+    let mut at = |per_mille: usize| {
+        let rank = (values.len() - 1) * per_mille / 1000;
+        *values.select_nth_unstable_by(rank, f64::total_cmp).1
+    };
+    let range = match (map.range, map.scale, &map.below) {
+        (Some(range), ..) => range,
+        (None, Scale::Linear, _) if least > most => [0.0, 1.0],
+        (None, Scale::Log, _) if least > most => [0.1, 1.0],
+        (None, Scale::Log, _) => {
+            let low = at(5).max(most * 10_f64.powi(-DECADES));
+            if low < most { [low, most] } else { padded(Scale::Log, [most].into_iter()).unwrap_or([0.1, 1.0]) }
+        }
+        (None, Scale::Linear, below) => {
             let low = below.as_ref().map_or(least, |below| below.threshold);
-            let rank = (values.len() - 1) * 995 / 1000;
-            let (_, &mut most_of_all, _) = values.select_nth_unstable_by(rank, f64::total_cmp);
+            let most_of_all = at(995);
             let high = if most - low > 1.5 * (most_of_all - low) { most_of_all } else { most };
             if high > low { [low, high] } else { padded(Scale::Linear, [low, most].into_iter()).unwrap_or([0.0, 1.0]) }
         }
@@ -178,12 +235,22 @@ fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     Ok((range, [least < range[0], most > range[1]]))
 }
 
-/// The image with one pixel per block of points: the colour of the mean over its coloured points, mixed with the pale
-/// colour in proportion to their number.
-fn paint(map: &Map, range: [f64; 2], frame: [f64; 4]) -> Picture {
+/// The points along x and along y that become one pixel: one, unless that would be more pixels than [`PIXELS`].
+fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
+    let mut block = [nx, ny].map(|n| n.div_ceil(LONGEST));
+    while nx.div_ceil(block[0]) * ny.div_ceil(block[1]) > PIXELS {
+        block = block.map(|points| points + 1);
+    }
+    block
+}
+
+/// The image with one pixel per point or block of points: the colour of the mean over its coloured points, mixed with the
+/// colour of the others in proportion to their number.
+fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
     let [nx, ny] = map.shape;
-    let block = [nx.div_ceil(PIXELS), ny.div_ceil(PIXELS)];
+    let block = block(map.shape);
     let (columns, rows) = (nx.div_ceil(block[0]), ny.div_ceil(block[1]));
+    let other = map.below.as_ref().map_or(PALE, Below::colour);
     let mut pixels = Vec::with_capacity(columns * rows);
     for row in (0..rows).rev() {
         let ys = row * block[1]..((row + 1) * block[1]).min(ny);
@@ -193,34 +260,46 @@ fn paint(map: &Map, range: [f64; 2], frame: [f64; 4]) -> Picture {
             for x in xs.clone() {
                 for &value in &map.values[x * ny + ys.start..x * ny + ys.end] {
                     if map.is_coloured(value) {
-                        sum += value;
+                        sum += ticks.fraction(value);
                         coloured += 1;
                     }
                 }
             }
             pixels.push(if coloured == 0 {
-                PALE
+                other
             } else {
-                let fraction = (sum / f64::from(coloured) - range[0]) / (range[1] - range[0]);
                 let share = f64::from(coloured) / (xs.len() * ys.len()) as f64;
-                mix(sequential(fraction), PALE, share)
+                mix(map.colours.at(sum / f64::from(coloured)), other, share)
             });
         }
     }
     Picture { frame, columns, rows, pixels }
 }
 
+/// The height of the swatch of a class below the bar, with its distance.
+fn swatch(map: &Map) -> f64 {
+    if map.below.is_some() { 0.8 * BAR + 2.0 * GAP } else { 0.0 }
+}
+
+/// The height of the point of the bar for values beyond an end.
+fn point(beyond: bool) -> f64 {
+    if beyond { BAR } else { 0.0 }
+}
+
 fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
     let ink = hex(INK);
     let left = frame.left + frame.width + 3.0 * GAP;
-    // Space below for the pale swatch, and for the triangles of values beyond the range.
-    let swatch = if map.below.is_some() { 0.8 * BAR + 2.0 * GAP } else { 0.0 };
-    let points = beyond.map(|beyond| if beyond { BAR } else { 0.0 });
-    let (top, bottom) = (frame.top + points[1], frame.top + frame.height - swatch - points[0]);
+    // Space below for the swatch of the class, and for the triangles of values beyond the range.
+    let points = beyond.map(point);
+    let (top, bottom) = (frame.top + points[1], frame.top + frame.height - swatch(map) - points[0]);
     let stops: String = (0..=32)
         .map(|i| {
             let fraction = f64::from(i) / 32.0;
-            format!(r#"<stop offset="{}" stop-color="{}"/>"#, number(fraction * 100.0) + "%", hex(sequential(fraction)))
+            format!(
+                r#"<stop offset="{}" stop-color="{}"/>"#,
+                number(fraction * 100.0) + "%",
+                hex(map.colours.at(fraction))
+            )
         })
         .collect();
     let _ = writeln!(svg, r#"<linearGradient id="bar" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>"#);
@@ -231,10 +310,10 @@ fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [
         let _ = writeln!(svg, r#"<path d="M{x} {y}l{half} {by}L{} {y}Z" fill="{}"/>"#, number(left + BAR), hex(colour));
     };
     if beyond[1] {
-        triangle(svg, top, -points[1], sequential(1.0));
+        triangle(svg, top, -points[1], map.colours.at(1.0));
     }
     if beyond[0] {
-        triangle(svg, bottom, points[0], sequential(0.0));
+        triangle(svg, bottom, points[0], map.colours.at(0.0));
     }
     let mut outline = format!("M{} {}", number(left), number(bottom));
     if beyond[0] {
@@ -261,7 +340,7 @@ fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [
     Text::new(&map.label, LABEL).write(svg, beside, 0.5 * (top + bottom), Anchor::Middle, -90.0, &ink);
     if let Some(below) = &map.below {
         let [x, y, side] = [left, frame.top + frame.height - 0.8 * BAR, 0.8 * BAR].map(number);
-        let colour = hex(PALE);
+        let colour = hex(below.colour());
         let _ = writeln!(
             svg,
             r#"<rect x="{x}" y="{y}" width="{side}" height="{side}" fill="{colour}" stroke="{ink}" stroke-width=".6"/>"#

@@ -41,6 +41,21 @@ pub enum Mark {
     Dashes,
     /// Symbols joined by a thin line.
     JoinedPoints,
+    /// A heavy line from point to point.
+    Bold,
+    /// A line from point to point, with a pale area between it and a side of the axes.
+    Filled(Side),
+}
+
+/// Where the pale area of a filled line ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The upper edge of the axes.
+    Top,
+    /// The lower edge of the axes.
+    Bottom,
+    /// Zero.
+    Zero,
 }
 
 /// Points of one label, colour and style.
@@ -90,7 +105,7 @@ impl Level {
     }
 }
 
-/// Spacing of an axis.
+/// Spacing of an axis, or of the colours of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps.

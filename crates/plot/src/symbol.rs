@@ -1,11 +1,26 @@
-//! The symbols of points.
+//! The symbols of points, the lines between them.
 
 use std::fmt::Write;
 
+use super::Mark;
 use super::text::number;
 
 /// Half the size of a symbol, in points.
 pub(super) const SYMBOL: f64 = 2.3;
+
+/// The opacity of the area beside a filled line.
+pub(super) const PALE_AREA: f64 = 0.2;
+
+/// The width of the line of a mark, in points; `None` for symbols alone.
+pub(super) fn line_width(mark: Mark) -> Option<f64> {
+    match mark {
+        Mark::Line | Mark::Dashes => Some(1.1),
+        Mark::JoinedPoints => Some(0.7),
+        Mark::Bold => Some(2.2),
+        Mark::Filled(_) => Some(0.6),
+        Mark::Points | Mark::HollowPoints => None,
+    }
+}
 
 /// The outline of a symbol; each colour has its own symbol, so that a figure can be read without colours.
 pub(super) fn symbol(hue: usize, (x, y): (f64, f64)) -> String {

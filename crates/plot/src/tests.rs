@@ -44,7 +44,7 @@ fn bumps(nx: usize, ny: usize) -> Vec<f64> {
 }
 
 fn pressure_map<'a>(values: &'a [f64], shape: [usize; 2]) -> Map<'a> {
-    let below = Some(Below { threshold: 0.0, label: "no contact".into() });
+    let below = Some(Below::pale(0.0, "no contact"));
     Map { below, ..Map::new(values, shape, [2.0, 1.0], "pressure *p* / *E*\\*") }
 }
 
@@ -315,4 +315,127 @@ fn maps_side_by_side_keep_their_bars_apart() {
     let [(width, height, _), (both, same, _)] = [map.png().unwrap(), maps.png().unwrap()].map(|bytes| decode(&bytes));
     assert_eq!((2 * width, height), (both, same));
     assert!(matches!(Maps(vec![]).svg(), Err(PlotError::Empty { .. })));
+}
+
+#[test]
+fn a_long_map_keeps_a_pixel_a_point() {
+    let (nx, ny) = (4096, 64);
+    let field: Vec<f64> = (0..nx * ny).map(|k| ((k / ny + k % ny) % 2) as f64).collect();
+    let map = Map { width: TWO_COLUMNS, ..Map::new(&field, [nx, ny], [64.0, 1.0], "squares") };
+    let drawing = map::draw(&map).unwrap();
+    let picture = &drawing.pictures[0];
+    assert_eq!((picture.columns, picture.rows), (nx, ny));
+    let [left, top, width, height] = picture.frame;
+    let (columns, _, pixels) = decode(&map.png().unwrap());
+    let scale = nx as f64 / width;
+    assert_eq!(columns, (scale * drawing.width).round() as u32);
+    let line = (scale * (top + (20.5 / ny as f64) * height)) as usize * columns as usize;
+    // The dots of the axes cover the first and the last points.
+    for i in 100..nx - 100 {
+        let at = 3 * (line + (scale * left).round() as usize + i);
+        let expected = colour::sequential(((i + ny - 1 - 20) % 2) as f64);
+        assert_eq!(pixels[at..at + 3], expected, "{i}");
+    }
+    // A scan of more points is cut into blocks as long as high.
+    let field = vec![1.0; 32768 * 64];
+    let picture = map::draw(&Map::new(&field, [32768, 64], [512.0, 1.0], "")).unwrap().pictures.remove(0);
+    assert!(picture.columns <= 8192 && picture.columns * picture.rows <= 1 << 20);
+}
+
+#[test]
+fn logarithmic_colours_have_equal_factors() {
+    let field = [1e-3, 1e-2, 1e-1, 1.0];
+    let map = Map { scale: Scale::Log, ..Map::new(&field, [2, 2], [1.0, 1.0], "gap") };
+    let picture = map::draw(&map).unwrap().pictures.remove(0);
+    // The top row has y = 1.
+    let expected = [1.0 / 3.0, 1.0, 0.0, 2.0 / 3.0].map(colour::sequential);
+    assert_eq!(picture.pixels, expected);
+    let found = words(&map.svg().unwrap());
+    assert!(found.iter().any(|word| word == "0.01") || found.iter().any(|word| word == "10−2"), "{found:?}");
+
+    // A class below has its own colour, and takes no part in the range.
+    let closed = [0.0, 1e-2, 1e-1, 1.0];
+    let below = Some(Below { hue: Some(1), ..Below::pale(0.0, "contact") });
+    let classed = Map { scale: Scale::Log, below, ..Map::new(&closed, [2, 2], [1.0, 1.0], "gap") };
+    let picture = map::draw(&classed).unwrap().pictures.remove(0);
+    assert_eq!(
+        picture.pixels,
+        [colour::sequential(0.0), colour::sequential(1.0), colour::hue(1), colour::sequential(0.5)]
+    );
+    assert!(classed.svg().unwrap().contains(&colour::hex(colour::hue(1))));
+    for value in [0.0, -1.0] {
+        let field = [value, 1.0, 1.0, 1.0];
+        let line = Map { scale: Scale::Log, ..Map::new(&field, [2, 2], [1.0, 1.0], "") }.svg().unwrap_err();
+        assert!(matches!(line, PlotError::NotPositive { found, .. } if found == value));
+    }
+    // All in one class, and all equal.
+    for value in [0.0, 3.0] {
+        let below = Some(Below::pale(0.0, "contact"));
+        Map { scale: Scale::Log, below, ..Map::new(&[value; 4], [2, 2], [1.0, 1.0], "") }.png().unwrap();
+    }
+    // Eight decades at most.
+    let deep = [1e-20, 1e-20, 1e-20, 1.0];
+    let svg = Map { scale: Scale::Log, ..Map::new(&deep, [2, 2], [1.0, 1.0], "") }.svg().unwrap();
+    assert!(words(&svg).iter().any(|word| word == "10−8") && !words(&svg).iter().any(|word| word == "10−10"));
+}
+
+#[test]
+fn two_signs_have_two_colours_and_zero_none() {
+    let field = [-1.0, 0.0, 0.0, 1.0];
+    let range = Some([-1.0, 1.0]);
+    let map = Map { colours: Colours::Diverging, range, ..Map::new(&field, [2, 2], [1.0, 1.0], "traction") };
+    let [zero, repulsion, attraction, same] = map::draw(&map).unwrap().pictures[0].pixels[..] else { panic!() };
+    assert_eq!(zero, same);
+    assert!(zero.iter().all(|&c| c > 230), "{zero:?}");
+    assert!(repulsion[2] > repulsion[0] && attraction[0] > attraction[2] && repulsion != attraction);
+}
+
+/// A map as flat as its bar has room for the label of the bar beside its coloured part.
+#[test]
+fn the_label_of_a_bar_with_points_is_not_cut_off() {
+    let mut field = vec![0.5; 4096 * 4];
+    (field[0], field[1], field[2]) = (1e-9, 0.0, 2.0);
+    let below = Some(Below::pale(0.0, "contact"));
+    let map = Map {
+        below,
+        range: Some([0.1, 1.0]),
+        width: TWO_COLUMNS,
+        ..Map::new(&field, [4096, 4], [1e3, 1.0], "a long label")
+    };
+    let (columns, _, pixels) = decode(&map.png().unwrap());
+    let edge = 3 * 3 * columns as usize;
+    assert!(pixels[..edge].iter().all(|&c| c == 255), "the upper edge is blank");
+}
+
+#[test]
+fn stacked_panels_have_one_abscissa() {
+    let filled =
+        |side, hue, pairs: [(f64, f64); 2]| Series { mark: Mark::Filled(side), ..Series::line("area", hue, pairs) };
+    let panel =
+        |label: &str, series| Panel { x: Axis::linear("place"), y: Axis::linear(label), series, ..Panel::default() };
+    let upper = panel(
+        "height",
+        vec![filled(Side::Top, 6, [(0.0, 1.0), (2.0, 3.0)]), filled(Side::Bottom, 5, [(0.0, 0.0), (2.0, 0.5)])],
+    );
+    let bold = Series { mark: Mark::Bold, ..Series::line("bold", 1, [(0.5, 7.0), (1.0, 7.0)]) };
+    let lower = panel("pressure", vec![filled(Side::Zero, 0, [(1.0, 5.0), (4.0, 7.0)]), bold]);
+    let chart = Chart::stacked(vec![upper, lower]);
+    let svg = chart.svg().unwrap();
+    let found = words(&svg);
+    let count = |word: &str| found.iter().filter(|found| *found == word).count();
+    assert_eq!([count("place"), count("height"), count("pressure"), count("area"), count("bold")], [1; 5], "{found:?}");
+    // Both panels have the same left edge and width; zero is in the range of what is filled from there.
+    let boxes: Vec<&str> = svg.split("<clipPath").skip(1).collect();
+    let side = |panel: usize, name: &str| -> f64 {
+        boxes[panel].split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    assert_eq!((boxes.len(), side(0, "x"), side(0, "width")), (2, side(1, "x"), side(1, "width")));
+    assert!(side(1, "y") > side(0, "y") + side(0, "height") && side(0, "height") == 2.0 * side(1, "height"));
+    assert!(found.iter().any(|word| word == "0"), "{found:?}");
+    // The area to the upper edge ends there.
+    let top = text::number(side(0, "y"));
+    assert!(svg.contains(&format!(" {top}Z\" fill=\"{}\"", colour::hex(colour::hue(6)))), "{svg}");
+    let drawn = decode(&chart.png().unwrap());
+    assert_eq!(drawn.0, (TWO_COLUMNS / 72.0 * 300.0).round() as u32);
+    assert!(matches!(Chart::stacked(vec![]).svg(), Err(PlotError::Empty { .. })));
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use gfmd_field::Grid;
-use gfmd_files::vti::{Image, Lattice, PointArray};
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
+use gfmd_files::vti::{Image, Lattice};
+use gfmd_files::{Archive, Dimension, Output, PointArray, Provenance, Variable, axes};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
@@ -125,22 +125,30 @@ fn archive<'a>(
     let vector = Dimension::labels("component", &labels(Quantity::Displacement, &AXES), "component of a vector");
     let tensor = Dimension::labels("tensor", &labels(Quantity::Stress, &TENSOR), "component of a symmetric tensor");
     for &quantity in quantities {
-        let (units, last) = match quantity {
-            Quantity::Displacement => (unit, Some(&vector)),
-            Quantity::Strain => ("1", Some(&tensor)),
-            Quantity::Stress => ("stress", Some(&tensor)),
-            Quantity::VonMises | Quantity::EnergyDensity => ("stress", None),
+        let last = match quantity {
+            Quantity::Displacement => Some(&vector),
+            Quantity::Strain | Quantity::Stress => Some(&tensor),
+            Quantity::VonMises | Quantity::EnergyDensity => None,
         };
+        let (units, long_name) = (units(quantity, unit), quantity.long_name());
         let mut dimensions = vec![&depth];
         dimensions.extend(planes.rows.axes.iter().map(|&axis| &lateral[axis]));
         dimensions.extend(last);
-        archive
-            .define(&path(quantity), &Variable { dimensions: &dimensions, units, long_name: quantity.long_name() })?;
+        archive.define(&path(quantity), &Variable { dimensions: &dimensions, units, long_name })?;
     }
     if let Some(slice) = planes.rows.selected() {
         archive.attribute("/fields", "slice", slice.to_string())?;
     }
     Ok(Sink::Archive(archive))
+}
+
+/// The unit of a quantity, where lengths have the `unit`.
+fn units(quantity: Quantity, unit: &str) -> &str {
+    match quantity {
+        Quantity::Displacement => unit,
+        Quantity::Strain => "1",
+        Quantity::Stress | Quantity::VonMises | Quantity::EnergyDensity => "stress",
+    }
 }
 
 /// The components of a quantity, for tensors in the order of ParaView.
@@ -175,7 +183,7 @@ fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Re
                 6 => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
                 _ => &[],
             };
-            PointArray { name: quantity.name(), components }
+            PointArray { name: quantity.name(), components, units: units(*quantity, planes.unit) }
         })
         .collect();
     Ok(Sink::Image { image: Box::new(Image::create(output, lattice, &arrays)?), top })

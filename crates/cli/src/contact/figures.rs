@@ -2,33 +2,29 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_field::Grid;
+use gfmd_files::contiguous;
 use gfmd_measure::theory::{ElastoplasticArea, persson_pressure};
-use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Series};
-use ndarray::{Array2, ArrayView2};
+use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
+use ndarray::Array2;
 
 use super::Report;
 use super::series::Gathered;
 use super::statistics::patches;
 use crate::failure::Failure;
-use crate::figures::{Drawn, area_chart, draw_pressure, field, named, theories};
+use crate::figures::{Drawn, Scene, area_chart, field, named, short, theories};
 use crate::hardness::GivenHardness;
 use crate::source::Surface;
 
-/// Draws `PREFIX-map` of the last load, and `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the
-/// pressure in full contact.
-pub(super) fn draw(
-    prefix: &Path,
-    report: &Report,
-    grid: &Grid,
-    pressure: &Array2<f64>,
-    variance: f64,
-) -> Result<Vec<PathBuf>, Failure> {
-    let unit = report.unit.as_deref().unwrap_or("length");
-    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.e_star, unit)?;
+/// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, and of a lower surface `PREFIX-lower-map` and so on; and
+/// `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the pressure in full contact.
+pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f64) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for scene in scenes {
+        files.extend(scene.draw(prefix)?);
+    }
     if report.loads.len() > 1 && report.loads.iter().all(|load| load.law.is_none()) {
         let loads = report.loads.iter().map(|load| [load.p_star, load.area_fraction, load.area_fraction_corrected]);
-        let mut chart = area(&loads.collect::<Vec<_>>(), grid.is_line());
+        let mut chart = area(&loads.collect::<Vec<_>>(), report.n[1] == 1);
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.hardness) {
             // Without the hardness Persson's line hides below that with it.
             panel.series.retain(|series| series.label != "Persson");
@@ -37,17 +33,6 @@ pub(super) fn draw(
         files.extend(chart.save(&named(prefix, "area"))?);
     }
     Ok(files)
-}
-
-/// Draws `PREFIX-lower-map` of the last load.
-pub(super) fn lower(
-    prefix: &Path,
-    report: &Report,
-    grid: &Grid,
-    pressure: &Array2<f64>,
-) -> Result<Vec<PathBuf>, Failure> {
-    let unit = report.unit.as_deref().unwrap_or("length");
-    draw_pressure(&named(prefix, "lower-map"), grid, pressure, report.e_star, unit)
 }
 
 /// The points at the hardness, and both areas of Persson's theory with a hardness, against the reduced pressure.
@@ -61,17 +46,20 @@ fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
         areas.filter(|(_, area)| *area > 0.0).collect::<Vec<_>>()
     };
     let found = report.loads.iter().filter_map(|load| Some(Point::new(load.p_star, load.plastic_fraction?)));
-    let found = found.filter(|point| point.y > 0.0);
+    let mut found: Vec<Point> = found.filter(|point| point.y > 0.0).collect();
+    found.sort_by(|a, b| a.x.total_cmp(&b.x));
     [
-        Series { mark: Mark::JoinedPoints, ..Series::points("points at the hardness", 2, found.collect()) },
+        Series { mark: Mark::JoinedPoints, ..Series::points("points at the hardness", 2, found) },
         Series::line("Persson with the hardness", 3, curve(ElastoplasticArea::total)),
         Series { mark: Mark::Dashes, ..Series::line("its points at the hardness", 3, curve(|area| area.plastic)) },
     ]
 }
 
 /// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced
-/// pressure, area, corrected area.
+/// pressure, area, corrected area. Whatever the order of the loads, the line goes from the lowest to the highest.
 pub(super) fn area(loads: &[[f64; 3]], is_line: bool) -> Chart {
+    let mut loads = loads.to_vec();
+    loads.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let column = |k: usize| loads.iter().map(|load| Point::new(load[0], load[k])).collect();
     let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) }];
     if !is_line {
@@ -86,40 +74,27 @@ pub(super) fn area(loads: &[[f64; 3]], is_line: bool) -> Chart {
 /// The largest number of loads whose distributions are drawn.
 const MOST_LOADS: usize = 4;
 
-/// The decades of a logarithmic map below its largest value.
-const DECADES: f64 = 8.0;
+/// The least flux that is drawn, over the largest.
+const LEAST_FLUX: f64 = 1e-8;
 
 /// The map of a flux on a logarithmic scale.
-fn flux(surface: &Surface, flux: ArrayView2<f64>, axis: &str) -> LogMap {
-    let highest = flux.iter().copied().fold(0.0, f64::max).log10();
-    let least = highest - DECADES;
-    LogMap {
-        values: flux.iter().map(|flux| flux.log10().max(least)).collect(),
-        range: [least, highest],
-        label: format!("log_{{10}} of the flux along *{axis}*"),
-        grid: surface.grid,
-        unit: surface.unit().into(),
+fn flux<'v>(surface: &Surface, values: &'v [f64], axis: &str) -> Drawn<'v> {
+    let highest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let least = (LEAST_FLUX * highest).max(f64::MIN_POSITIVE);
+    let mut drawn = field(&surface.grid, values, &format!("flux along *{axis}*"), surface.unit());
+    if let Drawn::Map(map) = &mut drawn {
+        map.below = Some(Below::pale(least, "none"));
+        (map.scale, map.range) = (Scale::Log, Some([least, highest.max(2.0 * least)]));
     }
+    drawn
 }
 
-/// A map of logarithms.
-struct LogMap {
-    values: Vec<f64>,
-    range: [f64; 2],
-    label: String,
-    grid: Grid,
-    unit: String,
-}
-
-impl LogMap {
-    fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
-        let mut drawn = field(&self.grid, &self.values, &self.label, &self.unit);
-        if let Drawn::Map(map) = &mut drawn {
-            map.below = Some(Below { threshold: self.range[0], label: "none".into() });
-            map.range = Some(self.range);
-        }
-        drawn.save(stem)
-    }
+/// Up to four of so many loads, from the lowest to the highest.
+fn chosen(report: &Report, count: usize) -> Vec<usize> {
+    let mut sorted: Vec<usize> = (0..count).collect();
+    sorted.sort_by(|a, b| report.loads[*a].p_star.total_cmp(&report.loads[*b].p_star));
+    let drawn = count.min(MOST_LOADS);
+    (0..drawn).map(|k| sorted[if drawn == 1 { count - 1 } else { k * (count - 1) / (drawn - 1) }]).collect()
 }
 
 /// Draws what `--statistics` and `--flow` have measured: `PREFIX-patches` and `PREFIX-flow` of the last load,
@@ -138,7 +113,7 @@ pub(super) fn measured(
         && let Some(path) = flow.paths.iter().flatten().next()
     {
         let axis = if flow.paths[0].is_some() { "x" } else { "y" };
-        files.extend(flux(surface, path.flux.view(), axis).save(&named(prefix, "flow"))?);
+        files.extend(flux(surface, &contiguous(&path.flux), axis).save(&named(prefix, "flow"))?);
     }
     if gathered.loads.is_empty() {
         return Ok(files);
@@ -151,17 +126,14 @@ pub(super) fn measured(
         let values: Vec<f64> = found.labels.iter().map(colour).collect();
         let mut drawn = field(grid, &values, &format!("{} patches, told apart by colour", found.patches.len()), unit);
         if let Drawn::Map(map) = &mut drawn {
-            map.below = Some(Below { threshold: 0.0, label: "no contact".into() });
+            map.below = Some(Below::pale(0.0, "no contact"));
             (map.range, map.numbers) = (Some([0.0, 1.0]), false);
         }
         files.extend(drawn.save(&named(prefix, "patches"))?);
     }
-    let count = gathered.loads.len();
-    let drawn = count.min(MOST_LOADS);
-    let chosen: Vec<usize> =
-        (0..drawn).map(|k| if drawn == 1 { count - 1 } else { k * (count - 1) / (drawn - 1) }).collect();
+    let chosen = chosen(report, gathered.loads.len());
     let scale = report.e_star * report.rms_gradient;
-    let label = |load: usize| format!("*p*\\* = {:.3}", report.loads[load].p_star);
+    let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].p_star));
     let (mut pressures, mut gaps) = (Vec::new(), Vec::new());
     for (hue, &load) in chosen.iter().enumerate() {
         let found = &gathered.loads[load];
@@ -169,11 +141,13 @@ pub(super) fn measured(
         let positive = bins.filter(|(_, density)| **density > 0.0);
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
         pressures.push(Series::line(&label(load), hue, densities));
-        let mean = report.loads[load].mean_pressure;
-        let theory = found.pressure.middles.iter().map(|p| (p / scale, persson_pressure(*p, mean, variance) * scale));
-        let theory: Vec<(f64, f64)> = theory.filter(|(_, density)| *density > 1e-6).collect();
-        let name = if hue == 0 { "Persson" } else { "" };
-        pressures.push(Series { mark: Mark::Dashes, ..Series::line(name, hue, theory) });
+        if report.hardness.is_none() {
+            let mean = report.loads[load].mean_pressure;
+            let density = |p: &f64| (p / scale, persson_pressure(*p, mean, variance) * scale);
+            let theory: Vec<_> = found.pressure.middles.iter().map(density).filter(|(_, p)| *p > 1e-6).collect();
+            let name = if hue == 0 { "Persson" } else { "" };
+            pressures.push(Series { mark: Mark::Dashes, ..Series::line(name, hue, theory) });
+        }
         let bins = found.gap.middles.iter().zip(&found.gap.densities).filter(|(_, density)| **density > 0.0);
         let height = report.rms_height;
         gaps.push(Series::line(&label(load), hue, bins.map(|(gap, density)| (gap / height, density * height))));

@@ -146,6 +146,21 @@ fn written(recording: Recording, chosen: &Chosen) -> impl Iterator<Item = (&'sta
     chosen.of(FIELDS.into_iter().zip(recording.fields())).filter(|(_, has)| *has).map(|(field, _)| field)
 }
 
+/// A field of a state, named as in a file.
+pub(super) struct Field<'s> {
+    pub(super) name: &'static str,
+    pub(super) units: &'static str,
+    pub(super) values: CowArray<'s, f64, Ix2>,
+}
+
+/// All fields of a state; a base that moves adds `lift` to the displacement.
+pub(super) fn fields<'s>(recording: Recording, state: &'s impl Recorded, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+    let all = written(recording, &Chosen::ALL).zip(Chosen::ALL.fields(state, lift));
+    let named =
+        all.map(|((path, units, _), values)| Field { name: path.trim_start_matches("/fields/"), units, values });
+    named.collect()
+}
+
 impl<'a> ContactFile<'a> {
     /// A file for `loads` loads of a surface.
     ///

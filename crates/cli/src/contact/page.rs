@@ -5,9 +5,10 @@ use maud::html;
 
 use super::figures;
 use crate::failure::Failure;
-use crate::figures::pressure;
-use crate::lower;
-use crate::report::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole};
+use crate::report::{
+    Certificate, FaceFields, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole,
+};
+use crate::{hardness, lower};
 
 const CITED: [&str; 3] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
@@ -92,10 +93,13 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         let gradient = surface.as_ref().map_or(f64::NAN, |surface| surface.rms_gradient);
         mean[load] / (p_star[load] * gradient)
     });
-    page.fields(reader, &surface, "pressure", solved.last().copied(), modulus);
+    let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
+    page.fields(reader, &surface, (solved.last().copied(), modulus), hardness.as_ref());
     if lower::is_stored(reader) {
         page.asked.push(Fact::new("lower surface", &reader.text("/lower", "description").unwrap_or_default()));
-        lower_face(reader, &surface, solved.last().copied(), modulus, &mut page);
+        if let (Ok(surface), Some(&last)) = (&surface, solved.last()) {
+            page.face(reader, surface, (last, modulus), None, &FaceFields::LOWER);
+        }
     }
     page.failure(reader, "load");
 
@@ -132,24 +136,6 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         Fact(html! { "time" }, html! { (number(loads.sum("seconds"))) " s" }),
     ]);
     Ok(page)
-}
-
-/// Adds the map of the pressure on the lower face of a load.
-fn lower_face(
-    reader: &Reader,
-    surface: &Result<StoredSurface, String>,
-    load: Option<usize>,
-    modulus: f64,
-    page: &mut Page,
-) {
-    let (Ok(surface), Some(load)) = (surface, load) else { return };
-    match surface.field(reader, "lower_pressure", load, modulus) {
-        Ok(values) => {
-            let caption = html! { "Pressure on the lower face over the modulus " i { "E" } "*, state " (load + 1) "." };
-            page.field(&pressure(&surface.grid, &values, &surface.unit), "pressure on the lower face", &caption);
-        }
-        Err(reason) => page.remarks.push(format!("no figure of the lower face: {reason}")),
-    }
 }
 
 /// The prescribed quantity of a configuration.

@@ -60,6 +60,9 @@ pub struct Report {
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
+    /// The file of VTK.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vtk: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
 }
 

@@ -1,5 +1,6 @@
 //! The loads of one contact, solved in turn, each from the state of the one before.
 
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gfmd_contact::{Fields as _, Refusal, Resumable, SolveError, Stiffness};
@@ -12,9 +13,10 @@ use super::file::{Chosen, ContactFile};
 use super::report::Report;
 use super::statistics::{Measured, through};
 use super::watching::Watching;
-use super::{Args, Prepared, figures};
+use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
+use crate::figures::{Face, Scene, Shown, rough};
 use crate::load::{FlowRecord, LoadRecord, Recorded, Stiff};
 use crate::progress::Progress;
 use crate::resume::{Kept, Part};
@@ -51,7 +53,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         config: String,
     ) -> Result<Option<Failure>, Failure> {
         let Self {
-            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
+            prepared: Prepared { surface, base, lower, hardness, controls, output, vtk, .. },
             contact,
             args,
             first,
@@ -161,16 +163,46 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             }
             report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
         }
-        if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, &last) {
-            let pressure = state.pressure().mapv(|p| p.max(0.0));
-            let variance = self.prepared.pressure_variance(args.components);
-            report.plots = figures::draw(prefix, report, &surface.grid, &pressure, variance)?;
-            if let Some(lower) = state.lower() {
-                report.plots.extend(figures::lower(prefix, report, &surface.grid, &lower.pressure)?);
+        if let (None, Some(state), true) = (&failure, &last, args.plots.is_some() || vtk.is_some()) {
+            let shown = Shown::of(state, lift, state.plastic().map(|plastic| &plastic.depth));
+            if let Some(vtk) = vtk {
+                let fields = file::fields(recording, state, lift);
+                report.vtk = Some(vtk.write(surface, &shown, &fields, state.lateral())?);
             }
-            report.plots.extend(figures::measured(prefix, report, surface, &pressure, &gathered, variance)?);
+            if let Some(prefix) = &args.plots {
+                report.plots = self.draw(prefix, report, state, &shown, &gathered)?;
+            }
         }
         Ok(failure)
+    }
+
+    /// Draws the last load, and what was measured of all.
+    fn draw(
+        &self,
+        prefix: &Path,
+        report: &Report,
+        state: &E::State,
+        shown: &Shown,
+        gathered: &Gathered,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let Self { prepared: Prepared { surface, hardness, .. }, args, .. } = *self;
+        let variance = self.prepared.pressure_variance(args.components);
+        let upper = Scene {
+            shown,
+            grid: &surface.grid,
+            unit: surface.unit(),
+            modulus: report.e_star,
+            hardness: hardness.as_ref(),
+            rigid: rough(surface.second.is_some()),
+            face: Face::Upper,
+        };
+        let below = state.lower().map(Shown::below);
+        let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
+        let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
+        let mut files = figures::draw(prefix, report, &scenes, variance)?;
+        let pressure = state.pressure().mapv(|p| p.max(0.0));
+        files.extend(figures::measured(prefix, report, surface, &pressure, gathered, variance)?);
+        Ok(files)
     }
 
     /// The stiffness of a load that converged.

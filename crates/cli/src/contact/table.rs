@@ -87,6 +87,7 @@ impl fmt::Display for Report {
         }
         self.lower_face(f)?;
         self.statistics(f)?;
+        list_files(f, self.vtk.as_deref(), &[])?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

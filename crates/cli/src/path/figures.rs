@@ -2,25 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_field::Grid;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use ndarray::Array2;
 
 use super::{Report, StepRecord};
 use crate::failure::Failure;
-use crate::figures::{draw_pressure, named};
+use crate::figures::{Scene, named};
 
-/// Draws the path leg by leg and the map of pressure at the largest contact. The path is pressure against approach and
+/// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and
 /// contact area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
     steps_of_leg: usize,
-    grid: &Grid,
-    pressure: &Array2<f64>,
+    scene: &Scene,
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = report.head.unit.as_deref().unwrap_or("length");
-    let mut files = draw_pressure(&named(prefix, "map"), grid, pressure, report.head.e_star, unit)?;
+    let mut files = scene.draw(prefix)?;
     let unit_pressure = report.head.e_star * report.head.rms_gradient;
     let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
         legs(&report.steps.iter().map(of).collect::<Vec<_>>(), steps_of_leg)

@@ -6,6 +6,7 @@ use maud::html;
 
 use super::figures::legs;
 use crate::failure::Failure;
+use crate::hardness;
 use crate::report::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 
 const CITED: [&str; 2] = [
@@ -119,7 +120,9 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     // Fields are kept at the waypoints only; the one with the largest contact is shown.
     let at_waypoint = (0..computed).step_by(steps_of_leg).max_by(|a, b| area[*a].total_cmp(&area[*b]));
-    page.fields(reader, &surface, "pressure", at_waypoint.map(|step| step / steps_of_leg), scale / gradient);
+    let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
+    let shown = at_waypoint.map(|step| step / steps_of_leg);
+    page.fields(reader, &surface, (shown, scale / gradient), hardness.as_ref());
     page.failure(reader, "step");
 
     let tolerance = of(&table, "tol");

@@ -1,6 +1,6 @@
 //! The contents of a page, section by section, and its HTML.
 
-use gfmd_plot::{Chart, PlotError};
+use gfmd_plot::{COLUMN, Chart, PlotError};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::write::{given, number, text};
@@ -64,6 +64,10 @@ impl Page {
     /// Adds the panels of a chart as figures of their own, since a phone has room for one in a row. What cannot be drawn becomes
     /// a remark.
     pub(crate) fn chart(&mut self, chart: &Chart, title: &str, caption: &Markup) {
+        if chart.stacked {
+            let narrow = Chart { width: COLUMN, ..chart.clone() };
+            return self.figure(title, caption, |name| narrow.element(name, title));
+        }
         for panel in &chart.panels {
             let single = Chart { height: chart.height.max(170.0), ..Chart::new(vec![panel.clone()]) };
             self.figure(title, caption, |name| single.element(name, title));

@@ -1,15 +1,18 @@
 //! The parts that pages about a contact and about a path have in common: surface, fields, failure.
 
+use std::convert::Infallible;
+
+use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
 use maud::html;
 
 use super::about::body;
-use super::reading::StoredSurface;
+use super::reading::{FaceFields, StoredSurface};
 use super::write::{given, text, whole};
 use super::{Fact, Page};
 use crate::convergence::StoredFailure;
-use crate::figures::{field, pressure};
+use crate::figures::{Face, Kind, Scene, field, rough};
 
 impl Page {
     /// Says which surface, body and law were asked for.
@@ -35,23 +38,16 @@ impl Page {
         self.asked.push(Fact::new("interface", law));
     }
 
-    /// Adds the maps of the pressure, over `modulus`, of state `index`, and of the heights.
+    /// Adds the figures of state `index`, whose unit of pressure is `modulus`, and the map of the heights.
     pub(crate) fn fields(
         &mut self,
         reader: &Reader,
         surface: &Result<StoredSurface, String>,
-        name: &str,
-        index: Option<usize>,
-        modulus: f64,
+        (index, modulus): (Option<usize>, f64),
+        hardness: Option<&Hardness>,
     ) {
         let (Ok(surface), Some(index)) = (surface, index) else { return };
-        match surface.field(reader, name, index, modulus) {
-            Ok(values) => {
-                let caption = html! { "Contact pressure over the modulus " i { "E" } "*, state " (index + 1) "." };
-                self.field(&pressure(&surface.grid, &values, &surface.unit), "contact pressure", &caption);
-            }
-            Err(reason) => self.remarks.push(format!("no figure of the {name}: {reason}")),
-        }
+        self.face(reader, surface, (index, modulus), hardness, &FaceFields::UPPER);
         let label = format!("height / {}", surface.unit);
         let drawn = field(&surface.grid, &surface.heights, &label, &surface.unit);
         self.field(
@@ -59,6 +55,53 @@ impl Page {
             "heights of the surface",
             &html! { "Heights of the rough surface, peaks towards the body." },
         );
+    }
+
+    /// Adds the figures of one face of the body in state `index`.
+    pub(crate) fn face(
+        &mut self,
+        reader: &Reader,
+        surface: &StoredSurface,
+        (index, modulus): (usize, f64),
+        hardness: Option<&Hardness>,
+        fields: &FaceFields,
+    ) {
+        let of = if fields.face == Face::Upper { "" } else { " on the lower face" };
+        let shown = match surface.shown(reader, index, fields) {
+            Ok(shown) if modulus > 0.0 => shown,
+            Ok(_) => return self.remarks.push(format!("no figure of the pressure{of}: its unit is not known")),
+            Err(reason) => return self.remarks.push(format!("no figure of the pressure{of}: {reason}")),
+        };
+        let scene = Scene {
+            shown: &shown,
+            grid: &surface.grid,
+            unit: &surface.unit,
+            modulus,
+            hardness,
+            rigid: rough(reader.text("/surface", "second_file").is_ok()),
+            face: fields.face,
+        };
+        let state = html! { ", state " (index + 1) "." };
+        let drawn = scene.figures(|kind, drawn| {
+            let (title, caption) = match kind {
+                Kind::Pressure => ("contact pressure", html! { "Contact pressure" (of) " over the modulus " i { "E" } "*" }),
+                Kind::Traction => (
+                    "repulsion and attraction",
+                    html! { "Pressure" (of) " over the modulus, repulsive (blue) and attractive (red)" },
+                ),
+                Kind::Gap => ("gap", html! { "Gap" (of) " on a logarithmic scale" }),
+                Kind::Section => (
+                    "section through both surfaces",
+                    html! {
+                        "Section along " i { "x" } " through the largest pressure" (of) ": both surfaces, heights in their true "
+                        "distance and not to scale with " i { "x" } "; below, the pressure"
+                    },
+                ),
+            };
+            self.field(drawn, &format!("{title}{of}"), &html! { (caption) (state) });
+            Ok::<_, Infallible>(())
+        });
+        drawn.unwrap_or_else(|never| match never {});
     }
 
     /// Says how a search failed, if the file says so; `part` is what the file counts.

@@ -5,6 +5,7 @@ use gfmd_files::Reader;
 
 use super::write::text;
 use crate::failure::Failure;
+use crate::figures::{Face, Shown};
 
 /// The configuration of a file as a table; empty if it has none that can be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {
@@ -65,6 +66,21 @@ impl<'a> Stored<'a> {
     }
 }
 
+/// The names of the fields of one face of the body.
+pub(crate) struct FaceFields {
+    pub(crate) pressure: &'static str,
+    pub(crate) gap: &'static str,
+    pub(crate) displacement: &'static str,
+    pub(crate) face: Face,
+}
+
+impl FaceFields {
+    pub(crate) const UPPER: Self =
+        Self { pressure: "pressure", gap: "gap", displacement: "displacement_z", face: Face::Upper };
+    pub(crate) const LOWER: Self =
+        Self { pressure: "lower_pressure", gap: "lower_gap", displacement: "lower_displacement_z", face: Face::Lower };
+}
+
 /// The surface of a contact or path.
 pub(crate) struct StoredSurface {
     pub(crate) grid: Grid,
@@ -97,11 +113,30 @@ impl StoredSurface {
         })
     }
 
-    /// The field `name` of state `index`, over `scale`.
+    /// What the figures of a face show of state `index`. Gap and displacement may be missing. The pressure of a wall behind an
+    /// attraction is not in the file: where the gap is closed there is contact, too.
+    ///
+    /// # Errors
+    /// As [`field`](Self::field), for the pressure.
+    pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<Shown, String> {
+        let pressure = self.field(reader, fields.pressure, index)?;
+        let gap = self.field(reader, fields.gap, index).unwrap_or_default();
+        let mut repulsion: Vec<f64> = pressure.iter().map(|p| p.max(0.0)).collect();
+        let closed = repulsion.iter_mut().zip(&gap).filter(|(_, gap)| **gap <= 0.0);
+        closed.for_each(|(repulsion, _)| *repulsion = repulsion.max(f64::MIN_POSITIVE));
+        let mut level = self.field(reader, fields.displacement, index).unwrap_or_default();
+        if fields.face == Face::Upper {
+            let depth = self.field(reader, "plastic_depth", index).unwrap_or_default();
+            level.iter_mut().zip(depth).for_each(|(level, depth)| *level -= depth);
+        }
+        Ok(Shown { pressure, repulsion, gap, level })
+    }
+
+    /// The field `name` of state `index`.
     ///
     /// # Errors
     /// A field that the file does not have, or not on the grid of the surface, or that was not computed.
-    pub(crate) fn field(&self, reader: &Reader, name: &str, index: usize, scale: f64) -> Result<Vec<f64>, String> {
+    pub(crate) fn field(&self, reader: &Reader, name: &str, index: usize) -> Result<Vec<f64>, String> {
         let path = format!("/fields/{name}");
         let shape = reader.shape(&path).map_err(|_| format!("the file has no field {name}"))?;
         // The shape is compared before anything of that size is read.
@@ -109,9 +144,7 @@ impl StoredSurface {
             return Err(format!("{path} has the shape {shape:?}; its last two lengths must be those of the surface"));
         }
         let values: Vec<f64> = reader.slab(&path, index).map_err(|error| error.to_string())?;
-        match values.iter().all(|value| value.is_finite()) && scale > 0.0 {
-            true => Ok(values.into_iter().map(|value| value / scale).collect()),
-            false => Err(format!("{path} of state {index} was not computed")),
-        }
+        let computed = values.iter().all(|value| value.is_finite());
+        if computed { Ok(values) } else { Err(format!("{path} of state {index} was not computed")) }
     }
 }

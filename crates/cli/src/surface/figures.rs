@@ -10,7 +10,7 @@ use ndarray::Array2;
 
 use super::{Report, Window};
 use crate::failure::Failure;
-use crate::figures::named;
+use crate::figures::{named, short};
 
 /// The largest number of points that a line is drawn with; longer profiles are thinned to lowest and highest values.
 const MOST_POINTS: usize = 4000;
@@ -52,19 +52,6 @@ fn without_outliers(values: &[f64]) -> Option<[f64; 2]> {
     let high = *sorted.select_nth_unstable_by(most, f64::total_cmp).1;
     let whole = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &value| [a.min(value), b.max(value)]);
     (high > low && whole[1] - whole[0] > FAR * (high - low)).then_some([low, high])
-}
-
-/// Writes a number with four digits, without an exponent unless it is very small or large.
-fn short(value: f64) -> String {
-    let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    match exponent {
-        -3..=4 => {
-            let digits = (3 - exponent).max(0) as usize;
-            let text = format!("{value:.digits$}");
-            if digits > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-        }
-        _ => format!("{:.3}·10^{{{exponent}}}", value / 10_f64.powi(exponent)),
-    }
 }
 
 /// The heights along the row of points through the middle.

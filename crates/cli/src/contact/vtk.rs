@@ -1,0 +1,90 @@
+//! The last load as a file of VTK: the surface with its fields as point data.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_files::vti::{Image, Lattice};
+use gfmd_files::vtp::{Sheet, write};
+use gfmd_files::{Output, PointArray, contiguous};
+use ndarray::Array2;
+
+use super::file::Field;
+use crate::failure::Failure;
+use crate::figures::Shown;
+use crate::source::Surface;
+
+/// A file of VTK to be written.
+pub(super) struct VtkFile {
+    output: Output,
+    kind: Kind,
+}
+
+/// The kinds of files.
+enum Kind {
+    /// Points of the undeformed surface.
+    Image,
+    /// The deformed surface.
+    Polygons,
+}
+
+const FLAG: &str = "--vtk";
+
+impl VtkFile {
+    /// Claims the path.
+    ///
+    /// # Errors
+    /// Another ending than `.vti` and `.vtp`; a path that cannot be written.
+    pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
+        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+        let kind = match extension.as_ref().and_then(|extension| extension.to_str()) {
+            Some("vti") => Kind::Image,
+            Some("vtp") => Kind::Polygons,
+            _ => return Err(Failure::value(FLAG, path.display(), "NAME.vti or NAME.vtp")),
+        };
+        let output = Output::claim(path).map_err(|error| Failure::input(FLAG, error))?;
+        Ok(Self { output, kind })
+    }
+
+    /// Writes a state with its `fields`, the heights of the rigid surface, and 1 for the points in contact; of polygons the points lie
+    /// on the deformed surface, moved by `lateral`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn write(
+        &self,
+        surface: &Surface,
+        shown: &Shown,
+        fields: &[Field],
+        lateral: &[Array2<f64>],
+    ) -> Result<PathBuf, Failure> {
+        let unit = surface.unit();
+        let scalar = |name, units| PointArray { name, components: &[], units };
+        let contact: Vec<f64> = shown.repulsion.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
+        let mut arrays: Vec<_> = (fields.iter())
+            .map(|Field { name, units, values }| {
+                (scalar(name, if *units == "length" { unit } else { units }), contiguous(values))
+            })
+            .collect();
+        arrays.push((scalar("height", unit), contiguous(&surface.heights)));
+        arrays.push((scalar("contact", "1"), contact.into()));
+        let ([nx, ny], [dx, dy]) = (surface.grid.points(), surface.grid.spacing());
+        match self.kind {
+            Kind::Image => {
+                let lattice = Lattice { points: [nx, ny, 1], origin: [0.0; 3], spacing: [dx, dy, dx] };
+                let declared: Vec<PointArray> = arrays.iter().map(|(array, _)| *array).collect();
+                let mut image = Image::create(&self.output, lattice, &declared)?;
+                for (index, (_, values)) in arrays.iter().enumerate() {
+                    image.write_plane(index, 0, values)?;
+                }
+                Ok(image.finish()?)
+            }
+            Kind::Polygons => {
+                let moved = |axis: usize, i, j| lateral.get(axis).map_or(0.0, |u| u[[i, j]]);
+                let position = |i: usize, j: usize| {
+                    [i as f64 * dx + moved(0, i, j), j as f64 * dy + moved(1, i, j), shown.level[i * ny + j]]
+                };
+                let values: Vec<_> = arrays.iter().map(|(array, values)| (*array, &**values)).collect();
+                Ok(write(&self.output, &Sheet { points: [nx, ny], position: &position }, &values)?)
+            }
+        }
+    }
+}

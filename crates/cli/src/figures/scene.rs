@@ -1,0 +1,387 @@
+//! The figures of one state of a contact: maps of pressure, of traction with two signs and of the gap, and a section through
+//! both surfaces with the pressure below it.
+
+use std::path::{Path, PathBuf};
+
+use gfmd_contact::{Fields, Hardness};
+use gfmd_field::Grid;
+use gfmd_files::contiguous;
+use gfmd_plot::{Axis, Below, Chart, Colours, Level, Mark, Panel, Scale, Series, Side};
+use ndarray::Array2;
+
+use super::{Drawn, MOST_POINTS, field, named, short};
+use crate::failure::Failure;
+
+/// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shown {
+    /// Normal pressure; attraction is negative.
+    pub(crate) pressure: Vec<f64>,
+    /// Its repulsive part; the points of this are in contact.
+    pub(crate) repulsion: Vec<f64>,
+    /// Distance between the surfaces; empty if it is not known.
+    pub(crate) gap: Vec<f64>,
+    /// Height of the elastic surface above the undeformed one; empty if it is not known.
+    pub(crate) level: Vec<f64>,
+}
+
+impl Shown {
+    /// The fields of a state; a base that moves adds `lift` to the displacement, and a plastic `depth` is drawn in the body.
+    pub(crate) fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
+        let mut level = contiguous(&state.displacement_z()).into_owned();
+        let mut add = |field: Option<&Array2<f64>>, sign: f64| {
+            let values = field.into_iter().flatten();
+            level.iter_mut().zip(values).for_each(|(level, value)| *level += sign * value);
+        };
+        add(lift, 1.0);
+        add(depth, -1.0);
+        Self {
+            pressure: contiguous(&state.pressure()).into_owned(),
+            repulsion: contiguous(&state.repulsion()).into_owned(),
+            gap: contiguous(&state.gap()).into_owned(),
+            level,
+        }
+    }
+
+    /// Zeros for so many points.
+    pub(crate) fn zeros(points: usize) -> Self {
+        let zeros = || vec![0.0; points];
+        Self { pressure: zeros(), repulsion: zeros(), gap: zeros(), level: zeros() }
+    }
+
+    /// The fields, to be kept.
+    pub(crate) fn fields_mut(&mut self) -> [&mut [f64]; 4] {
+        [&mut self.pressure, &mut self.repulsion, &mut self.gap, &mut self.level].map(Vec::as_mut_slice)
+    }
+
+    /// The fields of the contact with a lower surface, as seen from there.
+    pub(crate) fn below(state: &impl Fields) -> Self {
+        let mut shown = Self::of(state, None, None);
+        shown.level.iter_mut().for_each(|level| *level = -*level);
+        shown
+    }
+}
+
+/// The face of the body that touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Face {
+    Upper,
+    Lower,
+}
+
+/// One state of a contact, as figures show it.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub(crate) shown: &'a Shown,
+    pub(crate) grid: &'a Grid,
+    /// Unit of lengths.
+    pub(crate) unit: &'a str,
+    /// E*, the unit of pressures.
+    pub(crate) modulus: f64,
+    pub(crate) hardness: Option<&'a Hardness>,
+    /// Name of the rough surface.
+    pub(crate) rigid: &'static str,
+    pub(crate) face: Face,
+}
+
+/// What a figure shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Pressure,
+    Traction,
+    Gap,
+    Section,
+}
+
+impl Kind {
+    /// The end of the name of its files.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Pressure => "map",
+            Self::Traction => "traction",
+            Self::Gap => "gap",
+            Self::Section => "section",
+        }
+    }
+}
+
+/// The name of a rough surface in a section.
+pub(crate) fn rough(is_composite: bool) -> &'static str {
+    if is_composite { "composite of both surfaces" } else { "rigid surface" }
+}
+
+/// The index of the colour of contact.
+const CONTACT: usize = 1;
+
+impl Scene<'_> {
+    /// Draws the figures: `PREFIX-map` and so on, of a lower face `PREFIX-lower-map` and so on.
+    pub(crate) fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let mut files = Vec::new();
+        self.figures(|kind, drawn| {
+            let face = if self.face == Face::Upper { "" } else { "lower-" };
+            files.extend(drawn.save(&named(prefix, &format!("{face}{}", kind.name())))?);
+            Ok::<_, Failure>(())
+        })?;
+        Ok(files)
+    }
+
+    /// Gives the figures to `take`, one by one: the pressure; if anything is attracted, the traction with both signs; if it is known,
+    /// the gap; if also the displacement is known, the section. A profile has no maps: its pressure and its section show all.
+    pub(crate) fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
+        let Shown { pressure, gap, level, .. } = self.shown;
+        let is_line = self.grid.is_line();
+        let in_units = |p: &f64| p / self.modulus;
+        {
+            let values: Vec<f64> = pressure.iter().map(in_units).map(|p| p.max(0.0)).collect();
+            take(Kind::Pressure, &super::pressure(self.grid, &values, self.unit))?;
+        }
+        if let (Some(end), false) = (largest_of_two_signs(pressure), is_line) {
+            let values: Vec<f64> = pressure.iter().map(in_units).collect();
+            take(Kind::Traction, &self.traction(&values, in_units(&end)))?;
+        }
+        if !(gap.is_empty() || is_line) {
+            let values: Vec<f64> = self.distances().collect();
+            take(Kind::Gap, &self.gap(&values))?;
+        }
+        if gap.is_empty() || level.is_empty() {
+            return Ok(());
+        }
+        self.section().map_or(Ok(()), |chart| take(Kind::Section, &Drawn::Chart(chart)))
+    }
+
+    /// The map of the pressure, repulsive in one colour and attractive in another, from −`end` to `end`.
+    fn traction<'v>(&self, values: &'v [f64], end: f64) -> Drawn<'v> {
+        let mut drawn = field(self.grid, values, "pressure *p*/*E*\\*, attraction negative", self.unit);
+        if let Drawn::Map(map) = &mut drawn {
+            (map.colours, map.range) = (Colours::Diverging, Some([-end, end]));
+        }
+        drawn
+    }
+
+    /// The distance between the surfaces; zero in contact, and where the residuals of the contact leave it below.
+    fn distances(&self) -> impl Iterator<Item = f64> {
+        let both = self.shown.gap.iter().zip(&self.shown.repulsion);
+        both.map(|(gap, repulsion)| if *repulsion > 0.0 { 0.0 } else { gap.max(0.0) })
+    }
+
+    /// The map of the gap on a logarithmic scale, contact in a colour of its own.
+    fn gap<'v>(&self, distances: &'v [f64]) -> Drawn<'v> {
+        let mut drawn = field(self.grid, distances, &format!("gap / {}", self.unit), self.unit);
+        if let Drawn::Map(map) = &mut drawn {
+            map.scale = Scale::Log;
+            map.below = Some(Below { hue: Some(CONTACT), ..Below::pale(0.0, "contact") });
+        }
+        drawn
+    }
+
+    /// The row of points along x with the largest pressure: both surfaces, points in contact marked, and the pressure
+    /// below them.
+    fn section(&self) -> Option<Chart> {
+        let Self { shown, grid, unit, .. } = self;
+        let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
+        let strongest = shown.pressure.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index);
+        let row = strongest? % ny;
+        let points = self.chosen(row);
+        let x = |point: usize| (point / ny) as f64 * dx;
+        let line = |of: &dyn Fn(usize) -> f64| points.iter().map(|&point| (x(point), of(point))).collect::<Vec<_>>();
+        let sign = if self.face == Face::Upper { 1.0 } else { -1.0 };
+        let level = |point: usize| shown.level[point];
+        let [above, below] =
+            if self.face == Face::Upper { [Side::Top, Side::Bottom] } else { [Side::Bottom, Side::Top] };
+        let filled =
+            |label: &str, hue, side, pairs| Series { mark: Mark::Filled(side), ..Series::line(label, hue, pairs) };
+        let mut heights = vec![
+            filled(self.rigid, 6, above, line(&|point| level(point) + sign * shown.gap[point])),
+            filled("elastic body", 5, below, line(&level)),
+        ];
+        heights.extend(self.contacts(&points));
+        let axis = || Axis::linear(&format!("*x* / {unit}")).over([0.0, (nx - 1) as f64 * dx]);
+        let known = if *unit == "length" { String::new() } else { format!(" {unit}") };
+        let title = format!("row *y* = {}{known}, that of the largest pressure", short(row as f64 * dy));
+        let upper = Panel {
+            title: if grid.is_line() { String::new() } else { title },
+            x: axis(),
+            y: Axis::linear(&format!("height *z* / {unit}")),
+            series: heights,
+            ..Panel::default()
+        };
+        let pressures = line(&|point| shown.pressure[point] / self.modulus);
+        let lower = Panel { x: axis(), y: Axis::linear("*p*/*E*\\*"), ..self.signed(&pressures, &points) };
+        Some(Chart::stacked(vec![upper, lower]))
+    }
+
+    /// The elastic surface in contact along a row, run by run, each from half a step before its first point to half a step behind
+    /// its last one.
+    fn contacts(&self, points: &[usize]) -> Vec<Series> {
+        let (Shown { repulsion, level, .. }, ny, dx) = (self.shown, self.grid.points()[1], self.grid.spacing()[0]);
+        let at = |place: usize| ((points[place] / ny) as f64 * dx, level[points[place]]);
+        let middle = |(x, y): (f64, f64), (other, height): (f64, f64)| (0.5 * (x + other), 0.5 * (y + height));
+        let mut runs = Vec::new();
+        let mut begin = 0;
+        for run in points.chunk_by(|a, b| (repulsion[*a] > 0.0) == (repulsion[*b] > 0.0)) {
+            let (first, last) = (begin, begin + run.len() - 1);
+            begin += run.len();
+            if repulsion[points[first]] > 0.0 {
+                let before = first.checked_sub(1).map(|place| middle(at(place), at(first)));
+                let behind = (begin < points.len()).then(|| middle(at(last), at(begin)));
+                let pairs = before.into_iter().chain((first..=last).map(at)).chain(behind);
+                runs.push(Series { mark: Mark::Bold, ..Series::line("contact", CONTACT, pairs) });
+            }
+        }
+        runs
+    }
+
+    /// The points of a row; of a long one, those nearest to the other surface out of every few.
+    fn chosen(&self, row: usize) -> Vec<usize> {
+        let Self { shown, grid, .. } = self;
+        let [nx, ny] = grid.points();
+        let all: Vec<usize> = (0..nx).map(|i| i * ny + row).collect();
+        let nearest = |a: &&usize, b: &&usize| {
+            let [a, b] = [**a, **b];
+            shown.repulsion[b].total_cmp(&shown.repulsion[a]).then(shown.gap[a].total_cmp(&shown.gap[b]))
+        };
+        all.chunks(nx.div_ceil(MOST_POINTS)).filter_map(|part| part.iter().min_by(nearest).copied()).collect()
+    }
+
+    /// The pressures along a row, repulsion and attraction each in a colour, with the hardness.
+    fn signed(&self, pressures: &[(f64, f64)], points: &[usize]) -> Panel {
+        let part = |label: &str, hue, keep: fn(f64) -> f64| {
+            let pairs = pressures.iter().map(|(x, p)| (*x, keep(*p)));
+            Series { mark: Mark::Filled(Side::Zero), ..Series::line(label, hue, pairs) }
+        };
+        let mut panel = Panel::default();
+        if largest_of_two_signs(&self.shown.pressure).is_some() {
+            panel.series.push(part("repulsion", 0, |p| p.max(0.0)));
+            panel.series.push(part("attraction", 3, |p| p.min(0.0)));
+        } else {
+            panel.series.push(part("", 0, |p| p));
+        }
+        match self.hardness {
+            Some(Hardness::Uniform(hardness)) => panel.levels.push(Level::line(hardness / self.modulus, "hardness")),
+            Some(Hardness::Field(field)) => {
+                let ny = self.grid.points()[1];
+                let at = |point: usize| field[[point / ny, point % ny]] / self.modulus;
+                let pairs = pressures.iter().zip(points).map(|((x, _), point)| (*x, at(*point)));
+                panel.series.push(Series { mark: Mark::Dashes, ..Series::line("hardness", 6, pairs) });
+            }
+            None => {}
+        }
+        panel
+    }
+}
+
+/// The least attraction that is shown, over the largest repulsion; residuals of a wall alone are below.
+const ATTRACTED: f64 = 1e-6;
+
+/// The end of a scale about zero for values of both signs, `None` if nothing is attracted: that of all but a few repulsive values,
+/// which are largest at sharp peaks, and no less than the strongest attraction.
+fn largest_of_two_signs(values: &[f64]) -> Option<f64> {
+    let strongest = values.iter().fold(0.0, |strongest: f64, p| strongest.max(-p));
+    let mut repulsive: Vec<f64> = values.iter().copied().filter(|p| *p > 0.0).collect();
+    repulsive.sort_unstable_by(f64::total_cmp);
+    let at = |level: f64| gfmd_measure::quantile(&repulsive, level).unwrap_or(0.0);
+    (strongest > ATTRACTED * at(1.0)).then(|| strongest.max(at(0.995)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field of 6 x 2 points whose largest pressure lies in the row y = 1.
+    fn shown() -> Shown {
+        let row =
+            |zero: [f64; 6], one: [f64; 6]| zero.into_iter().zip(one).flat_map(|(a, b)| [a, b]).collect::<Vec<f64>>();
+        let pressure = row([0.0; 6], [0.0, 2.0, 4.0, 0.0, 0.0, 1.0]);
+        Shown {
+            repulsion: pressure.clone(),
+            pressure,
+            gap: row([9.0; 6], [0.5, 0.0, 0.0, 0.25, 0.5, 0.0]),
+            level: row([7.0; 6], [1.0, 0.0, -1.0, 0.5, 1.0, 0.0]),
+        }
+    }
+
+    fn scene<'a>(shown: &'a Shown, grid: &'a Grid, hardness: Option<&'a Hardness>) -> Scene<'a> {
+        Scene { shown, grid, unit: "mm", modulus: 2.0, hardness, rigid: rough(false), face: Face::Upper }
+    }
+
+    fn heights(series: &Series) -> Vec<f64> {
+        series.points.iter().map(|point| point.y).collect()
+    }
+
+    #[test]
+    fn the_section_has_both_surfaces_the_contact_and_the_pressure() {
+        let (shown, grid) = (shown(), Grid::new([6, 2], [6.0, 2.0]).unwrap());
+        let hardness = Hardness::Uniform(4.0);
+        let chart = scene(&shown, &grid, Some(&hardness)).section().unwrap();
+        let [upper, lower] = &chart.panels[..] else { panic!() };
+        assert!(upper.title.contains("= 1 mm"), "{}", upper.title);
+        assert_eq!(heights(&upper.series[1]), [1.0, 0.0, -1.0, 0.5, 1.0, 0.0]);
+        assert_eq!(heights(&upper.series[0]), [1.5, 0.0, -1.0, 0.75, 1.5, 0.0]);
+        // Two runs, half a step longer than their points where there are neighbours.
+        let runs: Vec<Vec<(f64, f64)>> =
+            upper.series[2..].iter().map(|run| run.points.iter().map(|point| (point.x, point.y)).collect()).collect();
+        assert_eq!(runs, [vec![(0.5, 0.5), (1.0, 0.0), (2.0, -1.0), (2.5, -0.25)], vec![(4.5, 0.5), (5.0, 0.0)]]);
+        assert_eq!(heights(&lower.series[0]), [0.0, 1.0, 2.0, 0.0, 0.0, 0.5]);
+        assert_eq!((lower.series.len(), lower.levels.len(), lower.levels[0].range), (1, 1, [2.0, 2.0]));
+        // A field of the hardness is a line along the row.
+        let field = Hardness::Field(Array2::from_shape_fn((6, 2), |(i, j)| (4 + i + 10 * j) as f64));
+        let chart = scene(&shown, &grid, Some(&field)).section().unwrap();
+        assert_eq!(heights(&chart.panels[1].series[1]), [7.0, 7.5, 8.0, 8.5, 9.0, 9.5]);
+        // Seen from a lower surface the rigid one lies below.
+        let below = Scene { face: Face::Lower, ..scene(&shown, &grid, None) }.section().unwrap();
+        assert_eq!(heights(&below.panels[0].series[0]), [0.5, 0.0, -1.0, 0.25, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn attraction_is_shown_with_its_sign_and_residuals_are_not() {
+        let (mut shown, grid) = (shown(), Grid::new([6, 2], [6.0, 2.0]).unwrap());
+        let kinds = |shown: &Shown| {
+            let mut kinds = Vec::new();
+            let all = scene(shown, &grid, None).figures(|kind, drawn| {
+                if let (Kind::Traction, Drawn::Map(map)) = (kind, drawn) {
+                    assert_eq!(map.range, Some([-2.5, 2.5]), "the attraction of 5 is the largest");
+                    assert_eq!(map.values.iter().copied().fold(f64::INFINITY, f64::min), -2.5);
+                }
+                kinds.push(kind.name());
+                Ok::<_, ()>(())
+            });
+            all.unwrap();
+            kinds
+        };
+        assert_eq!(kinds(&shown), ["map", "gap", "section"]);
+        shown.pressure[9] = -1e-9;
+        assert_eq!(kinds(&shown), ["map", "gap", "section"]);
+        shown.pressure[9] = -5.0;
+        assert_eq!(kinds(&shown), ["map", "traction", "gap", "section"]);
+        let section = scene(&shown, &grid, None).section().unwrap();
+        assert_eq!(heights(&section.panels[1].series[1]), [0.0, 0.0, 0.0, 0.0, -2.5, 0.0]);
+        // What a file may lack.
+        shown.level.clear();
+        assert_eq!(kinds(&shown), ["map", "traction", "gap"]);
+        shown.gap.clear();
+        assert_eq!(kinds(&shown), ["map", "traction"]);
+    }
+
+    #[test]
+    fn the_gap_is_none_in_contact_whatever_its_residual() {
+        let (mut shown, grid) = (shown(), Grid::new([6, 2], [6.0, 2.0]).unwrap());
+        (shown.gap[3], shown.gap[7]) = (1e-12, -1e-12);
+        let distances: Vec<f64> = scene(&shown, &grid, None).distances().collect();
+        assert_eq!((distances[3], distances[7], distances[1]), (0.0, 0.0, 0.5));
+    }
+
+    #[test]
+    fn a_long_row_keeps_its_contacts() {
+        let points = 3 * MOST_POINTS;
+        let mut shown = Shown::zeros(points);
+        shown.gap.fill(1.0);
+        for place in [100, 101, 7000] {
+            (shown.pressure[place], shown.repulsion[place], shown.gap[place]) = (1.0, 1.0, 0.0);
+        }
+        shown.gap[300] = 0.5;
+        let grid = Grid::line(points, 1.0).unwrap();
+        let chosen = scene(&shown, &grid, None).chosen(0);
+        assert_eq!(chosen.len(), MOST_POINTS);
+        assert!([100, 7000, 300].into_iter().all(|place| chosen.contains(&place)));
+    }
+}
