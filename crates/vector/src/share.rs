@@ -167,6 +167,11 @@ impl Share {
         self.sum(&|range| values[range].iter().map(|value| (*value).into()).sum())
     }
 
+    /// The scalar product Σ a b of the values of all ranks, in double precision.
+    pub fn dot<T: Copy + Into<f64> + Sync>(&self, a: &[T], b: &[T]) -> f64 {
+        self.sum(&|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum())
+    }
+
     /// The values of all ranks in order; rank r has `lengths[r]` of them.
     pub fn collect<R: Parcel>(&self, own: &[R], lengths: &[usize]) -> Vec<R> {
         let mut words = vec![0; own.len() * R::WORDS];
