@@ -161,7 +161,7 @@ impl Transforms {
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
     /// Of the rows of one of several processes.
-    shared: Option<Transform>,
+    shared: Option<Box<Transform>>,
     workspace: gfmd_field::Workspace,
     /// Number of single transforms.
     singles: u64,
@@ -181,14 +181,14 @@ impl NormalTransforms {
         }
         let shared = Transform::over(*response.grid(), share);
         let workspace = shared.workspace();
-        Self { response: Arc::clone(response), shared: Some(shared), workspace, singles: 0 }
+        Self { response: Arc::clone(response), shared: Some(shared.into()), workspace, singles: 0 }
     }
 
     /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
         let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_ref().unwrap_or_else(|| response.transform());
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
         fits(transform.convolve(own_lanes(transform, kernel), field, out, workspace));
     }
 
@@ -203,7 +203,7 @@ impl NormalTransforms {
     ) {
         self.singles += 2;
         let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_ref().unwrap_or_else(|| response.transform());
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
         fits(transform.convolve_rows(own_lanes(transform, kernel), input, source, output, sink, workspace));
     }
 
@@ -216,7 +216,7 @@ impl NormalTransforms {
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
         let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_ref().unwrap_or_else(|| response.transform());
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
         fits(transform.quadratic_form(own_lanes(transform, kernel), field, workspace))
     }
 

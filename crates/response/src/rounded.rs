@@ -50,7 +50,7 @@ fn quarter<'a>(grid: &Grid, values: &'a [f64]) -> impl Iterator<Item = f64> + us
 pub struct RoundedTransforms {
     response: Arc<NormalResponse>,
     /// Of the rows of one of several processes.
-    shared: Option<Transform<f32>>,
+    shared: Option<Box<Transform<f32>>>,
     workspace: Workspace<f32>,
     /// Tables with another uniform mode.
     own: Option<[Vec<f32>; 2]>,
@@ -82,7 +82,7 @@ impl RoundedTransforms {
             return transforms;
         }
         let shared = Transform::over(*response.grid(), share);
-        Self { workspace: shared.workspace(), shared: Some(shared), ..transforms }
+        Self { workspace: shared.workspace(), shared: Some(shared.into()), ..transforms }
     }
 
     /// The unit of compliances, a power of two, in length/stress.
@@ -97,7 +97,7 @@ impl RoundedTransforms {
         let Self { response, shared, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        let transform = shared.as_ref().unwrap_or(&rounded.transform);
+        let transform = shared.as_deref().unwrap_or(&rounded.transform);
         fits(transform.convolve_ahead(own_lanes(transform, table), input, source, workspace));
     }
 
@@ -105,7 +105,7 @@ impl RoundedTransforms {
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         self.singles += 1;
         let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_ref().unwrap_or_else(|| &response.rounded().transform);
+        let transform = shared.as_deref().unwrap_or_else(|| &response.rounded().transform);
         fits(transform.convolve_back(output, sink, workspace));
     }
 
@@ -115,7 +115,7 @@ impl RoundedTransforms {
         let Self { response, shared, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
-        let transform = shared.as_ref().unwrap_or(&rounded.transform);
+        let transform = shared.as_deref().unwrap_or(&rounded.transform);
         let [_, columns] = response.grid().rows();
         let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
         let source = |i: usize, (): (), row: &mut [f32]| source(i, row);
@@ -128,7 +128,7 @@ impl RoundedTransforms {
         let Self { response, shared, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        let transform = shared.as_ref().unwrap_or(&rounded.transform);
+        let transform = shared.as_deref().unwrap_or(&rounded.transform);
         fits(transform.quadratic_form(own_lanes(transform, table), field, workspace)) * response.grid().len() as f64
     }
 

@@ -141,6 +141,20 @@ pub trait Word: Copy + Default + Send + Sync {
         }
     }
 
+    /// The numbers of several parts, one after another, each of which begins with a word of its own.
+    fn joined(words: Vec<u64>, lengths: impl Iterator<Item = usize>) -> Vec<Self> {
+        let mut all = Vec::new();
+        let mut rest = &words[..];
+        for length in lengths {
+            let (part, after) = rest.split_at(Self::words(length));
+            all.resize(all.len() + length, Self::default());
+            let start = all.len() - length;
+            Self::unpack(part, &mut all[start..]);
+            rest = after;
+        }
+        all
+    }
+
     /// Fills `numbers` from `words`.
     fn unpack(words: &[u64], numbers: &mut [Self]) {
         for (word, numbers) in words.iter().zip(numbers.chunks_mut(Self::EACH)) {
@@ -158,6 +172,11 @@ impl Word for f64 {
 
     fn unpacked(word: u64, numbers: &mut [Self]) {
         numbers[0] = Self::from_bits(word);
+    }
+
+    /// In the memory of the words.
+    fn joined(words: Vec<u64>, _: impl Iterator<Item = usize>) -> Vec<Self> {
+        words.into_iter().map(Self::from_bits).collect()
     }
 }
 

@@ -45,7 +45,7 @@ impl std::error::Error for TooManyRanks {}
 impl Share {
     /// All rows, for one process.
     pub fn whole(rows: usize, columns: usize) -> Self {
-        Self { ranks: Arc::new(Alone), columns, rows: vec![0..rows].into() }
+        Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect() }
     }
 
     /// The rows of this one of the `ranks`, which share them as evenly as whole leaves and whole rows of `levels` coarser grids
@@ -205,14 +205,7 @@ impl Share {
         T::pack(own, &mut packed);
         let mut all = vec![0; lengths.iter().sum()];
         self.ranks.gather(&packed, &mut all, &lengths);
-        let mut whole = vec![T::default(); rows.last().map_or(0, |rows| rows.end * columns)];
-        let mut rest = &all[..];
-        for (rows, length) in rows.iter().zip(lengths) {
-            let (part, after) = rest.split_at(length);
-            T::unpack(part, &mut whole[rows.start * columns..rows.end * columns]);
-            rest = after;
-        }
-        whole
+        T::joined(all, rows.iter().map(|rows| rows.len() * columns))
     }
 
     /// The last row of the rank before this one and the first row of the one after, around the cell, of those that each rank

@@ -53,9 +53,10 @@ impl Level {
     /// level, of which they compute their parts, and those above it.
     pub(super) fn over(&mut self, share: &Share, height: u32, is_last: bool) {
         let part = |rows: &Range<usize>| rows.start >> height..rows.end.div_ceil(1 << height);
-        self.own = part(&share.rows());
+        let parts: Vec<Range<usize>> = share.all_rows().iter().map(part).collect();
+        self.own = parts[share.ranks().rank()].clone();
         if is_last {
-            self.parts = share.all_rows().iter().map(part).collect();
+            self.parts = parts;
             return;
         }
         self.held = self.own.clone();
@@ -67,13 +68,13 @@ impl Level {
     /// Learns what other processes have computed of the known weights: all of them, or the rows beside the own ones.
     pub(super) fn learn_known(&mut self, share: &Share) {
         let width = self.cells[1];
-        learn([&self.own, &self.held], &self.parts, width, &mut self.known, &mut self.known_beside, share);
+        learn(&self.own, &self.parts, width, &mut self.known, &mut self.known_beside, share);
     }
 
     /// Learns what other processes have computed of the values.
     pub(super) fn learn_value(&mut self, share: &Share) {
         let width = self.cells[1];
-        learn([&self.own, &self.held], &self.parts, width, &mut self.value, &mut self.value_beside, share);
+        learn(&self.own, &self.parts, width, &mut self.value, &mut self.value_beside, share);
     }
 
     /// Learns the rows of the values beside the own ones, after a step on all rows held.
@@ -241,21 +242,19 @@ pub(super) fn held_row<'a, T>(
     &beside[usize::from(i == held.end % height)]
 }
 
-/// Completes a field of which every process has computed its own rows, by all rows or by those beside.
+/// Completes a field of which every process has computed its `own` rows: by all `parts` of a level that all hold, else by the rows
+/// beside.
 fn learn(
-    [own, held]: [&Range<usize>; 2],
+    own: &Range<usize>,
     parts: &[Range<usize>],
     width: usize,
     field: &mut Vec<f32>,
     beside: &mut Beside,
     share: &Share,
 ) {
-    if share.is_whole() {
-        return;
-    }
-    if parts.is_empty() && own == held && held.len() * width == field.len() {
+    if parts.is_empty() {
         *beside = share.beside(&field[..width], &field[field.len() - width..]);
-    } else if !parts.is_empty() {
+    } else {
         *field = share.gather_rows(&field[own.start * width..own.end * width], width, parts);
     }
 }
