@@ -7,6 +7,7 @@ mod file;
 mod page;
 mod report;
 mod series;
+mod shared;
 mod statistics;
 mod table;
 mod threshold;
@@ -198,7 +199,12 @@ const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Prepared::new(args, session)?.run(args, session)
+    if session.ranks().is_none() {
+        return Prepared::new(args, session)?.run(args, session);
+    }
+    let args = args.shared(session)?;
+    // A file that one process cannot read or write ends all of them.
+    session.agree(Prepared::new(&args, session))?.run(&args, session)
 }
 
 /// The input of the command, checked before the first solve.
@@ -288,7 +294,7 @@ impl Prepared {
             (_, Boundary::Periodic) => Held::LAW,
             (_, Boundary::Free) => Held::LAW_FREE,
         };
-        fields.check("the grid", surface.grid.points())?;
+        fields.times(session.local()).check("the grid", surface.grid.points())?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let base = args.base.read(&body, &surface.grid)?;
@@ -359,6 +365,10 @@ impl Prepared {
                 _ => Contact::bounded(args.boundary, body, grid, heights),
             };
             let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
+            let contact = match session.ranks() {
+                Some(ranks) => contact.over(Arc::clone(ranks)).map_err(refuse)?,
+                None => contact,
+            };
             return self.press(&contact, contact.surface(), args, None, session);
         }
         let interface =
@@ -449,9 +459,9 @@ impl Prepared {
         };
         let resolved = Args { source: args.source.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        // A search that is recorded is not kept: it cannot be continued.
+        // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
         let mut kept = match &self.output {
-            Some(output) if !args.trace.is_wanted() => {
+            Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
                 let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
                 let lower =
                     self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));

@@ -39,6 +39,7 @@ pub mod load;
 pub mod lower;
 pub mod memory;
 pub mod path;
+mod processes;
 pub mod program;
 pub mod progress;
 pub mod punch;

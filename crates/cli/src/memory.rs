@@ -40,6 +40,12 @@ impl Held {
     /// The relaxation of a free surface.
     pub const DAMPING: Self = Self(40);
 
+    /// For so many processes on this machine, each of which holds all.
+    #[must_use]
+    pub fn times(self, processes: usize) -> Self {
+        Self(self.0.saturating_mul(processes as u64))
+    }
+
     /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
     pub fn bytes(self, points: [usize; 2]) -> u64 {
         points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))

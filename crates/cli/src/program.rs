@@ -4,12 +4,16 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use gfmd_mpi::World;
+use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
+use crate::processes;
 use crate::session::{Common, Session};
 use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface, theory};
 
@@ -65,6 +69,24 @@ pub fn status<C: Subcommand>(
     run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
 ) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
+    match processes::join(&words) {
+        Ok(world) => together(name, &words, run, world.as_ref()),
+        Err(failure) => {
+            if processes::is_first() {
+                let _ = writeln!(io::stderr(), "error: {failure}");
+            }
+            failure.status()
+        }
+    }
+}
+
+/// The exit status of the program, whose processes are those of a `world`, if there is more than one.
+fn together<C: Subcommand>(
+    name: &'static str,
+    words: &[OsString],
+    run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
+    world: Option<&Arc<World>>,
+) -> u8 {
     if let Some(word) = words.iter().find(|word| word.to_str().is_none()) {
         let word = word.to_string_lossy();
         let _ = writeln!(io::stderr(), "error: the argument {word} is not UTF-8; it must be, since results record it");
@@ -73,15 +95,18 @@ pub fn status<C: Subcommand>(
     let parsed = named(Line::<C>::command(), name).try_get_matches_from(words);
     let line = match parsed.and_then(|mut matches| Line::<C>::from_arg_matches_mut(&mut matches)) {
         Ok(line) => line,
-        Err(error) => return refuse(&error),
-    };
-    match Session::start(line.common).and_then(|session| run(&line.command, &session)) {
-        Ok(()) => 0,
-        Err(failure) => {
-            let _ = writeln!(io::stderr(), "error: {failure}");
-            failure.status()
+        Err(error) => {
+            let is_first = world.is_none_or(|world| world.rank() == 0);
+            return processes::end(world, if is_first { refuse(&error) } else { status_of(&error) }, None);
         }
-    }
+    };
+    let session = Session::start(line.common, world);
+    let session = match world {
+        Some(world) => processes::agree(&**world, session),
+        None => session,
+    };
+    let failure = session.and_then(|session| run(&line.command, &session)).err();
+    processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
 }
 
 /// Keeps freed memory in the process, on Linux with glibc. Each solve allocates and frees fields of equal size. Returning
@@ -154,7 +179,9 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let text = session.json(report)?;
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
-    write(&if session.common.json { text + "\n" } else { report.to_string() })?;
+    if session.is_first() {
+        write(&if session.common.json { text + "\n" } else { report.to_string() })?;
+    }
     match crate::json::undefined(&numbers) {
         Some(key) => Err(Failure::Computation(format!(
             "{key} is not finite; it must be, and other units of stress or length may make it so"
@@ -170,6 +197,11 @@ fn put(text: &str) -> io::Result<()> {
 
 fn write(text: &str) -> Result<(), Failure> {
     put(text).map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
+}
+
+/// The exit status of a message of clap.
+fn status_of(error: &clap::Error) -> u8 {
+    if let ErrorKind::DisplayHelp | ErrorKind::DisplayVersion = error.kind() { 0 } else { 2 }
 }
 
 /// Prints help and version as results, and any other message of clap as one line of unusable input.

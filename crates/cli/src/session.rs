@@ -7,9 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use gfmd_files::{Provenance, Warning, Warnings};
+use gfmd_mpi::World;
+use gfmd_vector::Ranks;
 use serde::Serialize;
+use tracing::level_filters::LevelFilter;
 
 use crate::failure::Failure;
+use crate::processes;
 use crate::source::Surface;
 
 /// The commit that the program was built from, `unknown` if it is not known.
@@ -36,21 +40,26 @@ pub struct Common {
 const MOST_THREADS: usize = 256;
 
 /// A run of the program.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Session {
     /// The flags of every command.
     pub common: Common,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
     resumable: bool,
+    /// The processes that run the command together.
+    ranks: Option<Arc<dyn Ranks>>,
 }
 
 impl Session {
-    /// Sets up threads, log and the handler of Ctrl-C, once for the process.
+    /// Sets up threads, log and the handler of Ctrl-C, once for the process, which is one of a `world` of several or alone. Only
+    /// the first one prints.
     ///
     /// # Errors
     /// More threads than the system can start.
-    pub fn start(common: Common) -> Result<Self, Failure> {
+    pub fn start(mut common: Common, world: Option<&Arc<World>>) -> Result<Self, Failure> {
+        let is_first = world.is_none_or(|world| world.rank() == 0);
+        common.quiet |= !is_first;
         let most = MOST_THREADS.max(2 * std::thread::available_parallelism().map_or(1, usize::from));
         if common.threads > most {
             return Err(Failure::value("--threads", common.threads, format!("at most {most}, or 0 for all cores")));
@@ -60,10 +69,11 @@ impl Session {
             .build_global()
             .map_err(|error| Failure::input("--threads", error))?;
         let level = match (common.quiet, common.verbose) {
-            (true, _) => tracing::Level::ERROR,
-            (_, 0) => tracing::Level::INFO,
-            (_, 1) => tracing::Level::DEBUG,
-            _ => tracing::Level::TRACE,
+            _ if !is_first => LevelFilter::OFF,
+            (true, _) => LevelFilter::ERROR,
+            (_, 0) => LevelFilter::INFO,
+            (_, 1) => LevelFilter::DEBUG,
+            _ => LevelFilter::TRACE,
         };
         tracing_subscriber::fmt()
             .with_writer(std::io::stderr)
@@ -72,7 +82,12 @@ impl Session {
             .without_time()
             .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
             .init();
-        let session = Self::silent(common);
+        let ranks = world.map(|world| Arc::clone(world) as Arc<dyn Ranks>);
+        if let Some(world) = world {
+            let threads = rayon::current_num_threads();
+            tracing::info!("{} processes, threads of each: {threads}; {}", world.size(), world.version());
+        }
+        let session = Self { ranks, ..Self::silent(common) };
         let flag = Arc::clone(&session.interrupted);
         // The second Ctrl-C ends the process at once.
         let handler = move || {
@@ -87,7 +102,33 @@ impl Session {
     /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
         let interrupted = Arc::new(AtomicBool::new(false));
-        Self { common, interrupted, warnings: Warnings::default(), resumable: true }
+        Self { common, interrupted, warnings: Warnings::default(), resumable: true, ranks: None }
+    }
+
+    /// The processes that run this command together, if there is more than one.
+    pub fn ranks(&self) -> Option<&Arc<dyn Ranks>> {
+        self.ranks.as_ref()
+    }
+
+    /// The number of processes on this machine that run the command together, as far as their launcher tells.
+    pub fn local(&self) -> usize {
+        if self.ranks.is_some() { processes::on_this_machine() } else { 1 }
+    }
+
+    /// True if this process prints, writes and draws: it is alone, or the first one.
+    pub fn is_first(&self) -> bool {
+        self.ranks.as_ref().is_none_or(|ranks| ranks.rank() == 0)
+    }
+
+    /// The outcome of a step that may fail on some of the processes only, as that of all.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub(crate) fn agree<T>(&self, outcome: Result<T, Failure>) -> Result<T, Failure> {
+        match &self.ranks {
+            Some(ranks) => processes::agree(&**ranks, outcome),
+            None => outcome,
+        }
     }
 
     /// The same session, of whose steps of a path nothing is kept beside the output: an interruption writes the output as far
@@ -164,6 +205,15 @@ impl Session {
             threads: rayon::current_num_threads(),
             warnings: self.warnings.clone(),
         }
+    }
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session")
+            .field("common", &self.common)
+            .field("is_first", &self.is_first())
+            .finish_non_exhaustive()
     }
 }
 

@@ -12,10 +12,11 @@ pub(crate) enum Compliance {
 }
 
 impl Compliance {
+    /// For the rows of this process.
     pub(crate) fn of(contact: &Contact) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeTransforms::of(free)),
-            None => Self::Periodic(NormalTransforms::of(&contact.response)),
+            None => Self::Periodic(NormalTransforms::over(&contact.response, &contact.share)),
         }
     }
 
@@ -41,10 +42,10 @@ impl Compliance {
         }
     }
 
-    /// ⟨p, G p⟩, summed over the points.
+    /// ⟨p, G p⟩, summed over the points of all processes.
     pub(crate) fn quadratic_form(&mut self, table: &[f64], pressure: &[f64]) -> f64 {
         match self {
-            Self::Periodic(transforms) => transforms.quadratic_form(table, pressure) * pressure.len() as f64,
+            Self::Periodic(transforms) => transforms.quadratic_form(table, pressure) * transforms.points() as f64,
             Self::Free(transforms) => transforms.quadratic_form(pressure),
         }
     }
@@ -78,7 +79,7 @@ impl Rounded {
     pub(crate) fn of(contact: &Contact, uniform: Option<[f64; 2]>) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeRounded::of(free)),
-            None => Self::Periodic(RoundedTransforms::of(&contact.response, uniform)),
+            None => Self::Periodic(RoundedTransforms::over(&contact.response, uniform, &contact.share)),
         }
     }
 

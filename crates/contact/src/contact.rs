@@ -4,10 +4,11 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_relax::Upper;
 use gfmd_response::{FreeCompliance, NormalResponse};
-use gfmd_vector::for_each;
+use gfmd_vector::{Ranks, Share, for_each};
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
+use crate::pull_push::PullPush;
 use crate::solution::{Conditions, field};
 use crate::{Boundary, Dynamics, Hardness, Load, Refusal, RigidSurface, Solution, Units};
 
@@ -21,6 +22,8 @@ pub struct Contact {
     pub(crate) free: Option<Arc<FreeCompliance>>,
     /// The largest pressure, in `units`.
     pub(crate) hardness: Option<Upper>,
+    /// The rows that this process solves for.
+    pub(crate) share: Share,
     /// Time step and damping of the damped dynamics.
     pub(crate) dynamics: Dynamics,
     /// The rigid surface, in `units`.
@@ -63,6 +66,7 @@ impl Contact {
             response: response(units.grid(grid), &units.body(body)).into(),
             free: None,
             hardness: None,
+            share: whole(grid),
             dynamics: Dynamics::default(),
             scaled: units.surface(&surface),
             surface,
@@ -99,7 +103,24 @@ impl Contact {
         let surface = Self::rough(response.grid(), heights)?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
         let (free, hardness, dynamics, units) = (None, None, Dynamics::default(), Units::ONE);
-        Ok(Self { response, free, hardness, dynamics, scaled, surface, contact_modulus, units })
+        let share = whole(response.grid());
+        Ok(Self { response, free, hardness, share, dynamics, scaled, surface, contact_modulus, units })
+    }
+
+    /// This contact, solved by several processes, each of which holds the whole contact and makes the same calls: of the solver's
+    /// fields each has its rows only, and the solution, the same on all, has the bits of one process. The methods are
+    /// [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of any process may stop the search; its checkpoints have
+    /// the rows of one.
+    ///
+    /// # Errors
+    /// More processes than can share the rows; free boundaries.
+    pub fn over(self, ranks: Arc<dyn Ranks>) -> Result<Self, Refusal> {
+        if ranks.size() > 1 && self.free.is_some() {
+            return Err(Refusal::SharedPatch);
+        }
+        let grid = *self.surface.grid();
+        let share = Share::among(ranks, grid.rows(), PullPush::shared_levels(grid.rows()))?;
+        Ok(Self { share, ..self })
     }
 
     /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the start of
@@ -201,8 +222,9 @@ impl Contact {
         let response = &self.response;
         let n = pressure.len();
         let mut compliance = Compliance::of(self);
-        let mut displacement = vec![0.0; n];
-        compliance.apply(response.compliance(), &pressure, &mut displacement);
+        let mut displacement = vec![0.0; self.share.own().len()];
+        compliance.apply(response.compliance(), &pressure[self.share.own()], &mut displacement);
+        let mut displacement = self.whole(displacement);
         let uniform = self.uniform_compliance() * gfmd_vector::total(&pressure) / n as f64;
         // u_z = −G p.
         for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
@@ -211,6 +233,11 @@ impl Contact {
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs();
         solution
+    }
+
+    /// The field of all processes, of which this one has `own` rows.
+    pub(crate) fn whole(&self, own: Vec<f64>) -> Vec<f64> {
+        if self.share.is_whole() { own } else { self.share.gather(&own, self.share.columns()) }
     }
 
     /// The compliance of the uniform mode that [`Compliance`] does not contain.
@@ -263,4 +290,10 @@ impl Contact {
             Err(Refusal::Start { found: pressure.len(), expected: grid.len() })
         }
     }
+}
+
+/// All rows of a grid, for one process.
+fn whole(grid: &Grid) -> Share {
+    let [rows, columns] = grid.rows();
+    Share::whole(rows, columns)
 }

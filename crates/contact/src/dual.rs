@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use gfmd_field::{Rows, Split};
+use gfmd_field::{Rows, Share, Split};
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
 use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
 
@@ -37,6 +37,7 @@ pub(crate) struct Dual<'a> {
     upper: Upper,
     /// The number of points in a row.
     row: usize,
+    share: Share,
     transforms: Compliance,
     rounded: Rounded,
     extension: PullPush,
@@ -57,11 +58,12 @@ const MARGIN: f64 = 0.95;
 
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
-        let Contact { response, scaled: surface, .. } = contact;
+        let Contact { response, scaled: surface, share, .. } = contact;
         let mut compliance = Cow::from(response.compliance());
+        let clearance = &surface.clearance()[share.own()];
         let linear = match load {
-            Load::MeanPressure(_) => Cow::from(surface.clearance()),
-            Load::Approach(approach) => surface.clearance().iter().map(|c| c - approach).collect(),
+            Load::MeanPressure(_) => Cow::from(clearance),
+            Load::Approach(approach) => clearance.iter().map(|c| c - approach).collect(),
         };
         let mut level = None;
         if let (Load::Approach(_), None) = (load, &contact.free) {
@@ -75,10 +77,15 @@ impl<'a> Dual<'a> {
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
-        let extension = PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]);
-        let upper = contact.upper();
+        let extension =
+            PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]).over(share);
+        let upper = match contact.upper() {
+            Upper::Each(bounds) if !share.is_whole() => Upper::Each(bounds[share.own()].into()),
+            upper => upper,
+        };
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
-        Self { compliance, linear, floating, upper, row: response.grid().rows()[1], transforms, rounded, extension }
+        let (row, share) = (response.grid().rows()[1], share.clone());
+        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension }
     }
 
     /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement
@@ -129,6 +136,10 @@ impl Quadratic for Dual<'_> {
         self.transforms.apply(&self.compliance, x, out);
     }
 
+    fn share(&self) -> Share {
+        self.share.clone()
+    }
+
     fn curvature(&mut self, direction: &[f64]) -> f64 {
         self.transforms.quadratic_form(&self.compliance, direction)
     }
@@ -145,6 +156,10 @@ impl Preconditioned for Dual<'_> {
 
     fn upper(&self) -> Upper {
         self.upper.clone()
+    }
+
+    fn share(&self) -> Share {
+        self.share.clone()
     }
 
     fn stretch(&self) -> usize {
@@ -204,8 +219,12 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Load::MeanPressure(mean) => Some(mean),
         Load::Approach(_) => None,
     };
-    let uniform = || vec![mean.unwrap_or(0.0); contact.scaled.clearance().len()];
-    let mut pressure = attempt.start.take().unwrap_or_else(uniform);
+    let own = contact.share.own();
+    let mut pressure = match attempt.start.take() {
+        Some(start) if contact.share.is_whole() => start,
+        Some(start) => start[own].to_vec(),
+        None => vec![mean.unwrap_or(0.0); own.len()],
+    };
     let upper = dual.upper();
     pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.ceiling().at(i)));
     let x = &mut pressure;
@@ -251,6 +270,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
+    let pressure = contact.whole(pressure);
     Ok(Ended { pressure, effort: attempt.effort, ending: minimum.ending })
 }
 

@@ -12,15 +12,22 @@
 //! A point thus gets the mean of the known values around it on the finest scale with enough of them, at a cost of a few
 //! operations per point. The map E is linear; its transpose applies the steps with equal weights in the opposite order.
 
+mod level;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gfmd_relax::Ceiling;
-use rayon::prelude::*;
+use gfmd_vector::Share;
+use level::{Level, held_row, row_of, weight};
 
 /// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
 pub(crate) struct PullPush {
-    /// Number of points; a profile is one row.
+    /// Number of points of this process; a profile is one row.
     points: [usize; 2],
+    /// The rows of this process among those of all.
+    share: Share,
+    /// The number of levels of which this process holds its own rows, and of the first one that all hold.
+    shared: usize,
     edges: Edges,
     /// Cells of 2×2 points, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
@@ -86,21 +93,13 @@ impl Edges {
     }
 }
 
-struct Level {
-    cells: [usize; 2],
-    /// Known weight above which the value of the cell has full weight.
-    full: f32,
-    /// Factor on the value of the next level, for cells without known values; between zero and one.
-    trust: f32,
-    /// Known weight of each cell, the sum of the weights of its children.
-    known: Vec<f32>,
-    value: Vec<f32>,
-}
-
 /// `full` of cells with two and with four children. It is less than their number, so that a cell has full weight if
 /// most of it is known. It is above one, so that a single point loses weight from level to level: otherwise its value
 /// would extend to a large neighbourhood, at a cost in energy that increases with the size of the neighbourhood.
 const FULL: [f32; 2] = [1.5, 3.0];
+
+/// The largest number of cells of a level that all of several processes hold.
+const GATHERED: usize = 1 << 18;
 
 /// Number of points in a word of [`PullPush::kept`].
 const BITS: usize = u64::BITS as usize;
@@ -120,20 +119,36 @@ impl PullPush {
             let cells = below.map(|n| n.div_ceil(2));
             let shortest = (nx.max(ny) / 2).min(cells[0].max(cells[1]));
             let ratio = if shortest > 1 { stiffness(shortest / 2) / stiffness(shortest) } else { 0.5 };
-            levels.push(Level {
-                cells,
-                full: FULL[usize::from(!below.contains(&1))],
-                trust: (2.5 - 2.5 * ratio).clamp(0.0, 1.0) as f32,
-                known: vec![0.0; cells[0] * cells[1]],
-                value: vec![0.0; cells[0] * cells[1]],
-            });
+            let full = FULL[usize::from(!below.contains(&1))];
+            levels.push(Level::new(cells, full, (2.5 - 2.5 * ratio).clamp(0.0, 1.0) as f32));
             below = cells;
         }
         if let (true, Some(top)) = (floating, levels.last_mut()) {
             top.full = 0.0;
         }
-        let kept = (0..points[0] * points[1].div_ceil(BITS)).map(|_| AtomicU64::new(0)).collect();
-        Self { points, edges, levels, kept }
+        Self { points, share: Share::whole(points[0], points[1]), shared: 0, edges, levels, kept: bits(points) }
+    }
+
+    /// The number of levels of which a process holds its own rows only, or computes them: all levels with many cells.
+    pub(crate) fn shared_levels(points: [usize; 2]) -> u32 {
+        let cells = |level: u32| points.iter().map(|n| n.div_ceil(1 << level)).product::<usize>();
+        (1..).find(|level| cells(*level) <= GATHERED).unwrap_or(1)
+    }
+
+    /// The map for the points of one of several processes, which make the same calls. Its levels are shared down to
+    /// [`shared_levels`](Self::shared_levels). Edges are joined.
+    pub(crate) fn over(mut self, share: &Share) -> Self {
+        if share.is_whole() {
+            return self;
+        }
+        self.shared = self.levels.len().min(Self::shared_levels(self.points) as usize);
+        for (height, level) in (1..).zip(&mut self.levels[..self.shared]) {
+            level.over(share, height, height as usize == self.shared);
+        }
+        self.points[0] = share.rows().len();
+        self.kept = bits(self.points);
+        self.share = share.clone();
+        self
     }
 
     /// The map for displacements that resist bending: a value extends to a neighbourhood as large as there is room, since that
@@ -150,11 +165,12 @@ impl PullPush {
 
     /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
-        let edges = self.edges;
+        let (edges, share, shared) = (self.edges, &self.share, self.shared);
+        let (start, columns) = (share.rows().start, self.points[1]);
+        let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
         let Some(first) = self.levels.first_mut() else { return };
-        let columns = self.points[1];
-        first.pull(self.points, |i, weights, values| {
-            let level = known.level;
+        first.pull(points, |i, weights, values| {
+            let (level, i) = (known.level, i - start);
             let points = row_of(known.x, i, columns).iter().zip(row_of(known.gradient, i, columns));
             let upper = known.bounds(i, columns);
             for (j, ((weight, value), (x, gradient))) in weights.iter_mut().zip(values).zip(points).enumerate() {
@@ -162,26 +178,41 @@ impl PullPush {
                 *value = *weight * (gradient - level);
             }
         });
-        upwards(&mut self.levels, |above, below| {
-            let columns = below.cells[1];
+        let learn = |number: usize, level: &mut Level| {
+            if number < shared {
+                level.learn_known(share);
+                if number + 1 == shared {
+                    level.learn_value(share);
+                }
+            }
+        };
+        learn(0, first);
+        upwards(&mut self.levels, |number, above, below| {
             above.pull(below.cells, |i, weights, values| {
-                let cells = row_of(&below.known, i, columns).iter().zip(row_of(&below.value, i, columns));
+                let cells = below.known(i).iter().zip(below.value(i));
                 for ((weight, product), (known, value)) in weights.iter_mut().zip(values).zip(cells) {
                     *weight = below.weight(*known);
                     *product = *weight * value;
                 }
             });
+            learn(number, above);
         });
         weigh_top(&mut self.levels);
-        downwards(&mut self.levels, |above, below| {
+        downwards(&mut self.levels, |number, above, below| {
             let columns = below.cells[1];
-            let full = below.full;
-            above.push(edges, &mut below.value, columns, |i, value, pushed| {
-                for ((value, known), pushed) in value.iter_mut().zip(row_of(&below.known, i, columns)).zip(pushed) {
+            let (full, known) = (below.full, std::mem::take(&mut below.known));
+            let held = below.values();
+            let first = held.1.start;
+            above.push(edges, held, columns, |i, value, pushed| {
+                for ((value, known), pushed) in value.iter_mut().zip(row_of(&known, i - first, columns)).zip(pushed) {
                     let weight = weight(*known, full);
                     *value = weight * *value + (1.0 - weight) * pushed;
                 }
             });
+            below.known = known;
+            if number < shared {
+                below.learn_beside(share);
+            }
         });
     }
 
@@ -189,7 +220,7 @@ impl PullPush {
     pub(crate) fn row(&self, known: Known, i: usize, out: &mut [f32]) {
         let columns = self.points[1];
         match self.levels.first() {
-            Some(first) => first.interpolate(self.edges, i, out),
+            Some(first) => first.interpolate(self.edges, self.share.rows().start + i, out),
             None => out.fill(0.0),
         }
         let points = row_of(known.x, i, columns).chunks(BITS).zip(row_of(known.gradient, i, columns).chunks(BITS));
@@ -211,40 +242,65 @@ impl PullPush {
 
     /// `t` ← Eᵀ t, with the map E of the last rows.
     pub(crate) fn transpose(&mut self, known: Known, t: &mut [f32]) {
-        let ([height, columns], edges) = (self.points, self.edges);
+        let (edges, share, shared) = (self.edges, &self.share, self.shared);
+        let ([rows, columns], own) = (self.points, share.rows());
+        let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
         let Some(first) = self.levels.first_mut() else { return };
         let kept = |i: usize| words(&self.kept, i, columns);
+        let loaded = |i: usize| kept(i).iter().map(|word| word.load(Ordering::Relaxed)).collect::<Vec<u64>>();
+        let (t_beside, kept_beside): ([Vec<f32>; 2], [Vec<AtomicU64>; 2]) = if share.is_whole() {
+            Default::default()
+        } else {
+            (
+                share.beside(row_of(t, 0, columns), row_of(t, rows - 1, columns)),
+                share
+                    .beside(&loaded(0), &loaded(rows - 1))
+                    .map(|words| words.into_iter().map(AtomicU64::new).collect()),
+            )
+        };
         // Points that did not keep their own value pass their entry of t to the levels above.
         let handed = &*t;
-        first.push_transposed(edges, [height, columns], |i, line, part| {
-            let values = line.chunks_mut(BITS).zip(row_of(handed, i, columns).chunks(BITS));
-            for ((line, t), kept) in values.zip(kept(i)) {
+        let width = columns.div_ceil(BITS);
+        first.push_transposed(edges, points, |i, line, part| {
+            let row = held_row(handed, &t_beside, &own, points, i);
+            let kept = held_row(&self.kept, &kept_beside, &own, [points[0], width], i);
+            for ((line, t), kept) in line.chunks_mut(BITS).zip(row.chunks(BITS)).zip(kept) {
                 let kept = kept.load(Ordering::Relaxed);
                 for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
                     *line += if kept >> j & 1 == 0 { part * t } else { 0.0 };
                 }
             }
         });
-        upwards(&mut self.levels, |above, below| {
-            let columns = below.cells[1];
+        let learn = |number: usize, level: &mut Level| {
+            if number < shared {
+                level.learn_value(share);
+            }
+        };
+        learn(0, first);
+        upwards(&mut self.levels, |number, above, below| {
             above.push_transposed(edges, below.cells, |i, line, part| {
-                let cells = row_of(&below.value, i, columns).iter().zip(row_of(&below.known, i, columns));
+                let cells = below.value(i).iter().zip(below.known(i));
                 for (line, (image, known)) in line.iter_mut().zip(cells) {
                     *line += part * (1.0 - below.weight(*known)) * image;
                 }
             });
+            learn(number, above);
         });
         weigh_top(&mut self.levels);
-        downwards(&mut self.levels, |above, below| {
+        downwards(&mut self.levels, |_, above, below| {
             let columns = below.cells[1];
-            let full = below.full;
-            above.pull_transposed(&mut below.value, columns, |i, image, share| {
-                for ((image, known), share) in image.iter_mut().zip(row_of(&below.known, i, columns)).zip(share) {
+            let (full, known) = (below.full, std::mem::take(&mut below.known));
+            let held = below.values();
+            let first = held.1.start;
+            above.pull_transposed(held, columns, |i, image, share| {
+                for ((image, known), share) in image.iter_mut().zip(row_of(&known, i - first, columns)).zip(share) {
                     *image = weight(*known, full) * (*image + share);
                 }
             });
+            below.known = known;
         });
-        self.levels[0].pull_transposed(t, columns, |i, t, share| {
+        self.levels[0].pull_transposed((t, own.clone()), columns, |i, t, share| {
+            let i = i - own.start;
             let points = share.chunks(BITS).zip(row_of(known.x, i, columns).chunks(BITS));
             let upper = known.bounds(i, columns);
             for (chunk, ((t, (share, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept(i)).enumerate() {
@@ -261,11 +317,11 @@ impl PullPush {
     }
 }
 
-/// Visits every level with the one below it, upwards.
-fn upwards(levels: &mut [Level], mut step: impl FnMut(&mut Level, &Level)) {
+/// Visits every level, by its number, with the one below it, upwards.
+fn upwards(levels: &mut [Level], mut step: impl FnMut(usize, &mut Level, &Level)) {
     for k in 1..levels.len() {
         let (below, above) = levels.split_at_mut(k);
-        step(&mut above[0], &below[k - 1]);
+        step(k, &mut above[0], &below[k - 1]);
     }
 }
 
@@ -276,147 +332,23 @@ fn weigh_top(levels: &mut [Level]) {
     }
 }
 
-/// Visits every level with the one above it, downwards.
-fn downwards(levels: &mut [Level], mut step: impl FnMut(&Level, &mut Level)) {
+/// Visits every level, by its number, with the one above it, downwards.
+fn downwards(levels: &mut [Level], mut step: impl FnMut(usize, &Level, &mut Level)) {
     for k in (1..levels.len()).rev() {
         let (below, above) = levels.split_at_mut(k);
-        step(&above[0], &mut below[k - 1]);
+        step(k - 1, &above[0], &mut below[k - 1]);
     }
 }
 
-/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with local
-/// constants, so that compilers vectorise them.
-impl Level {
-    fn weight(&self, known: f32) -> f32 {
-        weight(known, self.full)
-    }
-
-    /// Computes the weighted mean of the children; `read(i, weights, weights times values)` reads row i below.
-    fn pull(&mut self, [height, columns]: [usize; 2], read: impl Fn(usize, &mut [f32], &mut [f32]) + Sync) {
-        let rows = rows(&mut self.value, self.cells[1]).zip(self.known.par_chunks_mut(self.cells[1])).enumerate();
-        rows.for_each_init(
-            || [vec![0.0; columns], vec![0.0; columns]],
-            |[weights, values], (a, (value, known))| {
-                value.fill(0.0);
-                known.fill(0.0);
-                for i in 2 * a..height.min(2 * a + 2) {
-                    read(i, weights, values);
-                    add_pairs(weights, known);
-                    add_pairs(values, value);
-                }
-                for (value, known) in value.iter_mut().zip(known) {
-                    *value = if *known > 0.0 { *value / *known } else { 0.0 };
-                }
-            },
-        );
-    }
-
-    /// Interpolates row i of the level below bilinearly.
-    fn interpolate(&self, edges: Edges, i: usize, row: &mut [f32]) {
-        let [height, width] = self.cells;
-        let beside = if i % 2 == 1 { edges.after(i / 2, height) } else { edges.before(i / 2, height) };
-        let (near, far) = (row_of(&self.value, i / 2, width), row_of(&self.value, beside, width));
-        let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
-        let children = |near: &[f32], far: &[f32]| {
-            let [before, own, after]: [f32; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
-            [before, after].map(|other| 0.75 * own + 0.25 * other)
-        };
-        for b in [0, width - 1] {
-            let three = [edges.before(b, width), b, edges.after(b, width)];
-            let pair = children(&three.map(|b| near[b]), &three.map(|b| far[b]));
-            row[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
-        }
-        let inner = row.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
-        for ((pair, near), far) in inner.iter_mut().zip(near.windows(3)).zip(far.windows(3)) {
-            *pair = children(near, far);
-        }
-    }
-
-    /// Interpolates the whole level below and calls `write(i, row, interpolated)` for each of its rows.
-    fn push(&self, edges: Edges, below: &mut [f32], columns: usize, write: impl Fn(usize, &mut [f32], &[f32]) + Sync) {
-        rows(below, columns).enumerate().for_each_init(
-            || vec![0.0; columns],
-            |pushed, (i, row)| {
-                self.interpolate(edges, i, pushed);
-                write(i, row, pushed);
-            },
-        );
-    }
-
-    /// The transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
-    fn push_transposed(
-        &mut self,
-        edges: Edges,
-        [below, columns]: [usize; 2],
-        add: impl Fn(usize, &mut [f32], f32) + Sync,
-    ) {
-        let [height, width] = self.cells;
-        rows(&mut self.value, width).enumerate().for_each_init(
-            // With an odd number of columns the last child is missing and counts as zero.
-            || vec![0.0; 2 * width],
-            |line, (a, image)| {
-                line.fill(0.0);
-                for (i, part) in edges.children(a, height).into_iter().filter(|child| child.0 < below) {
-                    add(i, &mut line[..columns], part);
-                }
-                let pairs = line.as_chunks::<2>().0;
-                for (image, window) in image[1..].iter_mut().zip(pairs.windows(3)) {
-                    let [before, own, after] = [window[0], window[1], window[2]];
-                    *image = self.trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
-                }
-                for b in [0, width - 1] {
-                    let along = edges.children(b, width).map(|(j, part)| part * line[j]);
-                    image[b] = self.trust * along.into_iter().sum::<f32>();
-                }
-            },
-        );
-    }
-
-    /// The transpose of [`pull`](Self::pull); calls `write(i, row, share)` with the share of the parent for a child of
-    /// unit weight.
-    fn pull_transposed(&self, below: &mut [f32], columns: usize, write: impl Fn(usize, &mut [f32], &[f32]) + Sync) {
-        let width = self.cells[1];
-        rows(below, columns).enumerate().for_each_init(
-            || vec![0.0; 2 * width],
-            |share, (i, row)| {
-                let parents = row_of(&self.value, i / 2, width).iter().zip(row_of(&self.known, i / 2, width));
-                for (pair, (image, known)) in share.as_chunks_mut::<2>().0.iter_mut().zip(parents) {
-                    *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
-                }
-                write(i, row, share);
-            },
-        );
-    }
-}
-
-fn weight(known: f32, full: f32) -> f32 {
-    if known < full { known / full } else { 1.0 }
-}
-
-fn add_pairs(line: &[f32], sums: &mut [f32]) {
-    let (pairs, last) = line.as_chunks::<2>();
-    for (sum, pair) in sums.iter_mut().zip(pairs) {
-        *sum += pair[0] + pair[1];
-    }
-    if let (Some(sum), Some(last)) = (sums.last_mut(), last.first()) {
-        *sum += last;
-    }
+/// Memory for the kept bits of so many points.
+fn bits([rows, columns]: [usize; 2]) -> Vec<AtomicU64> {
+    (0..rows * columns.div_ceil(BITS)).map(|_| AtomicU64::new(0)).collect()
 }
 
 /// The words of row i of the kept bits.
 fn words(kept: &[AtomicU64], i: usize, columns: usize) -> &[AtomicU64] {
     let words = columns.div_ceil(BITS);
     &kept[i * words..][..words]
-}
-
-/// Row i of a field.
-fn row_of<T>(field: &[T], i: usize, columns: usize) -> &[T] {
-    &field[i * columns..][..columns]
-}
-
-/// All rows of a field in parallel, in tasks of at least some 8000 values.
-fn rows(field: &mut [f32], columns: usize) -> impl IndexedParallelIterator<Item = &mut [f32]> {
-    field.par_chunks_mut(columns).with_min_len(1 + 8192 / columns)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use gfmd_green::GreenError;
 use gfmd_law::LawError;
 use gfmd_relax::{RelaxError, ToleranceError};
+use gfmd_vector::TooManyRanks;
 
 use crate::Solver;
 
@@ -136,6 +137,12 @@ pub enum Refusal {
     /// The body cannot have the boundary.
     #[error(transparent)]
     Body(#[from] GreenError),
+    /// More processes than can share the grid.
+    #[error(transparent)]
+    Ranks(#[from] TooManyRanks),
+    /// Free boundaries over several processes.
+    #[error("a surface with free boundaries is solved by one process; with several it must repeat")]
+    SharedPatch,
     /// There is no contact, which friction needs.
     #[error("the {what} is {found}; it must be positive, since friction needs contact")]
     NotPressed {

@@ -35,6 +35,7 @@ impl Equilibrium for Contact {
         match (&self.hardness, &self.free) {
             (Some(_), _) => &Self::HARDNESS_SOLVERS,
             (None, Some(_)) => &Self::FREE_SOLVERS,
+            _ if !self.share.is_whole() => &Self::FREE_SOLVERS,
             (None, None) => &Self::SOLVERS,
         }
     }

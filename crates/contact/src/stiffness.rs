@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use gfmd_relax::{Ceiling, Preconditioned as _, Why};
-use gfmd_vector::{dot, for_each, total};
+use gfmd_vector::{Share, for_each};
 
 use crate::dual::Dual;
 use crate::pull_push::Known;
@@ -55,7 +55,8 @@ impl Contact {
         }
         let rows = solution.pressure.as_slice();
         let pressure = rows.map_or_else(|| solution.pressure.iter().copied().collect(), Cow::from);
-        let mut unit = Unit::new(self, &pressure, hardness, count);
+        let own = self.share.own();
+        let mut unit = Unit::new(self, &pressure[own.clone()], hardness.part(own), count);
         if !unit.dual.keeps_constants() {
             unit.keep_sums();
         }
@@ -80,6 +81,8 @@ impl Contact {
 /// the stiffness is quadratic in that of the pressure. Displacements are in the [unit](Preconditioned::unit) of the compliance.
 struct Unit<'a> {
     dual: Dual<'a>,
+    /// The rows of this process, which all fields have.
+    share: Share,
     /// The pressure of the contact, and the hardness: points between zero and this one are in contact.
     contact: &'a [f64],
     hardness: Ceiling<'a>,
@@ -101,6 +104,7 @@ impl<'a> Unit<'a> {
         let n = pressure.len();
         Self {
             dual: Dual::new(contact, Load::MeanPressure(1.0)),
+            share: contact.share.clone(),
             contact: pressure,
             hardness,
             count: count as f64,
@@ -117,7 +121,7 @@ impl<'a> Unit<'a> {
     fn keep_sums(&mut self) {
         self.residual.fill(1.0);
         self.press(0.0);
-        let sum = total(&self.image);
+        let sum = self.share.total_of(&self.image);
         self.constant = Some(self.image.iter().map(|z| (f64::from(*z) / sum) as f32).collect());
     }
 
@@ -137,7 +141,7 @@ impl<'a> Unit<'a> {
             }
             let beta = (slope / last) as f32;
             // Rounding errors must not change the sum of the pressure.
-            let excess = (total(&self.image) / self.count) as f32;
+            let excess = (self.share.total_of(&self.image) / self.count) as f32;
             let hardness = self.hardness;
             let vectors = (&mut direction[..], &self.image[..], self.contact, hardness);
             for_each(vectors, &|_, (direction, image, contact, hardness)| {
@@ -146,7 +150,7 @@ impl<'a> Unit<'a> {
                 }
             });
             self.displace(&direction);
-            let step = (slope / dot(&direction, &self.image)) as f32;
+            let step = (slope / self.share.dot(&direction, &self.image)) as f32;
             let vectors = (&mut self.variation[..], &mut self.residual[..], &direction[..], &self.image[..]);
             for_each(vectors, &|_, (variation, residual, direction, image)| {
                 variation.iter_mut().zip(direction).for_each(|(q, d)| *q -= step * d);
@@ -183,21 +187,21 @@ impl<'a> Unit<'a> {
 
     /// Computes M r; returns ⟨r, M r⟩.
     fn precondition(&mut self) -> f64 {
-        let Self { contact, hardness, residual, .. } = &*self;
-        let sum = gfmd_vector::sum(contact.len(), &|range| {
+        let Self { share, contact, hardness, residual, .. } = &*self;
+        let sum = share.sum(&|range| {
             let touching = range.filter(|i| (contact[*i] > 0.0) & (contact[*i] < hardness.at(*i)));
             touching.map(|i| f64::from(residual[i])).sum()
         });
         let level = sum / self.count;
         self.press(level as f32);
         if let Some(constant) = &self.constant {
-            let sum = total(&self.image) as f32;
+            let sum = self.share.total_of(&self.image) as f32;
             for_each((&mut self.image[..], &constant[..]), &|_, (image, constant)| {
                 image.iter_mut().zip(constant).for_each(|(z, c)| *z -= sum * c);
             });
         }
         let (residual, image) = (&self.residual, &self.image);
-        gfmd_vector::sum(residual.len(), &|range| {
+        self.share.sum(&|range| {
             let pairs = residual[range.clone()].iter().zip(&image[range]).filter(|(_, z)| **z != 0.0);
             pairs.map(|(r, z)| (f64::from(*r) - level) * f64::from(*z)).sum()
         })
@@ -205,10 +209,10 @@ impl<'a> Unit<'a> {
 
     /// Computes the residual from the pressure in double precision; returns ⟨q, G q⟩.
     fn refresh(&mut self) -> f64 {
-        let Self { dual, contact, hardness, count, variation, residual, .. } = self;
-        let (n, unit) = (contact.len() as f64, dual.unit());
+        let Self { dual, share, contact, hardness, count, variation, residual, .. } = self;
+        let (n, unit) = (share.total() as f64, dual.unit());
         // Rounding errors have changed the sum.
-        let mean = 1.0 + total(variation) / n;
+        let mean = 1.0 + share.total_of(variation) / n;
         let pressure = |p: f64, variation: f32, hardness: f64| {
             if (p > 0.0) & (p < hardness) { (n / *count + f64::from(variation)) / mean } else { 0.0 }
         };
@@ -225,7 +229,8 @@ impl<'a> Unit<'a> {
         };
         let output = (*contact, &variation[..], &mut residual[..], *hardness);
         dual.displace(((*contact, &variation[..], *hardness), source), (output, sink), &mut works);
-        works.iter().sum()
+        let lengths: Vec<usize> = share.all_rows().iter().map(|rows| rows.len()).collect();
+        share.collect(&works, &lengths).iter().sum()
     }
 
     /// ⟨q, G q⟩ and ⟨r, M r⟩, from fresh transforms in double precision.

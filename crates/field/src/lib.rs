@@ -52,19 +52,20 @@
 
 mod convolution;
 mod cosines;
+mod deal;
 mod grid;
 mod line;
 mod plan;
 mod plane;
 mod prefetch;
 mod real;
-mod share;
+mod shared;
 mod spline;
 mod transform;
 
 pub use convolution::Convolution;
 pub use cosines::{CosineWorkspace, Cosines};
-pub use gfmd_vector::{Rows, Split};
+pub use gfmd_vector::{Rows, Share, Split};
 pub use grid::{Grid, GridError, Mode};
 pub use plan::{ShapeError, Workspace};
 pub use real::Real;

@@ -1,12 +1,14 @@
 use std::fmt;
+use std::ops::Range;
 
-use gfmd_vector::{Rows, Split};
+use gfmd_vector::{Rows, Share, Split};
 use num_complex::Complex;
 
 use crate::line::{self, Line};
 use crate::plane::{self, Plane};
 use crate::prefetch::prefetch;
 use crate::real::copy;
+use crate::shared::{self, Shared};
 use crate::{Grid, Real};
 
 /// The planned transforms of the fields of a grid, which may be a corner of a larger one. Every call checks that its
@@ -22,6 +24,8 @@ pub(crate) struct Plan<T> {
 enum Kind<T> {
     Line(Line<T>),
     Plane(Plane<T>),
+    /// The rows of one of several processes.
+    Shared(Shared<T>),
 }
 
 /// The working memory of one caller, made by [`Transform::workspace`](crate::Transform::workspace) or
@@ -31,6 +35,7 @@ pub struct Workspace<T = f64> {
     points: [usize; 2],
     line: line::Memory<T>,
     plane: plane::Memory<T>,
+    shared: shared::Memory<T>,
 }
 
 /// A slice of the wrong length, or a workspace of another grid.
@@ -56,6 +61,25 @@ impl<T: Real> Plan<T> {
         Self { rows, points, kind }
     }
 
+    /// Plans the transforms of the rows that are the `share` of this process.
+    pub(crate) fn over(grid: &Grid, share: &Share) -> Self {
+        let points = grid.points();
+        if share.is_whole() || grid.rows()[0] == 1 {
+            return Self::new(grid, points);
+        }
+        let kind = Kind::Shared(Shared::new(points, share));
+        Self { rows: [share.rows().len(), points[1]], points, kind }
+    }
+
+    /// The lanes of the half spectrum that belong to this process.
+    pub(crate) fn lanes(&self) -> Range<usize> {
+        match (&self.kind, self.points) {
+            (Kind::Line(_), _) => 0..1,
+            (Kind::Plane(_), [_, ny]) => 0..ny / 2 + 1,
+            (Kind::Shared(shared), _) => shared.columns(),
+        }
+    }
+
     /// The points of the transforms.
     pub(crate) fn points(&self) -> [usize; 2] {
         self.points
@@ -68,11 +92,15 @@ impl<T: Real> Plan<T> {
 
     /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
     pub(crate) fn workspace(&self) -> Workspace<T> {
-        let (line, plane) = match &self.kind {
-            Kind::Line(line) => (line.memory(), plane::Memory::default()),
-            Kind::Plane(plane) => (line::Memory::default(), plane.memory(rayon::current_num_threads())),
-        };
-        Workspace { points: self.points, line, plane }
+        let (line, plane, shared) = Default::default();
+        let mut ws = Workspace { points: self.points, line, plane, shared };
+        let threads = rayon::current_num_threads();
+        match &self.kind {
+            Kind::Line(line) => ws.line = line.memory(),
+            Kind::Plane(plane) => ws.plane = plane.memory(threads),
+            Kind::Shared(shared) => ws.shared = shared.memory(threads),
+        }
+        ws
     }
 
     /// Writes the spectrum of a field.
@@ -88,6 +116,7 @@ impl<T: Real> Plan<T> {
         match &self.kind {
             Kind::Line(line) => line.forward(&rows_of(field), spectrum, &mut ws.line),
             Kind::Plane(plane) => plane.forward(&rows_of(field), spectrum, &mut ws.plane),
+            Kind::Shared(shared) => shared.forward(&rows_of(field), spectrum, &mut ws.shared),
         }
         Ok(())
     }
@@ -105,6 +134,7 @@ impl<T: Real> Plan<T> {
         match &self.kind {
             Kind::Line(line) => line.inverse(spectrum, field, &mut ws.line),
             Kind::Plane(plane) => plane.inverse(spectrum, field, &mut ws.plane),
+            Kind::Shared(shared) => shared.inverse(spectrum, field, &mut ws.shared),
         }
         Ok(())
     }
@@ -138,6 +168,7 @@ impl<T: Real> Plan<T> {
         match &self.kind {
             Kind::Line(line) => line.convolve(kernel, input, &source, &mut ws.line),
             Kind::Plane(plane) => plane.convolve(kernel, input, &source, &mut ws.plane),
+            Kind::Shared(shared) => shared.convolve(kernel, input, &source, &mut ws.shared),
         }
         Ok(())
     }
@@ -154,6 +185,7 @@ impl<T: Real> Plan<T> {
         match &self.kind {
             Kind::Line(line) => line.row_back(output, &sink, &mut ws.line),
             Kind::Plane(plane) => plane.rows_back(output, &sink, &mut ws.plane),
+            Kind::Shared(shared) => shared.rows_back(output, &sink, &mut ws.shared),
         }
         Ok(())
     }
@@ -166,6 +198,7 @@ impl<T: Real> Plan<T> {
         Ok(match &self.kind {
             Kind::Line(line) => line.quadratic_form(kernel, &rows_of(field), &mut ws.line),
             Kind::Plane(plane) => plane.quadratic_form(kernel, &rows_of(field), &mut ws.plane),
+            Kind::Shared(shared) => shared.quadratic_form(kernel, &rows_of(field), &mut ws.shared),
         })
     }
 
@@ -175,20 +208,21 @@ impl<T: Real> Plan<T> {
         match &self.kind {
             Kind::Line(line) => line.even(&source, &mut ws.line),
             Kind::Plane(plane) => plane.even(&source, &mut ws.plane),
+            Kind::Shared(_) => Vec::new(),
         }
     }
 
     fn spectrum_len(&self) -> usize {
         match (&self.kind, self.points) {
             (Kind::Line(_), [nx, ny]) => nx * ny / 2 + 1,
-            (Kind::Plane(_), [nx, ny]) => nx * (ny / 2 + 1),
+            (_, [nx, _]) => nx * self.lanes().len(),
         }
     }
 
     /// Of a kernel that is even along x, too, a quarter suffices.
     fn check_kernel(&self, kernel: &[T]) -> Result<(), ShapeError> {
-        let [nx, ny] = self.points;
-        let is_quarter = matches!(self.kind, Kind::Plane(_)) && kernel.len() == (nx / 2 + 1) * (ny / 2 + 1);
+        let [nx, _] = self.points;
+        let is_quarter = !matches!(self.kind, Kind::Line(_)) && kernel.len() == (nx / 2 + 1) * self.lanes().len();
         if is_quarter { Ok(()) } else { check("kernel", kernel.len(), self.spectrum_len()) }
     }
 

@@ -14,12 +14,12 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
 use crate::Real;
+use crate::deal::{deal, lock};
 use crate::prefetch::{LINE, prefetch};
 use crate::real::{copy, square};
-use crate::share::{lock, share};
 
 /// The number of rows in a block: the part of a block that belongs to a panel fits the first-level cache.
-const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 /// The number of cache lines of every row in a panel of columns. Fewer, down to one line, if the columns are so long that the
 /// panel would be larger than [`PANEL`].
 const WIDTH: usize = 4;
@@ -48,27 +48,27 @@ pub(crate) struct Plane<T> {
 /// Working memory: the half spectra of the rows, about as large as one field, and a panel for each thread.
 #[derive(Default)]
 pub(crate) struct Memory<T> {
-    blocks: Vec<Block<T>>,
-    seats: Vec<Seat<T>>,
+    pub(crate) blocks: Vec<Block<T>>,
+    pub(crate) seats: Vec<Seat<T>>,
     sums: Vec<f64>,
 }
 
 /// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's part
 /// in or out.
-type Block<T> = Mutex<Vec<Complex<T>>>;
+pub(crate) type Block<T> = Mutex<Vec<Complex<T>>>;
 
 /// The working memory of one thread.
-struct Seat<T> {
+pub(crate) struct Seat<T> {
     row: Vec<T>,
     tile: Vec<Complex<T>>,
-    columns: Vec<Complex<T>>,
-    scratch: Vec<Complex<T>>,
+    pub(crate) columns: Vec<Complex<T>>,
+    pub(crate) scratch: Vec<Complex<T>>,
 }
 
 impl<T: Real> Plane<T> {
     /// The number of complex values in a cache line, which is also the number of unused values between neighbouring columns
     /// of a panel: columns that lie a power of two apart would evict each other from the cache.
-    const GAP: usize = LINE / size_of::<Complex<T>>();
+    pub(crate) const GAP: usize = LINE / size_of::<Complex<T>>();
 
     /// Plans for fields that fill the `corner` of the points.
     pub(crate) fn new([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
@@ -123,7 +123,7 @@ impl<T: Real> Plane<T> {
         self.rows_ahead((), &|i, (), row| source(i, row), self.points, memory);
         let Memory { blocks, seats, .. } = memory;
         let scale = self.scale();
-        share(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
+        deal(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
             self.load(blocks, &panel, columns, self.rows, &mut seat.tile);
             self.ahead.process_with_scratch(columns, &mut seat.scratch);
             columns.iter_mut().for_each(|mode| *mode *= scale);
@@ -133,7 +133,7 @@ impl<T: Real> Plane<T> {
     /// Writes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         let Memory { blocks, seats, .. } = memory;
-        share(seats, self.panels(), |panel, seat| {
+        deal(seats, self.panels(), |panel, seat| {
             let columns = &mut seat.columns[..panel.len() * self.rows];
             columns.copy_from_slice(&spectrum[panel.start * self.rows..panel.end * self.rows]);
             self.back.process_with_scratch(columns, &mut seat.scratch);
@@ -153,22 +153,14 @@ impl<T: Real> Plane<T> {
     ) {
         self.rows_ahead(input, source, self.corner[1], memory);
         let Memory { blocks, seats, .. } = memory;
-        let (scale, line) = (self.scale(), kernel.len() / self.half());
-        share(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
+        let line = kernel.len() / self.half();
+        deal(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
             self.load(blocks, &panel, columns, self.column(), tile);
             let kernels = kernel[panel.start * line..panel.end * line].chunks_exact(line);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels) {
                 let column = &mut column[..self.rows];
                 column[self.corner[0]..].fill(Complex::ZERO);
-                self.ahead.process_with_scratch(column, scratch);
-                let (stored, mirrored) = column.split_at_mut(line);
-                for (mode, k) in stored.iter_mut().zip(kernel) {
-                    *mode *= *k * scale;
-                }
-                for (mode, k) in mirrored.iter_mut().rev().zip(&kernel[1..]) {
-                    *mode *= *k * scale;
-                }
-                self.back.process_with_scratch(column, scratch);
+                self.filter(column, kernel, scratch);
             }
             self.store(columns, self.column(), blocks, &panel, tile);
         });
@@ -184,7 +176,7 @@ impl<T: Real> Plane<T> {
         self.rows_ahead((), &|i, (), row| source(i, row), self.corner[1], memory);
         let Memory { blocks, seats, sums } = memory;
         let line = kernel.len() / self.half();
-        share(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
+        deal(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
             let Seat { tile, columns, scratch, .. } = seat;
             self.load(blocks, &panel, columns, self.column(), tile);
             let kernels = kernel[panel.start * line..].chunks_exact(line);
@@ -192,15 +184,55 @@ impl<T: Real> Plane<T> {
             for ((sum, number), (column, kernel)) in sums.iter_mut().zip(panel).zip(columns.zip(kernels)) {
                 let column = &mut column[..self.rows];
                 column[self.corner[0]..].fill(Complex::ZERO);
-                self.ahead.process_with_scratch(column, scratch);
-                let alone = number == 0 || 2 * number == self.points;
-                let (stored, mirrored) = column.split_at(line);
-                let mirrored: f64 =
-                    mirrored.iter().rev().zip(&kernel[1..]).map(|(mode, k)| k.widened() * square(mode)).sum();
-                *sum = if alone { 1.0 } else { 2.0 } * (energy(stored, kernel) + mirrored);
+                *sum = self.form(number, column, kernel, scratch);
             }
         });
-        sums.iter().sum::<f64>() * (1.0 / (self.rows * self.points) as f64).powi(2)
+        self.whole_form(sums)
+    }
+
+    /// Transforms a column of all rows, times its part of the kernel, and back.
+    pub(crate) fn filter(&self, column: &mut [Complex<T>], kernel: &[T], scratch: &mut [Complex<T>]) {
+        let scale = self.scale();
+        self.ahead(column, scratch);
+        let (stored, mirrored) = column.split_at_mut(kernel.len());
+        for (mode, k) in stored.iter_mut().zip(kernel) {
+            *mode *= *k * scale;
+        }
+        for (mode, k) in mirrored.iter_mut().rev().zip(&kernel[1..]) {
+            *mode *= *k * scale;
+        }
+        self.back(column, scratch);
+    }
+
+    /// Transforms the column `number` of all rows; returns its part of the quadratic form of its part of the kernel.
+    pub(crate) fn form(
+        &self,
+        number: usize,
+        column: &mut [Complex<T>],
+        kernel: &[T],
+        scratch: &mut [Complex<T>],
+    ) -> f64 {
+        self.ahead(column, scratch);
+        let alone = number == 0 || 2 * number == self.points;
+        let (stored, mirrored) = column.split_at(kernel.len());
+        let mirrored: f64 = mirrored.iter().rev().zip(&kernel[1..]).map(|(mode, k)| k.widened() * square(mode)).sum();
+        let weight = if alone { 1.0 } else { 2.0 };
+        weight * (energy(stored, kernel) + mirrored)
+    }
+
+    /// The quadratic form from its parts of all columns.
+    pub(crate) fn whole_form(&self, parts: &[f64]) -> f64 {
+        parts.iter().sum::<f64>() * (1.0 / (self.rows * self.points) as f64).powi(2)
+    }
+
+    /// Transforms a column.
+    pub(crate) fn ahead(&self, column: &mut [Complex<T>], scratch: &mut [Complex<T>]) {
+        self.ahead.process_with_scratch(column, scratch);
+    }
+
+    /// Transforms a column back.
+    pub(crate) fn back(&self, column: &mut [Complex<T>], scratch: &mut [Complex<T>]) {
+        self.back.process_with_scratch(column, scratch);
     }
 
     /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is real.
@@ -217,7 +249,7 @@ impl<T: Real> Plane<T> {
         let Memory { blocks, seats, .. } = memory;
         let line = self.line();
         let mut kernel = vec![T::ZERO; self.half() * line];
-        share(seats, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), seat| {
+        deal(seats, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), seat| {
             let Seat { tile, columns, scratch, .. } = seat;
             self.load(blocks, &panel, columns, self.column(), tile);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels.chunks_exact_mut(line)) {
@@ -233,7 +265,7 @@ impl<T: Real> Plane<T> {
     }
 
     /// Transforms the rows of the field, of which `source` fills the first `filled` points, into half spectra.
-    fn rows_ahead<I: Split>(
+    pub(crate) fn rows_ahead<I: Split>(
         &self,
         input: I,
         source: &(impl Fn(usize, I, &mut [T]) + Sync),
@@ -242,7 +274,7 @@ impl<T: Real> Plane<T> {
     ) {
         let rows = self.portion();
         let portions = portions(&mut memory.blocks, rows * self.stride()).zip(input.parts(rows)).enumerate();
-        share(&mut memory.seats, portions, |(number, (portion, input)), Seat { row, scratch, .. }| {
+        deal(&mut memory.seats, portions, |(number, (portion, input)), Seat { row, scratch, .. }| {
             for (i, (half, input)) in portion.chunks_exact_mut(self.stride()).zip(input.parts(1)).enumerate() {
                 let (own, padding) = row.split_at_mut(filled);
                 source(number * rows + i, input, own);
@@ -263,7 +295,7 @@ impl<T: Real> Plane<T> {
         let rows = self.portion();
         let large = self.corner[0] * self.corner[1] > LARGE;
         let portions = portions(&mut memory.blocks, rows * self.stride()).zip(output.parts(rows)).enumerate();
-        share(&mut memory.seats, portions, |(number, (mut portion, output)), seat| {
+        deal(&mut memory.seats, portions, |(number, (mut portion, output)), seat| {
             for (i, output) in output.parts(1).enumerate().take(portion.len() / self.stride()) {
                 let (half, rest) = std::mem::take(&mut portion).split_at_mut(self.stride());
                 portion = rest;
@@ -326,18 +358,28 @@ impl<T: Real> Plane<T> {
         }
     }
 
+    /// The number of rows of a transform.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The number of points of the transform of a row.
+    pub(crate) fn points(&self) -> usize {
+        self.points
+    }
+
     /// The number of modes in the half spectrum of a row, which is the number of columns.
     fn half(&self) -> usize {
         self.points / 2 + 1
     }
 
     /// The distance between rows of a block, a whole number of cache lines.
-    fn stride(&self) -> usize {
+    pub(crate) fn stride(&self) -> usize {
         self.half().next_multiple_of(Self::GAP)
     }
 
     /// The distance between columns of a panel.
-    fn column(&self) -> usize {
+    pub(crate) fn column(&self) -> usize {
         self.rows + Self::GAP
     }
 
@@ -351,7 +393,7 @@ impl<T: Real> Plane<T> {
         (PORTION / self.points).clamp(1, BLOCK).next_power_of_two()
     }
 
-    fn scale(&self) -> T {
+    pub(crate) fn scale(&self) -> T {
         T::nearest(1.0 / (self.rows * self.points) as f64)
     }
 

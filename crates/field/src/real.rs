@@ -6,7 +6,7 @@ use rustdct::DctNum;
 use rustfft::num_traits::{ConstZero, NumAssign};
 
 /// The numbers of a field: `f64`, or `f32` at half the memory and time, with seven digits.
-pub trait Real: DctNum + ConstZero + NumAssign + Default + Sum + private::Sealed {
+pub trait Real: DctNum + ConstZero + NumAssign + Default + Sum + Wire {
     /// The nearest number of this kind.
     fn nearest(x: f64) -> Self;
 
@@ -34,10 +34,46 @@ impl Real for f32 {
     }
 }
 
+use private::Wire;
+
 mod private {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    use num_complex::Complex;
+
+    /// Complex numbers as words that travel between processes. No other crate can name it, and thus make other numbers.
+    pub trait Wire: Sized {
+        /// The number of words of a complex number.
+        const WORDS: usize;
+
+        /// Writes its words.
+        fn put(number: &Complex<Self>, words: &mut [u64]);
+
+        /// The number of these words.
+        fn get(words: &[u64]) -> Complex<Self>;
+    }
+
+    impl Wire for f32 {
+        const WORDS: usize = 1;
+
+        fn put(number: &Complex<Self>, words: &mut [u64]) {
+            words[0] = u64::from(number.re.to_bits()) | u64::from(number.im.to_bits()) << 32;
+        }
+
+        fn get(words: &[u64]) -> Complex<Self> {
+            Complex::new(Self::from_bits(words[0] as u32), Self::from_bits((words[0] >> 32) as u32))
+        }
+    }
+
+    impl Wire for f64 {
+        const WORDS: usize = 2;
+
+        fn put(number: &Complex<Self>, words: &mut [u64]) {
+            (words[0], words[1]) = (number.re.to_bits(), number.im.to_bits());
+        }
+
+        fn get(words: &[u64]) -> Complex<Self> {
+            Complex::new(Self::from_bits(words[0]), Self::from_bits(words[1]))
+        }
+    }
 }
 
 /// |z|².

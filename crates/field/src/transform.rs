@@ -1,6 +1,7 @@
 use std::fmt;
+use std::ops::Range;
 
-use gfmd_vector::Split;
+use gfmd_vector::{Share, Split};
 use num_complex::Complex;
 
 use crate::plan::Plan;
@@ -19,6 +20,18 @@ impl<T: Real> Transform<T> {
     /// Plans the transforms of `grid`. Any number of points will do; products of small primes are fast.
     pub fn new(grid: Grid) -> Self {
         Self { grid, plan: Plan::new(&grid, grid.points()) }
+    }
+
+    /// Plans the transforms of the rows that are the `share` of this process. A field has these rows, a spectrum and a kernel
+    /// have the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the bits of one
+    /// process. Letters take some 0.4 fields beside the memory of [`new`](Self::new) for these rows.
+    pub fn over(grid: Grid, share: &Share) -> Self {
+        Self { grid, plan: Plan::over(&grid, share) }
+    }
+
+    /// The lanes of the half spectrum ([`Grid::spectrum_shape`]) that belong to this process: all of one that is alone.
+    pub fn lanes(&self) -> Range<usize> {
+        self.plan.lanes()
     }
 
     /// The grid of the transforms.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use gfmd_vector::{Split, total};
+use gfmd_vector::{Share, Split};
 
 /// The upper bounds of the variables of a problem.
 #[derive(Clone, Debug)]
@@ -27,7 +27,15 @@ impl Upper {
     pub fn mean(&self) -> f64 {
         match self {
             Self::All(bound) => *bound,
-            Self::Each(bounds) => total(bounds) / bounds.len() as f64,
+            Self::Each(bounds) => self.mean_over(&Share::whole(bounds.len(), 1)),
+        }
+    }
+
+    /// The mean of the bounds of all processes, of which these are those of a `share`.
+    pub fn mean_over(&self, share: &Share) -> f64 {
+        match self {
+            Self::All(bound) => *bound,
+            Self::Each(bounds) => share.total_of(bounds) / share.total() as f64,
         }
     }
 
@@ -77,11 +85,13 @@ impl<'a> Ceiling<'a> {
         }
     }
 
-    /// The highest bound.
-    pub(crate) fn highest(self) -> f64 {
+    /// The highest bound of all processes.
+    pub(crate) fn highest(self, share: &Share) -> f64 {
         match self {
             Self::All(bound) => bound,
-            Self::Each(bounds) => bounds.iter().copied().fold(0.0, f64::max),
+            Self::Each(bounds) => {
+                share.each(bounds.iter().copied().fold(0.0, f64::max)).into_iter().fold(0.0, f64::max)
+            }
         }
     }
 }

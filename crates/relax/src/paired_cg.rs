@@ -1,4 +1,4 @@
-use gfmd_vector::{add, for_each, pass, reduce, sum};
+use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
 
 use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Minimum};
 use crate::{Ending, RelaxError, Target, Upper, Visit, Watch, Why};
@@ -67,7 +67,8 @@ impl PairedCg {
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
         let &Target { mean, gradient_scale, budget } = target;
-        target.check_between(x, problem.linear().len(), &Upper::All(f64::INFINITY))?;
+        let share = Share::whole(problem.linear().len(), 1);
+        target.check_between(x, &share, &Upper::All(f64::INFINITY))?;
         let even = x.len().is_multiple_of(2);
         RelaxError::check_parameter("the number of variables", x.len() as f64, even, "even")?;
         let mut search = Search::new(x.len(), mean.map_or(Means::Equal, Means::Both));
@@ -82,7 +83,7 @@ impl PairedCg {
                 search.refresh(problem, x);
                 now = search.settle(x, gradient_scale);
             }
-            if let Some(ending) = target.judge(&now, watch) {
+            if let Some(ending) = target.judge(&now, watch, &share) {
                 return Ok(Minimum { reached: now, ending });
             }
             if search.step(problem, x) {

@@ -1,4 +1,4 @@
-use gfmd_vector::{pass, total};
+use gfmd_vector::{Parcel, Share};
 
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
@@ -33,7 +33,8 @@ impl PolonskyKeer {
     ) -> Result<Minimum, RelaxError> {
         target.check(x, problem)?;
         let n = x.len();
-        rescale(x, total(x), target.mean);
+        let share = &problem.share();
+        rescale(share, x, share.total_of(x), target.mean);
         let mut gradient = vec![0.0; n];
         let mut direction = vec![0.0; n];
         let mut residual_before = 1.0;
@@ -56,12 +57,12 @@ impl PolonskyKeer {
         loop {
             watch.checkpoint(&mut |visitor| visit_all!(visitor));
             problem.apply(x, &mut gradient);
-            let (sum, positive) = add_linear(problem.linear(), x, &mut gradient);
+            let (sum, positive) = add_linear(share, problem.linear(), x, &mut gradient);
             let multiplier = if target.mean.is_some() { sum / positive as f64 } else { 0.0 };
-            let sweep = shift(&mut gradient, x, &direction, multiplier);
+            let sweep = shift(share, &mut gradient, x, &direction, multiplier);
             let optimality = sweep.judged.optimality(target.gradient_scale);
             let now = Iterate { iteration, optimality, multiplier, positive };
-            if let Some(ending) = target.judge(&now, watch) {
+            if let Some(ending) = target.judge(&now, watch, share) {
                 return Ok(Minimum { reached: now, ending });
             }
 
@@ -75,17 +76,17 @@ impl PolonskyKeer {
             };
             residual_before = sweep.squares;
             let free = |x: f64, g: f64| x > 0.0 || (at_rest && g < 0.0);
-            let mut slope = turn(&mut direction, x, &gradient, ratio, mean, &free);
+            let mut slope = turn(share, &mut direction, x, &gradient, ratio, mean, &free);
             if slope < LEAST_DESCENT * sweep.squares {
                 // The old direction, restricted to fewer variables, leads uphill: restart.
-                slope = turn(&mut direction, x, &gradient, 0.0, 0.0, &free);
+                slope = turn(share, &mut direction, x, &gradient, 0.0, 0.0, &free);
             }
             let Some(step) = step_length(slope, problem.curvature(&direction)) else {
                 return Ok(Minimum { reached: now, ending: Ending::GaveUp(Why::Direction) });
             };
-            let (entered, sum) = advance(x, &direction, &gradient, step);
+            let (entered, sum) = advance(share, x, &direction, &gradient, step);
             conjugate = entered == 0 && !at_rest;
-            rescale(x, sum, target.mean);
+            rescale(share, x, sum, target.mean);
             iteration += 1;
         }
     }
@@ -103,9 +104,23 @@ struct Sweep {
     entrants: f64,
 }
 
+impl Parcel for Sweep {
+    const WORDS: usize = Judged::WORDS + 4;
+
+    fn put(&self, words: &mut [u64]) {
+        self.judged.put(&mut words[..Judged::WORDS]);
+        [self.squares, self.direction, self.entering, self.entrants].put(&mut words[Judged::WORDS..]);
+    }
+
+    fn get(words: &[u64]) -> Self {
+        let [squares, direction, entering, entrants] = Parcel::get(&words[Judged::WORDS..]);
+        Self { judged: Judged::get(&words[..Judged::WORDS]), squares, direction, entering, entrants }
+    }
+}
+
 /// g ← g − λ.
-fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) -> Sweep {
-    pass(
+fn shift(share: &Share, gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) -> Sweep {
+    share.pass(
         [gradient],
         &|start, [g]| {
             let mut sums = Sweep { judged: Judged::EMPTY, squares: 0.0, direction: 0.0, entering: 0.0, entrants: 0.0 };
@@ -134,8 +149,8 @@ fn shift(gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) ->
 
 /// x ← max(0, x − step d) where x > 0; variables at zero with a negative gradient enter with −step g. Returns the
 /// number of variables that entered, and Σ x.
-fn advance(x: &mut [f64], direction: &[f64], gradient: &[f64], step: f64) -> (usize, f64) {
-    pass(
+fn advance(share: &Share, x: &mut [f64], direction: &[f64], gradient: &[f64], step: f64) -> (usize, f64) {
+    share.pass(
         [x],
         &|start, [x]| {
             let (mut entered, mut sum) = (0, 0.0);

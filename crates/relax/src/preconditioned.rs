@@ -1,4 +1,4 @@
-use gfmd_vector::Split;
+use gfmd_vector::{Share, Split};
 
 use crate::{Upper, Visit};
 
@@ -9,8 +9,14 @@ use crate::{Upper, Visit};
 /// [`unit`](Self::unit). Only [`gradient`](Self::gradient) works in double precision. Vectors are handed on in stretches, so that
 /// what is done with them needs no sweep of its own over memory.
 pub trait Preconditioned {
-    /// The number of variables.
+    /// The number of variables, of those of this process.
     fn length(&self) -> usize;
+
+    /// The variables of this process among those of all, and its stretches as rows: all of them by default. Vectors, bounds and
+    /// stretches are those of this process, sums those of all, and every process makes the same calls.
+    fn share(&self) -> Share {
+        Share::whole(self.length() / self.stretch(), self.stretch())
+    }
 
     /// The largest values of the variables, infinite by default.
     fn upper(&self) -> Upper {

@@ -1,7 +1,7 @@
 mod path;
 mod sums;
 
-use gfmd_vector::{LEAF, add, for_each, pass, pass_by, reduce, total};
+use gfmd_vector::{LEAF, Share, add, for_each, pass, pass_by};
 use path::{Path, Start};
 use sums::{BLOCK, Sums, View, active_blocks, is_idle, lane_sums};
 
@@ -63,8 +63,9 @@ impl PreconditionedCg {
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
         let upper = problem.upper();
-        target.check_between(x, problem.length(), &upper)?;
-        begin(x, target.mean, &upper);
+        let share = problem.share();
+        target.check_between(x, &share, &upper)?;
+        begin(&share, x, target.mean, &upper);
         let mut search = Search::new(problem, target);
         search.refresh(problem, x);
         if let Some(kept) = watch.recall() {
@@ -80,7 +81,7 @@ impl PreconditionedCg {
             if search.is_fresh {
                 search.reference = now.optimality.worst();
             }
-            if let Some(ending) = target.judge(&now, watch) {
+            if let Some(ending) = target.judge(&now, watch, &share) {
                 return Ok(Minimum { reached: now, ending });
             }
             if search.step(problem, x, target.mean) {
@@ -95,6 +96,7 @@ impl PreconditionedCg {
 
 /// The state of a search.
 struct Search {
+    share: Share,
     /// The units of gradients and of steps.
     units: [f64; 2],
     upper: Upper,
@@ -126,6 +128,7 @@ impl Search {
         // A power of two, by which nothing is rounded.
         let unit = target.gradient_scale.log2().floor().exp2();
         Self {
+            share: problem.share(),
             units: [unit, unit / problem.unit()],
             upper: problem.upper(),
             gradient: vec![0.0; n],
@@ -181,7 +184,7 @@ impl Search {
             )
         };
         problem.gradient(x, (&mut gradient[..], x, &last_step[..], upper.ceiling()), sink, parts);
-        self.sums = Sums::all(parts);
+        self.sums = Sums::all(&self.share, parts);
     }
 
     /// Moves the multiplier to the mean gradient of the variables between the bounds.
@@ -268,7 +271,7 @@ impl Search {
             )
         };
         problem.collect((&mut gradient[..], &mut image[..], &*x, &direction[..], upper), sink, parts);
-        self.sums = Sums::all(parts);
+        self.sums = Sums::all(&self.share, parts);
         self.is_fresh = false;
         std::mem::swap(&mut self.direction, &mut self.last_step);
     }
@@ -277,9 +280,9 @@ impl Search {
     fn step_back(&mut self, x: &mut [f64], part: f64, mean: Option<f64>) {
         let view = self.view();
         let rest = 1.0 - part;
-        let Self { upper, gradient, last_step, image, .. } = self;
+        let Self { share, upper, gradient, last_step, image, .. } = self;
         let upper = upper.ceiling();
-        self.sums = pass(
+        self.sums = share.pass(
             (&mut x[..], &mut gradient[..], &image[..], &last_step[..], upper),
             &|_, (x, gradient, image, step, upper)| {
                 let back = rest as f32;
@@ -291,17 +294,16 @@ impl Search {
             },
             &Sums::merge,
         );
-        keep_mean(x, mean, upper);
+        keep_mean(share, x, mean, upper);
     }
 
     /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
     /// β does not depend on the length of s.
     fn conjugate(&mut self) {
         let offset = self.view().offset;
-        let Self { gradient, direction, last_step, image, active, .. } = self;
+        let Self { share, gradient, direction, last_step, image, active, .. } = self;
         let (z, s, y, g) = (&*direction, &*last_step, &*image, &*gradient);
-        let [z_image, s_image, z_gradient, s_gradient] = reduce(
-            z.len(),
+        let [z_image, s_image, z_gradient, s_gradient] = share.reduce(
             &|range| {
                 let blocks = active_blocks(active, range);
                 blocks.fold([0.0; 4], |sums, block| {
@@ -347,11 +349,10 @@ impl Search {
         let view = self.view();
         let is_free =
             |x: f64, g: f64, upper: f64| if x >= upper && x.is_finite() { g > 0.0 } else { x > 0.0 || g < 0.0 };
-        let Self { upper, gradient, direction, .. } = self;
+        let Self { share, upper, gradient, direction, .. } = self;
         let (gradient, upper) = (&gradient[..], upper.ceiling());
         let own = |g: f32| f64::from(g) - view.offset;
-        let [sum, count] = reduce(
-            x.len(),
+        let [sum, count] = share.reduce(
             &|range| {
                 let all = range.map(|i| (i, own(gradient[i])));
                 let free = all.filter(|(i, g)| is_free(x[*i], *g, upper.at(*i)));
@@ -360,7 +361,7 @@ impl Search {
             &add,
         );
         let mean = if constrained { sum / count } else { 0.0 };
-        pass(
+        share.pass(
             (&mut direction[..], x, gradient, upper),
             &|_, (z, x, gradient, upper)| {
                 let mut squares = 0.0;
@@ -376,24 +377,23 @@ impl Search {
     }
 
     fn downhill(&self, x: &[f64], length: f64, mean: Option<f64>) -> Option<Path> {
-        let Self { upper, direction, gradient, active, .. } = self;
+        let Self { share, upper, direction, gradient, active, .. } = self;
         let upper = upper.ceiling();
-        Start { x, direction, gradient, active, view: self.view(), upper }.downhill(length, mean)
+        Start { share, x, direction, gradient, active, view: self.view(), upper }.downhill(length, mean)
     }
 }
 
 /// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding errors.
-fn keep_mean(x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
+fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     let Some(mean) = mean else { return };
-    let [inside, at_bound] = reduce(
-        x.len(),
+    let [inside, at_bound] = share.reduce(
         &|range| {
             let each = range.map(|i| if x[i] < upper.at(i) { [x[i], 0.0] } else { [0.0, x[i]] });
             each.fold([0.0; 2], add)
         },
         &add,
     );
-    let factor = (mean * x.len() as f64 - at_bound) / inside;
+    let factor = (mean * share.total() as f64 - at_bound) / inside;
     if factor > 0.0 && factor.is_finite() {
         for_each((x, upper), &|_, (x, upper)| {
             for (i, x) in x.iter_mut().enumerate() {
@@ -405,17 +405,18 @@ fn keep_mean(x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
 
 /// Brings the start to the prescribed mean, between zero and the upper bounds: as far as they allow from the bounds scaled to
 /// that mean.
-fn begin(x: &mut [f64], mean: Option<f64>, upper: &Upper) {
-    rescale(x, total(x), mean);
+fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
+    rescale(share, x, share.total_of(x), mean);
     let Some(mean) = mean.filter(|_| upper.ceiling().is_finite()) else { return };
-    let share = mean / upper.mean();
-    let base = |bound: f64| if let Upper::All(_) = upper { mean } else { share * bound };
+    let fraction = mean / upper.mean_over(share);
+    let base = |bound: f64| if let Upper::All(_) = upper { mean } else { fraction * bound };
     let ceiling = upper.ceiling();
     let allowed = |(i, x): (usize, &f64)| {
         let bound = ceiling.at(i);
         if *x > bound { (bound - base(bound)) / (*x - base(bound)) } else { 1.0 }
     };
     let part = x.iter().enumerate().map(allowed).fold(1.0, f64::min);
+    let part = share.each(part).into_iter().fold(1.0, f64::min);
     if part < 1.0 {
         for_each((x, ceiling), &|_, (x, ceiling)| {
             for (i, x) in x.iter_mut().enumerate() {

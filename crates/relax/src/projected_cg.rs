@@ -1,4 +1,4 @@
-use gfmd_vector::{add, for_each, pass, total};
+use gfmd_vector::{Parcel, Share, add, for_each};
 
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
@@ -31,7 +31,8 @@ impl ProjectedCg {
         target.check(x, problem)?;
         let n = x.len();
         let constrained = target.mean.is_some();
-        rescale(x, total(x), target.mean);
+        let share = &problem.share();
+        rescale(share, x, share.total_of(x), target.mean);
         let mut residual = vec![0.0; n];
         let mut residual_before = vec![0.0; n];
         let mut direction = vec![0.0; n];
@@ -55,12 +56,12 @@ impl ProjectedCg {
             watch.checkpoint(&mut |visitor| visit_all!(visitor));
             std::mem::swap(&mut residual, &mut residual_before);
             problem.apply(x, &mut residual);
-            let (sum, positive) = add_linear(problem.linear(), x, &mut residual);
+            let (sum, positive) = add_linear(share, problem.linear(), x, &mut residual);
             let multiplier = if constrained { sum / positive as f64 } else { 0.0 };
-            let sweep = restrict(&mut residual, x, multiplier);
+            let sweep = restrict(share, &mut residual, x, multiplier);
             let now =
                 Iterate { iteration, optimality: sweep.judged.optimality(target.gradient_scale), multiplier, positive };
-            if let Some(ending) = target.judge(&now, watch) {
+            if let Some(ending) = target.judge(&now, watch, share) {
                 return Ok(Minimum { reached: now, ending });
             }
             let mean = |sum: f64| if constrained && sweep.free > 0.0 { sum / sweep.free } else { 0.0 };
@@ -68,7 +69,8 @@ impl ProjectedCg {
             if constrained {
                 remove_mean(&mut residual, x, mean(sweep.residual));
             }
-            let [sum, square, before, before_sum, direction_sum] = products(x, &residual, &residual_before, &direction);
+            let [sum, square, before, before_sum, direction_sum] =
+                products(share, x, &residual, &residual_before, &direction);
             let residual_mean = mean(sum);
             let product = square - residual_mean * sum;
             let change = product - (before - residual_mean * before_sum);
@@ -76,16 +78,16 @@ impl ProjectedCg {
             product_before = product;
 
             let shift = residual_mean + beta * mean(direction_sum);
-            let mut slope = turn(&mut direction, x, &residual, beta, shift, &is_free);
+            let mut slope = turn(share, &mut direction, x, &residual, beta, shift, &is_free);
             if slope < LEAST_DESCENT * product {
                 // The projected old direction leads uphill: restart with steepest descent.
-                slope = turn(&mut direction, x, &residual, 0.0, residual_mean, &is_free);
+                slope = turn(share, &mut direction, x, &residual, 0.0, residual_mean, &is_free);
             }
             let Some(step) = step_length(slope, problem.curvature(&direction)) else {
                 return Ok(Minimum { reached: now, ending: Ending::GaveUp(Why::Direction) });
             };
-            let sum = advance(x, &direction, step);
-            rescale(x, sum, target.mean);
+            let sum = advance(share, x, &direction, step);
+            rescale(share, x, sum, target.mean);
             iteration += 1;
         }
     }
@@ -105,9 +107,23 @@ struct Sweep {
     free: f64,
 }
 
+impl Parcel for Sweep {
+    const WORDS: usize = Judged::WORDS + 2;
+
+    fn put(&self, words: &mut [u64]) {
+        self.judged.put(&mut words[..Judged::WORDS]);
+        [self.residual, self.free].put(&mut words[Judged::WORDS..]);
+    }
+
+    fn get(words: &[u64]) -> Self {
+        let [residual, free] = Parcel::get(&words[Judged::WORDS..]);
+        Self { judged: Judged::get(&words[..Judged::WORDS]), residual, free }
+    }
+}
+
 /// g ← g − λ on the free set, zero elsewhere.
-fn restrict(gradient: &mut [f64], x: &[f64], multiplier: f64) -> Sweep {
-    pass(
+fn restrict(share: &Share, gradient: &mut [f64], x: &[f64], multiplier: f64) -> Sweep {
+    share.pass(
         [gradient],
         &|start, [g]| {
             let mut sums = Sweep { judged: Judged::EMPTY, residual: 0.0, free: 0.0 };
@@ -141,9 +157,8 @@ fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
 }
 
 /// The sums Σ r, Σ r², Σ r r_before, Σ r_before, Σ d over the free set.
-fn products(x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [f64; 5] {
-    gfmd_vector::reduce(
-        x.len(),
+fn products(share: &Share, x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [f64; 5] {
+    share.reduce(
         &|range| {
             let mut sums = [0.0; 5];
             let parts = (&x[range.clone()], &residual[range.clone()], &before[range.clone()]);
@@ -159,8 +174,8 @@ fn products(x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [
 }
 
 /// x ← max(0, x − step d); returns Σ x.
-fn advance(x: &mut [f64], direction: &[f64], step: f64) -> f64 {
-    pass(
+fn advance(share: &Share, x: &mut [f64], direction: &[f64], step: f64) -> f64 {
+    share.pass(
         [x],
         &|start, [x]| {
             let mut sum = 0.0;

@@ -1,4 +1,4 @@
-use gfmd_vector::{for_each, pass};
+use gfmd_vector::{Parcel, Share, for_each};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
@@ -11,6 +11,11 @@ pub trait Quadratic {
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
     /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
+    /// The variables of this process among those of all: all of them by default. Vectors have its own values, and every
+    /// process makes the same calls.
+    fn share(&self) -> Share {
+        Share::whole(self.linear().len(), 1)
+    }
     /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
@@ -72,19 +77,23 @@ pub struct Minimum {
 impl Target {
     /// As [`check_between`](Self::check_between), for methods without an upper bound.
     pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
-        self.check_between(x, problem.linear().len(), &Upper::All(f64::INFINITY))
+        self.check_between(x, &problem.share(), &Upper::All(f64::INFINITY))
     }
 
-    /// Checks the start of a problem with so many variables.
-    pub(crate) fn check_between(&self, x: &[f64], variables: usize, upper: &Upper) -> Result<(), RelaxError> {
+    /// Checks the start of a problem, of which this process has a share.
+    pub(crate) fn check_between(&self, x: &[f64], share: &Share, upper: &Upper) -> Result<(), RelaxError> {
+        let (own, variables) = (share.own(), share.own().len());
         RelaxError::check_length("variables", x.len(), variables)?;
         if let Upper::Each(bounds) = upper {
             RelaxError::check_length("upper bounds", bounds.len(), variables)?;
         }
         let ceiling = upper.ceiling();
         let outside = |(i, x): (usize, &f64)| !(x.is_finite() && *x >= 0.0 && *x <= ceiling.at(i));
-        if let Some(index) = x.iter().enumerate().position(outside) {
-            return Err(RelaxError::Start { index, found: x[index] });
+        let first = x.iter().enumerate().position(outside);
+        // All processes end with the same error.
+        let firsts = share.each(first.map_or((usize::MAX, 0.0), |index| (own.start + index, x[index])));
+        if let Some((index, found)) = firsts.into_iter().find(|(index, _)| *index != usize::MAX) {
+            return Err(RelaxError::Start { index, found });
         }
         let positive = |name, found: f64| {
             RelaxError::check_parameter(name, found, found > 0.0 && found.is_finite(), "positive and finite")
@@ -92,14 +101,20 @@ impl Target {
         positive("the gradient scale", self.gradient_scale)?;
         let Some(mean) = self.mean else { return Ok(()) };
         positive("the prescribed mean", mean)?;
-        RelaxError::check_parameter("the prescribed mean", mean, mean < upper.mean(), "less than the upper bound")?;
-        if x.iter().all(|x| *x == 0.0) { Err(RelaxError::AllZero) } else { Ok(()) }
+        RelaxError::check_parameter(
+            "the prescribed mean",
+            mean,
+            mean < upper.mean_over(share),
+            "less than the upper bound",
+        )?;
+        if !share.any(x.iter().any(|x| *x != 0.0)) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 
-    /// The ending of the search, if it ends with this iterate.
-    pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch) -> Option<Ending> {
+    /// The ending of the search, if it ends with this iterate. It is stopped if the watcher of any process says so.
+    pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch, share: &Share) -> Option<Ending> {
         let worst = now.optimality.worst();
         let stop = watch.see(&Progress { iteration: now.iteration, residual: worst }).is_break();
+        let stop = share.any(stop);
         if worst <= self.budget.tolerance {
             Some(Ending::Converged)
         } else if !worst.is_finite() {
@@ -113,17 +128,17 @@ impl Target {
 }
 
 /// Scales x to the prescribed mean, if there is one.
-pub(crate) fn rescale(x: &mut [f64], sum: f64, mean: Option<f64>) {
+pub(crate) fn rescale(share: &Share, x: &mut [f64], sum: f64, mean: Option<f64>) {
     let Some(mean) = mean else { return };
-    let factor = mean * x.len() as f64 / sum;
+    let factor = mean * share.total() as f64 / sum;
     if factor != 1.0 {
         for_each([x], &|_, [x]| x.iter_mut().for_each(|x| *x *= factor));
     }
 }
 
 /// g ← g + b; returns Σ g over x > 0, and the number of these entries.
-pub(crate) fn add_linear(b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, usize) {
-    pass(
+pub(crate) fn add_linear(share: &Share, b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, usize) {
+    share.pass(
         [gradient],
         &|start, [g]| {
             let (mut sum, mut count) = (0.0, 0);
@@ -152,6 +167,7 @@ pub(crate) const LEAST_DESCENT: f64 = 0.1;
 
 /// d ← g + ratio d − mean on the free variables, zero elsewhere; returns ⟨g, d⟩.
 pub(crate) fn turn(
+    share: &Share,
     direction: &mut [f64],
     x: &[f64],
     gradient: &[f64],
@@ -159,7 +175,7 @@ pub(crate) fn turn(
     mean: f64,
     free: &(impl Fn(f64, f64) -> bool + Sync),
 ) -> f64 {
-    pass(
+    share.pass(
         [direction],
         &|start, [d]| {
             let mut slope = 0.0;
@@ -179,6 +195,19 @@ pub(crate) struct Judged {
     pub(crate) x: f64,
     pub(crate) x_gradient: f64,
     pub(crate) lowest: f64,
+}
+
+impl Parcel for Judged {
+    const WORDS: usize = 3;
+
+    fn put(&self, words: &mut [u64]) {
+        [self.x, self.x_gradient, self.lowest].put(words);
+    }
+
+    fn get(words: &[u64]) -> Self {
+        let [x, x_gradient, lowest] = Parcel::get(words);
+        Self { x, x_gradient, lowest }
+    }
 }
 
 impl Judged {

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Split};
+use gfmd_field::{Grid, Real, Share, Split, Transform};
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
@@ -160,6 +160,8 @@ impl Transforms {
 #[derive(Debug)]
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
+    /// Of the rows of one of several processes.
+    shared: Option<Box<Transform>>,
     workspace: gfmd_field::Workspace,
     /// Number of single transforms.
     singles: u64,
@@ -168,13 +170,26 @@ pub struct NormalTransforms {
 impl NormalTransforms {
     /// Memory for transforms on the grid of `response`; none is counted yet.
     pub fn of(response: &Arc<NormalResponse>) -> Self {
-        Self { response: Arc::clone(response), workspace: response.transform().workspace(), singles: 0 }
+        let workspace = response.transform().workspace();
+        Self { response: Arc::clone(response), shared: None, workspace, singles: 0 }
+    }
+
+    /// Memory for transforms of the rows that are the `share` of this process ([`Transform::over`]). Kernels have all modes.
+    pub fn over(response: &Arc<NormalResponse>, share: &Share) -> Self {
+        if share.is_whole() {
+            return Self::of(response);
+        }
+        let shared = Transform::over(*response.grid(), share);
+        let workspace = shared.workspace();
+        Self { response: Arc::clone(response), shared: Some(shared.into()), workspace, singles: 0 }
     }
 
     /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
-        fits(self.response.transform().convolve(kernel, field, out, &mut self.workspace));
+        let Self { response, shared, workspace, .. } = self;
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
+        fits(transform.convolve(own_lanes(transform, kernel), field, out, workspace));
     }
 
     /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
@@ -187,14 +202,22 @@ impl NormalTransforms {
         sink: impl Fn(usize, &mut [f64], O) + Sync,
     ) {
         self.singles += 2;
-        let Self { response, workspace, .. } = self;
-        fits(response.transform().convolve_rows(kernel, input, source, output, sink, workspace));
+        let Self { response, shared, workspace, .. } = self;
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
+        fits(transform.convolve_rows(own_lanes(transform, kernel), input, source, output, sink, workspace));
     }
 
-    /// (1/N) Σ_r f (K f) with K the convolution with `kernel`, from one transform.
+    /// The number of points of the grid, of all processes.
+    pub fn points(&self) -> usize {
+        self.response.grid().len()
+    }
+
+    /// (1/N) Σ_r f (K f) over all rows, with K the convolution with `kernel`, from one transform.
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
-        fits(self.response.transform().quadratic_form(kernel, field, &mut self.workspace))
+        let Self { response, shared, workspace, .. } = self;
+        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
+        fits(transform.quadratic_form(own_lanes(transform, kernel), field, workspace))
     }
 
     /// Forward and inverse transforms so far, in pairs.
@@ -252,6 +275,13 @@ impl FullTransforms {
 /// The result of an operation on fields whose size is guaranteed by the caller.
 pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
+}
+
+/// The lanes of a table of all modes that belong to this process.
+pub(crate) fn own_lanes<'a, T: Real>(transform: &Transform<T>, table: &'a [T]) -> &'a [T] {
+    let ([all, _], own) = (transform.grid().spectrum_shape(), transform.lanes());
+    let line = table.len() / all;
+    &table[own.start * line..own.end * line]
 }
 
 fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {

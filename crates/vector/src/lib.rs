@@ -26,12 +26,23 @@
 //! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
 //! ```
 //!
+//! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the own ones, and its sums have the bits of
+//! one process.
+//!
 //! Not here: what the vectors mean, and the methods that use them (`gfmd-relax`).
 
+mod parcel;
+mod ranks;
+mod rehearsal;
+mod share;
 mod split;
 
 use std::ops::Range;
 
+pub use parcel::{Parcel, Word};
+pub use ranks::{Alone, Letters, Pending, Ranks};
+pub use rehearsal::Rehearsal;
+pub use share::{Share, TooManyRanks};
 pub use split::{Parts, Rows, Split};
 
 /// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it outweighs

@@ -1,6 +1,6 @@
 //! The projected path along a direction.
 
-use gfmd_vector::{add, reduce};
+use gfmd_vector::{Share, add};
 
 use super::sums::{View, active_blocks, lane_sums};
 use crate::Ceiling;
@@ -16,6 +16,7 @@ const EXACT: f64 = 1e-13;
 
 /// The start of a path: variables, direction, gradient, and the active blocks.
 pub(super) struct Start<'a> {
+    pub(super) share: &'a Share,
     pub(super) x: &'a [f64],
     pub(super) direction: &'a [f32],
     pub(super) gradient: &'a [f32],
@@ -50,16 +51,15 @@ impl Path {
 impl Start<'_> {
     /// The point of the path at `length`, halved until the step to it begins downhill.
     pub(super) fn downhill(&self, length: f64, mean: Option<f64>) -> Option<Path> {
-        let Self { x, direction: z, gradient, active, view, upper } = *self;
-        let (bounded, highest) = (upper.is_finite(), upper.highest());
+        let Self { share, x, direction: z, gradient, active, view, upper } = *self;
+        let (bounded, highest) = (upper.is_finite(), upper.highest(share));
         let mut path = Path { length, scale: 0.0, mu: 0.0, factor: 1.0, slope: 0.0 };
         for _ in 0..HALVINGS {
             path.mu = 0.0;
             path.scale = path.length * view.step;
             let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
             loop {
-                let [sum, positive, slope, along] = reduce(
-                    x.len(),
+                let [sum, positive, slope, along] = share.reduce(
                     &|range| {
                         active_blocks(active, range).fold([0.0; 4], |sums, block| {
                             let ceiling = upper.part(block.clone());
@@ -84,7 +84,7 @@ impl Start<'_> {
                 );
                 (path.factor, path.slope) = (1.0, slope);
                 let Some(mean) = mean else { break };
-                let asked = mean * x.len() as f64;
+                let asked = mean * share.total() as f64;
                 let excess = sum - asked;
                 if bounded && excess.abs() <= EXACT * asked {
                     break;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{add, reduce};
+use gfmd_vector::{Parcel, Share, add, reduce};
 
 use crate::quadratic::Optimality;
 use crate::{Ceiling, Visit};
@@ -73,8 +73,16 @@ impl Sums {
         }
     }
 
-    /// The sums of all stretches.
-    pub(super) fn all(parts: &[Self]) -> Self {
+    /// The sums of all stretches of all processes, of which `parts` are the own ones.
+    pub(super) fn all(share: &Share, parts: &[Self]) -> Self {
+        if share.is_whole() {
+            return Self::joined(parts);
+        }
+        let stretches: Vec<usize> = share.all_rows().iter().map(Range::len).collect();
+        Self::joined(&share.collect(parts, &stretches))
+    }
+
+    fn joined(parts: &[Self]) -> Self {
         reduce(
             parts.len(),
             &|range| parts[range].iter().fold(Self::EMPTY, |all, part| Self::merge(all, *part)),
@@ -112,6 +120,20 @@ impl Sums {
             slope: a.slope + b.slope,
             clipped: a.clipped + b.clipped,
         }
+    }
+}
+
+impl Parcel for Sums {
+    const WORDS: usize = 8;
+
+    fn put(&self, words: &mut [u64]) {
+        let Self { x, x_gradient, positive, positive_gradient, lowest, highest, slope, clipped } = *self;
+        ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]).put(words);
+    }
+
+    fn get(words: &[u64]) -> Self {
+        let ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]) = Parcel::get(words);
+        Self { x, x_gradient, positive, positive_gradient, lowest, highest, slope, clipped }
     }
 }
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Applies `work` to every item, on one thread for each of the `seats`; a thread that is free takes the next item. Each item
 /// owns the memory that it writes, so the result does not depend on the assignment. With a single seat the calling thread
 /// takes all items in order.
-pub(crate) fn share<I: Send, S: Send>(
+pub(crate) fn deal<I: Send, S: Send>(
     seats: &mut [S],
     items: impl Iterator<Item = I> + Send,
     work: impl Fn(I, &mut S) + Sync,
@@ -40,7 +40,7 @@ mod tests {
         for seats in [1, 2, 3, 7] {
             let mut done = vec![0; 100];
             let mut counts = vec![0; seats];
-            share(&mut counts, done.iter_mut().enumerate(), |(number, done), count| {
+            deal(&mut counts, done.iter_mut().enumerate(), |(number, done), count| {
                 *done += number;
                 *count += 1;
             });

@@ -1,0 +1,131 @@
+//! One command on several processes that a launcher of MPI has started: who prints, and how all of them end.
+
+use std::ffi::OsString;
+use std::io::{self, Write as _};
+use std::sync::Arc;
+
+use gfmd_mpi::{Launcher, World, start};
+use gfmd_vector::Ranks;
+
+use crate::failure::Failure;
+
+/// The command that several processes run together. Others run as often as they are started, such as the shards of a sweep.
+const TOGETHER: &str = "contact";
+
+/// Joins the other processes that a launcher has started for these `words`, if there are any.
+///
+/// # Errors
+/// No MPI library, or that of another launcher; processes with other words.
+pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
+    // Before it stand flags only, and the number of threads.
+    let is_command = |word: &&OsString| word.to_str().is_some_and(|word| word.starts_with(char::is_alphabetic));
+    if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
+        return Ok(None);
+    }
+    let Some(world) = start().map_err(|error| Failure::input("GFMD_MPI", error))? else { return Ok(None) };
+    let world = Arc::new(world);
+    let text: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let all = texts(&*world, &text.join(" "));
+    if let Some(other) = all.iter().position(|other| *other != all[0]) {
+        let found = format!(
+            "process 0 was started with \"{}\", process {other} with \"{}\"; all must have the same arguments, or GFMD_MPI=none to \
+             run alone",
+            all[0], all[other]
+        );
+        let failure = Failure::Input(found);
+        let status = end(Some(&world), failure.status(), Some(&failure));
+        std::process::exit(status.into());
+    }
+    Ok(Some(world))
+}
+
+/// True if this process prints: it is alone, or the first one.
+pub(crate) fn is_first() -> bool {
+    Launcher::found().is_none_or(|launcher| launcher.rank == 0)
+}
+
+/// The number of processes that the launcher has started on this machine, as far as it tells.
+pub(crate) fn on_this_machine() -> usize {
+    Launcher::found().map_or(1, |launcher| launcher.local)
+}
+
+/// Ends the part of this process in a command with this exit status, after the first one has printed the reason of a failure.
+/// Returns the status.
+///
+/// All processes fail alike, or [`agree`] on it, but for the first one, which writes: if the others go on, as when a disk is full, it
+/// ends them. They wait for it.
+pub(crate) fn end(world: Option<&Arc<World>>, status: u8, failure: Option<&Failure>) -> u8 {
+    if world.is_none_or(|world| world.rank() == 0)
+        && let Some(failure) = failure
+    {
+        let _ = writeln!(io::stderr(), "error: {failure}");
+    }
+    let Some(world) = world else { return status };
+    if status == 0 || world.rank() > 0 {
+        world.meet();
+    } else if !world.is_met() {
+        world.abort(status);
+    }
+    world.end();
+    status
+}
+
+/// The outcome of a step that may fail on some of the processes only, as that of all: the first failure, if there is one.
+///
+/// # Errors
+/// That failure.
+pub(crate) fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Failure> {
+    let text = match &outcome {
+        Ok(_) => String::new(),
+        Err(failure) => format!("{}\n{failure}", failure.status()),
+    };
+    let all = texts(ranks, &text);
+    let Some(first) = all.iter().find(|text| !text.is_empty()) else { return outcome };
+    let (status, text) = first.split_once('\n').unwrap_or(("", first));
+    let text = text.to_owned();
+    Err(match status {
+        "2" => Failure::Input(text),
+        "130" => Failure::Interrupted(text),
+        _ => Failure::Computation(text),
+    })
+}
+
+/// The text of each process.
+fn texts(ranks: &dyn Ranks, own: &str) -> Vec<String> {
+    let mut lengths = vec![0; ranks.size()];
+    ranks.gather(&[own.len() as u64], &mut lengths, &vec![1; ranks.size()]);
+    let lengths: Vec<usize> = lengths.into_iter().map(|length| length as usize).collect();
+    let bytes: Vec<u64> = own.bytes().map(u64::from).collect();
+    let mut all = vec![0; lengths.iter().sum()];
+    ranks.gather(&bytes, &mut all, &lengths);
+    let mut rest = &all[..];
+    let text = |length: usize| {
+        let (own, after) = rest.split_at(length);
+        rest = after;
+        String::from_utf8_lossy(&own.iter().map(|byte| *byte as u8).collect::<Vec<u8>>()).into_owned()
+    };
+    lengths.into_iter().map(text).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_vector::Rehearsal;
+
+    use super::*;
+
+    #[test]
+    fn the_first_failure_is_that_of_all() {
+        let found = Rehearsal::of(3, |ranks| {
+            let own = match ranks.rank() {
+                0 => Ok(7),
+                rank => Err(Failure::Input(format!("of process {rank}"))),
+            };
+            agree(&*ranks, own).map_err(|failure| (failure.status(), failure.to_string()))
+        });
+        assert!(found.iter().all(|found| *found == Err((2, "of process 1".into()))), "{found:?}");
+        let found = Rehearsal::of(3, |ranks| agree(&*ranks, Ok(ranks.rank())).ok());
+        assert_eq!(found, [Some(0), Some(1), Some(2)]);
+        let words = Rehearsal::of(2, |ranks| texts(&*ranks, ["", "κ"][ranks.rank()]));
+        assert!(words.iter().all(|words| *words == ["", "κ"]));
+    }
+}

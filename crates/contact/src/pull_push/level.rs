@@ -1,0 +1,284 @@
+//! One level of a pull-push, of which a process may hold its own rows only.
+
+use std::ops::Range;
+
+use gfmd_vector::Share;
+use rayon::prelude::*;
+
+use super::Edges;
+
+pub(super) struct Level {
+    /// Those of all processes.
+    pub(super) cells: [usize; 2],
+    /// The rows that this process computes, all of them if it is alone.
+    own: Range<usize>,
+    /// The rows that it holds.
+    held: Range<usize>,
+    /// The rows that each process computes of a level that all of them hold.
+    parts: Vec<Range<usize>>,
+    /// Known weight above which the value of the cell has full weight.
+    pub(super) full: f32,
+    /// Factor on the value of the next level, for cells without known values; between zero and one.
+    pub(super) trust: f32,
+    /// Known weight of each cell, the sum of the weights of its children.
+    pub(super) known: Vec<f32>,
+    pub(super) value: Vec<f32>,
+    known_beside: Beside,
+    value_beside: Beside,
+}
+
+/// Rows of a level that other processes hold: the one before the own rows, and the one behind them.
+type Beside = [Vec<f32>; 2];
+
+/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with local
+/// constants, so that compilers vectorise them.
+impl Level {
+    pub(super) fn new(cells: [usize; 2], full: f32, trust: f32) -> Self {
+        let (rows, values) = (0..cells[0], cells[0] * cells[1]);
+        Self {
+            cells,
+            own: rows.clone(),
+            held: rows,
+            parts: Vec::new(),
+            full,
+            trust,
+            known: vec![0.0; values],
+            value: vec![0.0; values],
+            known_beside: Beside::default(),
+            value_beside: Beside::default(),
+        }
+    }
+
+    /// Shares the rows as those of the points, of which 2^`height` make one, are shared. `is_last`: all processes hold this
+    /// level, of which they compute their parts, and those above it.
+    pub(super) fn over(&mut self, share: &Share, height: u32, is_last: bool) {
+        let part = |rows: &Range<usize>| rows.start >> height..rows.end.div_ceil(1 << height);
+        let parts: Vec<Range<usize>> = share.all_rows().iter().map(part).collect();
+        self.own = parts[share.ranks().rank()].clone();
+        if is_last {
+            self.parts = parts;
+            return;
+        }
+        self.held = self.own.clone();
+        let values = self.held.len() * self.cells[1];
+        self.known = vec![0.0; values];
+        self.value = vec![0.0; values];
+    }
+
+    /// Learns what other processes have computed of the known weights: all of them, or the rows beside the own ones.
+    pub(super) fn learn_known(&mut self, share: &Share) {
+        let width = self.cells[1];
+        learn(&self.own, &self.parts, width, &mut self.known, &mut self.known_beside, share);
+    }
+
+    /// Learns what other processes have computed of the values.
+    pub(super) fn learn_value(&mut self, share: &Share) {
+        let width = self.cells[1];
+        learn(&self.own, &self.parts, width, &mut self.value, &mut self.value_beside, share);
+    }
+
+    /// Learns the rows of the values beside the own ones, after a step on all rows held.
+    pub(super) fn learn_beside(&mut self, share: &Share) {
+        if self.parts.is_empty() {
+            self.learn_value(share);
+        }
+    }
+
+    /// The places of the own rows among those held.
+    fn own_values(&self) -> Range<usize> {
+        let (first, width) = (self.held.start, self.cells[1]);
+        (self.own.start - first) * width..(self.own.end - first) * width
+    }
+
+    /// The values that are held, and the rows that they are.
+    pub(super) fn values(&mut self) -> (&mut [f32], Range<usize>) {
+        (&mut self.value, self.held.clone())
+    }
+
+    /// The known weights of row i.
+    pub(super) fn known(&self, i: usize) -> &[f32] {
+        self.row(&self.known, &self.known_beside, i)
+    }
+
+    /// The values of row i.
+    pub(super) fn value(&self, i: usize) -> &[f32] {
+        self.row(&self.value, &self.value_beside, i)
+    }
+
+    fn row<'a>(&self, field: &'a [f32], beside: &'a Beside, i: usize) -> &'a [f32] {
+        held_row(field, beside, &self.held, self.cells, i)
+    }
+
+    pub(super) fn weight(&self, known: f32) -> f32 {
+        weight(known, self.full)
+    }
+
+    /// Computes the weighted mean of the children; `read(i, weights, weights times values)` reads row i below.
+    pub(super) fn pull(&mut self, [height, columns]: [usize; 2], read: impl Fn(usize, &mut [f32], &mut [f32]) + Sync) {
+        let (own, width) = (self.own_values(), self.cells[1]);
+        let first = self.own.start;
+        let rows = rows(&mut self.value[own.clone()], width).zip(self.known[own].par_chunks_mut(width)).enumerate();
+        rows.for_each_init(
+            || [vec![0.0; columns], vec![0.0; columns]],
+            |[weights, values], (a, (value, known))| {
+                value.fill(0.0);
+                known.fill(0.0);
+                let a = first + a;
+                for i in 2 * a..height.min(2 * a + 2) {
+                    read(i, weights, values);
+                    add_pairs(weights, known);
+                    add_pairs(values, value);
+                }
+                for (value, known) in value.iter_mut().zip(known) {
+                    *value = if *known > 0.0 { *value / *known } else { 0.0 };
+                }
+            },
+        );
+    }
+
+    /// Interpolates row i of the level below bilinearly.
+    pub(super) fn interpolate(&self, edges: Edges, i: usize, row: &mut [f32]) {
+        let [height, width] = self.cells;
+        let beside = if i % 2 == 1 { edges.after(i / 2, height) } else { edges.before(i / 2, height) };
+        let (near, far) = (self.value(i / 2), self.value(beside));
+        let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
+        let children = |near: &[f32], far: &[f32]| {
+            let [before, own, after]: [f32; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
+            [before, after].map(|other| 0.75 * own + 0.25 * other)
+        };
+        for b in [0, width - 1] {
+            let three = [edges.before(b, width), b, edges.after(b, width)];
+            let pair = children(&three.map(|b| near[b]), &three.map(|b| far[b]));
+            row[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
+        }
+        let inner = row.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
+        for ((pair, near), far) in inner.iter_mut().zip(near.windows(3)).zip(far.windows(3)) {
+            *pair = children(near, far);
+        }
+    }
+
+    /// Interpolates the whole level below and calls `write(i, row, interpolated)` for each of its rows.
+    pub(super) fn push(
+        &self,
+        edges: Edges,
+        (below, held): (&mut [f32], Range<usize>),
+        columns: usize,
+        write: impl Fn(usize, &mut [f32], &[f32]) + Sync,
+    ) {
+        rows(below, columns).enumerate().for_each_init(
+            || vec![0.0; columns],
+            |pushed, (i, row)| {
+                let i = held.start + i;
+                self.interpolate(edges, i, pushed);
+                write(i, row, pushed);
+            },
+        );
+    }
+
+    /// The transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
+    pub(super) fn push_transposed(
+        &mut self,
+        edges: Edges,
+        [below, columns]: [usize; 2],
+        add: impl Fn(usize, &mut [f32], f32) + Sync,
+    ) {
+        let [height, width] = self.cells;
+        let (own, first) = (self.own_values(), self.own.start);
+        rows(&mut self.value[own], width).enumerate().for_each_init(
+            // With an odd number of columns the last child is missing and counts as zero.
+            || vec![0.0; 2 * width],
+            |line, (a, image)| {
+                line.fill(0.0);
+                for (i, part) in edges.children(first + a, height).into_iter().filter(|child| child.0 < below) {
+                    add(i, &mut line[..columns], part);
+                }
+                let pairs = line.as_chunks::<2>().0;
+                for (image, window) in image[1..].iter_mut().zip(pairs.windows(3)) {
+                    let [before, own, after] = [window[0], window[1], window[2]];
+                    *image = self.trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
+                }
+                for b in [0, width - 1] {
+                    let along = edges.children(b, width).map(|(j, part)| part * line[j]);
+                    image[b] = self.trust * along.into_iter().sum::<f32>();
+                }
+            },
+        );
+    }
+
+    /// The transpose of [`pull`](Self::pull); calls `write(i, row, share)` with the share of the parent for a child of
+    /// unit weight.
+    pub(super) fn pull_transposed(
+        &self,
+        (below, held): (&mut [f32], Range<usize>),
+        columns: usize,
+        write: impl Fn(usize, &mut [f32], &[f32]) + Sync,
+    ) {
+        let width = self.cells[1];
+        rows(below, columns).enumerate().for_each_init(
+            || vec![0.0; 2 * width],
+            |share, (i, row)| {
+                let i = held.start + i;
+                let parents = self.value(i / 2).iter().zip(self.known(i / 2));
+                for (pair, (image, known)) in share.as_chunks_mut::<2>().0.iter_mut().zip(parents) {
+                    *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
+                }
+                write(i, row, share);
+            },
+        );
+    }
+}
+
+/// Row i of a field of so many rows and columns, of which some are held.
+pub(super) fn held_row<'a, T>(
+    field: &'a [T],
+    beside: &'a [Vec<T>; 2],
+    held: &Range<usize>,
+    [height, columns]: [usize; 2],
+    i: usize,
+) -> &'a [T] {
+    if held.contains(&i) {
+        return row_of(field, i - held.start, columns);
+    }
+    &beside[usize::from(i == held.end % height)]
+}
+
+/// Completes a field of which every process has computed its `own` rows: by all `parts` of a level that all hold, else by the rows
+/// beside.
+fn learn(
+    own: &Range<usize>,
+    parts: &[Range<usize>],
+    width: usize,
+    field: &mut Vec<f32>,
+    beside: &mut Beside,
+    share: &Share,
+) {
+    if parts.is_empty() {
+        *beside = share.beside(&field[..width], &field[field.len() - width..]);
+    } else {
+        *field = share.gather_rows(&field[own.start * width..own.end * width], width, parts);
+    }
+}
+
+pub(super) fn weight(known: f32, full: f32) -> f32 {
+    if known < full { known / full } else { 1.0 }
+}
+
+fn add_pairs(line: &[f32], sums: &mut [f32]) {
+    let (pairs, last) = line.as_chunks::<2>();
+    for (sum, pair) in sums.iter_mut().zip(pairs) {
+        *sum += pair[0] + pair[1];
+    }
+    if let (Some(sum), Some(last)) = (sums.last_mut(), last.first()) {
+        *sum += last;
+    }
+}
+
+/// Row i of a field.
+pub(super) fn row_of<T>(field: &[T], i: usize, columns: usize) -> &[T] {
+    &field[i * columns..][..columns]
+}
+
+/// All rows of a field in parallel, in tasks of at least some 8000 values.
+fn rows(field: &mut [f32], columns: usize) -> impl IndexedParallelIterator<Item = &mut [f32]> {
+    field.par_chunks_mut(columns).with_min_len(1 + 8192 / columns)
+}

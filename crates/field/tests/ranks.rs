@@ -1,0 +1,95 @@
+//! Transforms over ranks, which threads play, have the bits of one process.
+
+use gfmd_field::{Grid, Real, Rows, Share, Transform};
+use gfmd_vector::Rehearsal;
+use num_complex::Complex;
+use proptest::prelude::*;
+
+fn noise<T: Real>(n: usize, seed: f64) -> Vec<T> {
+    (0..n).map(|i| T::nearest(((i as f64 + 1.0) * 0.618_034 + seed).fract() - 0.5)).collect()
+}
+
+fn same<T: Real>(a: &[T], b: &[T]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.widened().to_bits() == b.widened().to_bits())
+}
+
+/// Convolution, quadratic form, forward and inverse transforms over this many ranks against those of one process.
+fn compare<T: Real>([nx, ny]: [usize; 2], size: usize) {
+    let grid = Grid::new([nx, ny], [1.0, 2.0]).unwrap();
+    let half = ny / 2 + 1;
+    let (field, full) = (noise::<T>(nx * ny, 0.3), noise::<T>(nx * half, 0.1));
+    // Even in q_x, as kernels of which a quarter is stored.
+    let line = nx / 2 + 1;
+    let quarter: Vec<T> = full.chunks(nx).flat_map(|column| column[..line].iter().copied()).collect();
+    let transform = Transform::<T>::new(grid);
+    let ws = &mut transform.workspace();
+    let mut spectrum = vec![Complex::new(T::ZERO, T::ZERO); nx * half];
+    transform.forward(&field, &mut spectrum, ws).unwrap();
+    let mut inverse = vec![T::ZERO; nx * ny];
+    transform.inverse(&spectrum, &mut inverse, ws).unwrap();
+    let whole = [(&full, nx), (&quarter, line)].map(|(kernel, line)| {
+        let mut out = vec![T::ZERO; nx * ny];
+        transform.convolve(kernel, &field, &mut out, ws).unwrap();
+        (out, transform.quadratic_form(kernel, &field, ws).unwrap(), kernel, line)
+    });
+    Rehearsal::of(size, |ranks| {
+        let share = Share::among(ranks, [nx, ny], 0).unwrap();
+        let transform = Transform::<T>::over(grid, &share);
+        let (ws, lanes, own) = (&mut transform.workspace(), transform.lanes(), share.own());
+        let mut out = vec![T::ZERO; own.len()];
+        // Twice: the memory of the first call must not show in the second.
+        for (whole, form, kernel, line) in whole.iter().chain(&whole) {
+            let kernel = &kernel[lanes.start * line..lanes.end * line];
+            transform.convolve(kernel, &field[own.clone()], &mut out, ws).unwrap();
+            assert!(same(&out, &whole[own.clone()]), "[{nx}, {ny}] on {size}");
+            let found = transform.quadratic_form(kernel, &field[own.clone()], ws).unwrap();
+            assert_eq!(found.to_bits(), form.to_bits(), "[{nx}, {ny}] on {size}");
+        }
+        let own_modes = lanes.start * nx..lanes.end * nx;
+        let mut modes = vec![Complex::new(T::ZERO, T::ZERO); own_modes.len()];
+        transform.forward(&field[own.clone()], &mut modes, ws).unwrap();
+        assert!(modes.iter().zip(&spectrum[own_modes]).all(|(a, b)| a == b), "[{nx}, {ny}] on {size}");
+        transform.inverse(&modes, &mut out, ws).unwrap();
+        assert!(same(&out, &inverse[own]), "[{nx}, {ny}] on {size}");
+    });
+}
+
+#[test]
+fn transforms_over_ranks_have_the_bits_of_one_process() {
+    for points in [[256, 256], [512, 1000], [1024, 512], [96, 2048], [33, 4096], [4096, 2], [700, 8]] {
+        for size in 1..=Share::most(points, 0).min(7) {
+            compare::<f64>(points, size);
+            compare::<f32>(points, size);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn transforms_over_ranks_have_the_bits_of_one_process_whatever_the_shape(
+        rows in 2_usize..300, columns in 2_usize..600, exponent in 0_u32..9, size in 1_usize..=7,
+    ) {
+        let columns = (columns >> exponent).max(1) << exponent;
+        let points = [rows, columns.max(2)];
+        compare::<f64>(points, size.min(Share::most(points, 0)));
+    }
+}
+
+#[test]
+fn slices_that_do_not_fit_the_share_are_refused() {
+    let grid = Grid::square(64, 1.0).unwrap();
+    Rehearsal::of(2, |ranks| {
+        let share = Share::among(ranks, [64, 64], 0).unwrap();
+        let transform = Transform::<f64>::over(grid, &share);
+        let mut ws = transform.workspace();
+        let kernel = vec![1.0; transform.lanes().len() * 64];
+        let mut out = vec![0.0; share.own().len()];
+        assert!(transform.convolve(&kernel, &[0.0; 4096], &mut out, &mut ws).is_err());
+        assert!(transform.quadratic_form(&[1.0; 33 * 64], &out, &mut ws).is_err());
+        let half = |_: usize, (): (), _: &mut [f64]| ();
+        assert!(transform.convolve_ahead(&kernel, (), half, &mut ws).is_ok());
+        assert!(transform.convolve_back(Rows(&mut [0.0; 4096][..], 64), |_, _, _| (), &mut ws).is_err());
+    });
+}

@@ -1,0 +1,316 @@
+//! The functions of an MPI library, the only unsafe code of the crate.
+//!
+//! The signatures are those of the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of [`Kind`].
+#![expect(unsafe_code, reason = "a C library has no other interface")]
+
+use std::ffi::{c_char, c_int, c_void};
+use std::mem::ManuallyDrop;
+use std::ptr::null;
+
+use gfmd_vector::Letters;
+use libloading::Library;
+
+use crate::kind::{Kind, MPICH, OPEN_MPI_SERIALIZED, STANDARD};
+
+/// A handle: an `int` of MPICH, an address elsewhere, held as a number of its size.
+pub(crate) trait Handle: Copy + Send + Sync + 'static {
+    const NONE: Self;
+    fn of(number: usize) -> Self;
+}
+
+impl Handle for c_int {
+    const NONE: Self = 0;
+
+    fn of(number: usize) -> Self {
+        number as Self
+    }
+}
+
+impl Handle for usize {
+    const NONE: Self = 0;
+
+    fn of(number: usize) -> Self {
+        number
+    }
+}
+
+/// The functions, and the handles of the two communicators: all processes, and all processes for the end.
+pub(crate) struct Functions<H> {
+    word: H,
+    communicator: H,
+    last: H,
+    all_gather: unsafe extern "C" fn(*const u64, c_int, H, *mut u64, *const c_int, *const c_int, H, H) -> c_int,
+    broadcast: unsafe extern "C" fn(*mut u64, c_int, H, c_int, H) -> c_int,
+    all_to_all: unsafe extern "C" fn(
+        *const u64,
+        *const c_int,
+        *const c_int,
+        H,
+        *mut u64,
+        *const c_int,
+        *const c_int,
+        H,
+        H,
+        *mut H,
+    ) -> c_int,
+    barrier: unsafe extern "C" fn(H, *mut H) -> c_int,
+    test: unsafe extern "C" fn(*mut H, *mut c_int, *mut c_void) -> c_int,
+    wait: unsafe extern "C" fn(*mut H, *mut c_void) -> c_int,
+    abort: unsafe extern "C" fn(H, c_int) -> c_int,
+    finalize: unsafe extern "C" fn() -> c_int,
+}
+
+/// The longest text of a library about itself, and room for a status, which is less than 100 bytes.
+const TEXT: usize = 8192;
+
+/// A library that has begun.
+pub(crate) enum Begun {
+    Numbers(Functions<c_int>),
+    Addresses(Functions<usize>),
+}
+
+/// What a library says of itself.
+pub(crate) struct About {
+    pub(crate) version: String,
+    pub(crate) rank: usize,
+    pub(crate) size: usize,
+}
+
+/// Loads the library `file` and begins, unless its version is not one that `fits`: then only the version is returned.
+pub(crate) fn begin(
+    file: &str,
+    fits: impl Fn(&str) -> bool,
+) -> Result<Result<(Begun, About), String>, libloading::Error> {
+    let library = open(file)?;
+    let version = version(&library)?;
+    if !fits(&version) {
+        return Ok(Err(version));
+    }
+    // SAFETY: symbols are looked up, not used.
+    let has_open_mpi = unsafe { library.get::<*const c_void>(b"ompi_mpi_comm_world\0") }.is_ok();
+    let (begun, rank, size) = match Kind::of(file, has_open_mpi) {
+        Kind::OpenMpi => {
+            let address = |name: &[u8]| {
+                // SAFETY: the address of an object is taken, not read.
+                unsafe { library.get::<*const c_void>(name) }.map(|symbol| *symbol as usize)
+            };
+            let (world, word) = (address(b"ompi_mpi_comm_world\0")?, address(b"ompi_mpi_uint64_t\0")?);
+            let (functions, rank, size) = Functions::begin(&library, world, word, OPEN_MPI_SERIALIZED)?;
+            (Begun::Addresses(functions), rank, size)
+        }
+        Kind::Mpich => {
+            let (world, word) = (Handle::of(MPICH.world), Handle::of(MPICH.word));
+            let (functions, rank, size) = Functions::begin(&library, world, word, MPICH.serialized)?;
+            (Begun::Numbers(functions), rank, size)
+        }
+        Kind::Standard => {
+            let (world, word) = (STANDARD.world, STANDARD.word);
+            let (functions, rank, size) = Functions::begin(&library, world, word, STANDARD.serialized)?;
+            (Begun::Addresses(functions), rank, size)
+        }
+    };
+    Ok(Ok((begun, About { version, rank, size })))
+}
+
+/// The first line of what a library says of itself, which it may be asked before it begins.
+fn version(library: &Library) -> Result<String, libloading::Error> {
+    type Version = unsafe extern "C" fn(*mut c_char, *mut c_int) -> c_int;
+    // SAFETY: the type is that of the standard.
+    let version = unsafe { library.get::<Version>(b"MPI_Get_library_version\0") }?;
+    let (mut text, mut length) = (vec![0_u8; TEXT], 0);
+    // SAFETY: the text has the greatest length that any library states, and the length is a living variable.
+    unsafe { version(text.as_mut_ptr().cast(), &raw mut length) };
+    text.truncate(usize::try_from(length).unwrap_or(0));
+    Ok(String::from_utf8_lossy(&text).lines().next().unwrap_or_default().trim_matches('\0').to_owned())
+}
+
+/// Opens a library for good: it has threads and handlers of its own, which its removal would leave without code.
+fn open(file: &str) -> Result<ManuallyDrop<Library>, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix::{self, RTLD_GLOBAL, RTLD_NOW};
+        // SAFETY: the initialisers of an MPI library have no conditions. Its own modules need its symbols to be global (Open MPI).
+        let library = unsafe { unix::Library::open(Some(file), RTLD_NOW | RTLD_GLOBAL) }?;
+        Ok(ManuallyDrop::new(library.into()))
+    }
+    #[cfg(not(unix))]
+    // SAFETY: the initialisers of an MPI library have no conditions.
+    Ok(ManuallyDrop::new(unsafe { Library::new(file) }?))
+}
+
+impl<H: Handle> Functions<H> {
+    fn begin(
+        library: &Library,
+        world: H,
+        word: H,
+        serialized: c_int,
+    ) -> Result<(Self, usize, usize), libloading::Error> {
+        /// The function of a name.
+        macro_rules! function {
+            ($name:literal, $type:ty) => {
+                // SAFETY: the type is that of the standard, with the handles of this library, which is never closed.
+                *unsafe { library.get::<$type>(concat!($name, "\0").as_bytes()) }?
+            };
+        }
+        let init =
+            function!("MPI_Init_thread", unsafe extern "C" fn(*const c_int, *const c_void, c_int, *mut c_int) -> c_int);
+        let rank = function!("MPI_Comm_rank", unsafe extern "C" fn(H, *mut c_int) -> c_int);
+        let size = function!("MPI_Comm_size", unsafe extern "C" fn(H, *mut c_int) -> c_int);
+        let duplicate = function!("MPI_Comm_dup", unsafe extern "C" fn(H, *mut H) -> c_int);
+        let mut functions = Self {
+            word,
+            communicator: world,
+            last: world,
+            all_gather: function!("MPI_Allgatherv", _),
+            broadcast: function!("MPI_Bcast", _),
+            all_to_all: function!("MPI_Ialltoallv", _),
+            barrier: function!("MPI_Ibarrier", _),
+            test: function!("MPI_Test", _),
+            wait: function!("MPI_Wait", _),
+            abort: function!("MPI_Abort", _),
+            finalize: function!("MPI_Finalize", _),
+        };
+        let (mut provided, mut own, mut all) = (0, 0, 0);
+        // SAFETY: begun once, by `start`; every pointer is to a living variable of the type that the standard states, and the text
+        // has the greatest length that any library states. Both communicators are duplicated in the same order by all.
+        unsafe {
+            init(null(), null(), serialized, &raw mut provided);
+            rank(world, &raw mut own);
+            size(world, &raw mut all);
+            duplicate(world, &raw mut functions.communicator);
+            duplicate(world, &raw mut functions.last);
+        }
+        Ok((functions, own.unsigned_abs() as usize, all.unsigned_abs() as usize))
+    }
+
+    /// Fills `all` with what each gives as `own`; rank r gives `lengths[r]` words, of fewer than 2³¹ in all.
+    pub(crate) fn gather(&self, own: &[u64], all: &mut [u64], lengths: &[usize]) {
+        let (counts, places) = counts(lengths);
+        let count = int(own.len());
+        assert_eq!(all.len(), lengths.iter().sum::<usize>(), "the words of all ranks");
+        // SAFETY: `own` has `count` words, `all` has those of all ranks at their places, and both live until the call returns.
+        unsafe {
+            (self.all_gather)(
+                own.as_ptr(),
+                count,
+                self.word,
+                all.as_mut_ptr(),
+                counts.as_ptr(),
+                places.as_ptr(),
+                self.word,
+                self.communicator,
+            );
+        }
+    }
+
+    /// Gives all the `words` of the rank `from`.
+    pub(crate) fn broadcast(&self, words: &mut [u64], from: usize) {
+        let count = int(words.len());
+        // SAFETY: there are so many words, and they live until the call returns.
+        unsafe { (self.broadcast)(words.as_mut_ptr(), count, self.word, int(from), self.communicator) };
+    }
+
+    /// Begins an exchange of letters, which it owns until its end.
+    pub(crate) fn post(&self, letters: Letters) -> Exchange<'_, H> {
+        let ((out_counts, out_places), (into_counts, into_places)) =
+            (counts(&letters.out_lengths), counts(&letters.into_lengths));
+        assert_eq!(letters.out.len(), letters.out_lengths.iter().sum::<usize>(), "every word has a receiver");
+        assert_eq!(letters.into.len(), letters.into_lengths.iter().sum::<usize>(), "every word has a sender");
+        let numbers = [out_counts, out_places, into_counts, into_places];
+        let mut exchange = Exchange { functions: self, letters, numbers, request: H::NONE, over: false };
+        let Exchange { letters, numbers, request, .. } = &mut exchange;
+        // SAFETY: the vectors have the lengths checked above. They are on the heap and belong to the exchange, which gives them
+        // back only after MPI_Wait, waits when it is dropped, and frees nothing if it is forgotten.
+        unsafe {
+            (self.all_to_all)(
+                letters.out.as_ptr(),
+                numbers[0].as_ptr(),
+                numbers[1].as_ptr(),
+                self.word,
+                letters.into.as_mut_ptr(),
+                numbers[2].as_ptr(),
+                numbers[3].as_ptr(),
+                self.word,
+                self.communicator,
+                &raw mut *request,
+            );
+        }
+        exchange
+    }
+
+    /// Waits until all are here, as long as `goes_on` says so; true if they are.
+    pub(crate) fn meet(&self, mut goes_on: impl FnMut() -> bool) -> bool {
+        let (mut request, mut done) = (H::NONE, 0);
+        let mut status = [0_u64; TEXT / 64];
+        // SAFETY: the request is written by the first call and belongs to this function, the status has room for that of any
+        // library, and all ranks meet once. A meeting that is given up is followed by the abortion of all.
+        unsafe { (self.barrier)(self.last, &raw mut request) };
+        while done == 0 && goes_on() {
+            // SAFETY: as above.
+            unsafe { (self.test)(&raw mut request, &raw mut done, status.as_mut_ptr().cast()) };
+        }
+        done != 0
+    }
+
+    /// Ends all processes with this status.
+    pub(crate) fn abort(&self, status: u8) {
+        // SAFETY: it may be called at any time after the beginning.
+        unsafe { (self.abort)(self.communicator, c_int::from(status)) };
+    }
+
+    /// Ends this process's part.
+    pub(crate) fn finalize(&self) {
+        // SAFETY: called once, by `World::end`, which consumes the world, when all have met and no exchange is under way.
+        unsafe { (self.finalize)() };
+    }
+}
+
+/// An exchange under way.
+pub(crate) struct Exchange<'a, H: Handle> {
+    functions: &'a Functions<H>,
+    letters: Letters,
+    /// Counts and places of what is sent and received, which the library may read until the end.
+    numbers: [Vec<c_int>; 4],
+    request: H,
+    over: bool,
+}
+
+impl<H: Handle> Exchange<'_, H> {
+    fn finish(&mut self) {
+        if !std::mem::replace(&mut self.over, true) {
+            let mut status = [0_u64; TEXT / 64];
+            // SAFETY: the request is that of `post`, waited for once; the status has room for that of any library.
+            unsafe { (self.functions.wait)(&raw mut self.request, status.as_mut_ptr().cast()) };
+        }
+    }
+}
+
+impl<H: Handle> gfmd_vector::Pending for Exchange<'_, H> {
+    fn wait(mut self: Box<Self>) -> Letters {
+        self.finish();
+        self.numbers.iter_mut().for_each(Vec::clear);
+        std::mem::take(&mut self.letters)
+    }
+}
+
+impl<H: Handle> Drop for Exchange<'_, H> {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// The numbers of words and their places, as the library counts them.
+fn counts(lengths: &[usize]) -> (Vec<c_int>, Vec<c_int>) {
+    let places = lengths.iter().scan(0, |place, length| {
+        let own = *place;
+        *place += length;
+        Some(int(own))
+    });
+    let places = places.collect();
+    (lengths.iter().map(|length| int(*length)).collect(), places)
+}
+
+/// A count of the library.
+fn int(count: usize) -> c_int {
+    c_int::try_from(count).expect("letters are below 2³¹ words: the rounds of a transform see to it")
+}

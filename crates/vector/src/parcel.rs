@@ -1,0 +1,208 @@
+//! Values as words.
+
+/// A result of a sum, as words that can travel.
+pub trait Parcel: Send + Sized {
+    /// The number of words.
+    const WORDS: usize;
+
+    /// Writes the words.
+    fn put(&self, words: &mut [u64]);
+
+    /// The value of these words.
+    fn get(words: &[u64]) -> Self;
+}
+
+impl Parcel for () {
+    const WORDS: usize = 0;
+
+    fn put(&self, _: &mut [u64]) {}
+
+    fn get(_: &[u64]) -> Self {}
+}
+
+impl Parcel for f64 {
+    const WORDS: usize = 1;
+
+    fn put(&self, words: &mut [u64]) {
+        words[0] = self.to_bits();
+    }
+
+    fn get(words: &[u64]) -> Self {
+        Self::from_bits(words[0])
+    }
+}
+
+impl Parcel for u64 {
+    const WORDS: usize = 1;
+
+    fn put(&self, words: &mut [u64]) {
+        words[0] = *self;
+    }
+
+    fn get(words: &[u64]) -> Self {
+        words[0]
+    }
+}
+
+impl Parcel for usize {
+    const WORDS: usize = 1;
+
+    fn put(&self, words: &mut [u64]) {
+        words[0] = *self as u64;
+    }
+
+    fn get(words: &[u64]) -> Self {
+        words[0] as Self
+    }
+}
+
+impl Parcel for bool {
+    const WORDS: usize = 1;
+
+    fn put(&self, words: &mut [u64]) {
+        words[0] = u64::from(*self);
+    }
+
+    fn get(words: &[u64]) -> Self {
+        words[0] != 0
+    }
+}
+
+impl<P: Parcel, const K: usize> Parcel for [P; K] {
+    const WORDS: usize = K * P::WORDS;
+
+    fn put(&self, words: &mut [u64]) {
+        self.iter().enumerate().for_each(|(k, part)| part.put(&mut words[k * P::WORDS..][..P::WORDS]));
+    }
+
+    fn get(words: &[u64]) -> Self {
+        std::array::from_fn(|k| P::get(&words[k * P::WORDS..][..P::WORDS]))
+    }
+}
+
+macro_rules! tuples {
+    ($($parcel:ident $place:tt),*) => {
+        impl<$($parcel: Parcel),*> Parcel for ($($parcel,)*) {
+            const WORDS: usize = 0 $(+ $parcel::WORDS)*;
+
+            fn put(&self, words: &mut [u64]) {
+                let mut at = 0;
+                $(
+                    self.$place.put(&mut words[at..at + $parcel::WORDS]);
+                    at += $parcel::WORDS;
+                )*
+                debug_assert_eq!(at, Self::WORDS);
+            }
+
+            fn get(words: &[u64]) -> Self {
+                let mut parts = Words(words);
+                ($(parts.next::<$parcel>(),)*)
+            }
+        }
+    };
+}
+
+/// Words that are read one value after another.
+struct Words<'a>(&'a [u64]);
+
+impl Words<'_> {
+    fn next<P: Parcel>(&mut self) -> P {
+        let (own, rest) = self.0.split_at(P::WORDS);
+        self.0 = rest;
+        P::get(own)
+    }
+}
+
+tuples!(A 0, B 1);
+tuples!(A 0, B 1, C 2);
+tuples!(A 0, B 1, C 2, D 3);
+tuples!(A 0, B 1, C 2, D 3, E 4);
+
+/// Numbers of which one or two fill a word.
+pub trait Word: Copy + Default + Send + Sync {
+    /// The number of numbers in a word.
+    const EACH: usize;
+
+    /// The word of at most [`EACH`](Self::EACH) numbers.
+    fn packed(numbers: &[Self]) -> u64;
+
+    /// Writes the numbers of a word.
+    fn unpacked(word: u64, numbers: &mut [Self]);
+
+    /// The number of words for so many numbers.
+    fn words(numbers: usize) -> usize {
+        numbers.div_ceil(Self::EACH)
+    }
+
+    /// Fills `words` with `numbers`.
+    fn pack(numbers: &[Self], words: &mut [u64]) {
+        for (word, numbers) in words.iter_mut().zip(numbers.chunks(Self::EACH)) {
+            *word = Self::packed(numbers);
+        }
+    }
+
+    /// The numbers of several parts, one after another, each of which begins with a word of its own.
+    fn joined(words: Vec<u64>, lengths: impl Iterator<Item = usize>) -> Vec<Self> {
+        let mut all = Vec::new();
+        let mut rest = &words[..];
+        for length in lengths {
+            let (part, after) = rest.split_at(Self::words(length));
+            all.resize(all.len() + length, Self::default());
+            let start = all.len() - length;
+            Self::unpack(part, &mut all[start..]);
+            rest = after;
+        }
+        all
+    }
+
+    /// Fills `numbers` from `words`.
+    fn unpack(words: &[u64], numbers: &mut [Self]) {
+        for (word, numbers) in words.iter().zip(numbers.chunks_mut(Self::EACH)) {
+            Self::unpacked(*word, numbers);
+        }
+    }
+}
+
+impl Word for f64 {
+    const EACH: usize = 1;
+
+    fn packed(numbers: &[Self]) -> u64 {
+        numbers[0].to_bits()
+    }
+
+    fn unpacked(word: u64, numbers: &mut [Self]) {
+        numbers[0] = Self::from_bits(word);
+    }
+
+    /// In the memory of the words.
+    fn joined(words: Vec<u64>, _: impl Iterator<Item = usize>) -> Vec<Self> {
+        words.into_iter().map(Self::from_bits).collect()
+    }
+}
+
+impl Word for f32 {
+    const EACH: usize = 2;
+
+    fn packed(numbers: &[Self]) -> u64 {
+        numbers.iter().rev().fold(0, |word, number| word << 32 | u64::from(number.to_bits()))
+    }
+
+    fn unpacked(mut word: u64, numbers: &mut [Self]) {
+        for number in numbers {
+            *number = Self::from_bits(word as u32);
+            word >>= 32;
+        }
+    }
+}
+
+impl Word for u64 {
+    const EACH: usize = 1;
+
+    fn packed(numbers: &[Self]) -> u64 {
+        numbers[0]
+    }
+
+    fn unpacked(word: u64, numbers: &mut [Self]) {
+        numbers[0] = word;
+    }
+}

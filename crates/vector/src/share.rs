@@ -1,0 +1,311 @@
+//! The rows of a field that one of several processes owns.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::{Alone, LEAF, Letters, Parcel, Ranks, Split, Word, half, pass, reduce, tree};
+
+/// The rows of a field that this process owns, and who owns the others.
+///
+/// The rows are cut between leaves of the tree of a [`pass`]. Each rank reduces the largest branches inside of its rows, all
+/// learn the results, and each walks the rest of the tree: a sum has the same bits for any number of ranks.
+#[derive(Clone)]
+pub struct Share {
+    ranks: Arc<dyn Ranks>,
+    columns: usize,
+    rows: Arc<[Range<usize>]>,
+}
+
+/// More processes than can share a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyRanks {
+    /// The processes.
+    pub ranks: usize,
+    /// The largest number of them.
+    pub most: usize,
+    /// The number of rows, of which each process but the last has a multiple.
+    pub unit: usize,
+}
+
+impl fmt::Display for TooManyRanks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ranks, most, unit } = self;
+        write!(
+            f,
+            "the grid is shared by {ranks} processes; it must be at most {most}, with {unit} rows or more for each"
+        )
+    }
+}
+
+impl std::error::Error for TooManyRanks {}
+
+impl Share {
+    /// All rows, for one process.
+    pub fn whole(rows: usize, columns: usize) -> Self {
+        Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect() }
+    }
+
+    /// The rows of this one of the `ranks`, which share them as evenly as whole leaves and whole rows of `levels` coarser grids
+    /// allow, each of half the rows of the one before.
+    ///
+    /// # Errors
+    /// More ranks than can have a row.
+    pub fn among(ranks: Arc<dyn Ranks>, [rows, columns]: [usize; 2], levels: u32) -> Result<Self, TooManyRanks> {
+        let size = ranks.size();
+        if size == 1 {
+            return Ok(Self::whole(rows, columns));
+        }
+        let unit = unit(columns, levels);
+        let units = Self::most([rows, columns], levels);
+        if size > units {
+            return Err(TooManyRanks { ranks: size, most: units, unit });
+        }
+        let cut = |rank: usize| rows.min(units * rank / size * unit);
+        let rows = (0..size).map(|rank| cut(rank)..cut(rank + 1)).collect();
+        Ok(Self { ranks, columns, rows })
+    }
+
+    /// The largest number of processes that can share so many rows.
+    pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
+        rows.div_ceil(unit(columns, levels)).max(1)
+    }
+
+    /// The processes.
+    pub fn ranks(&self) -> &dyn Ranks {
+        &*self.ranks
+    }
+
+    /// True for one process.
+    pub fn is_whole(&self) -> bool {
+        self.rows.len() == 1
+    }
+
+    /// The own rows.
+    pub fn rows(&self) -> Range<usize> {
+        self.rows[self.ranks.rank()].clone()
+    }
+
+    /// The rows of each rank.
+    pub fn all_rows(&self) -> &[Range<usize>] {
+        &self.rows
+    }
+
+    /// The number of values in a row.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The places of the own values in the whole field.
+    pub fn own(&self) -> Range<usize> {
+        self.values(self.ranks.rank())
+    }
+
+    /// The number of values of all ranks, by which a mean divides.
+    pub fn total(&self) -> usize {
+        self.rows.last().map_or(0, |rows| rows.end * self.columns)
+    }
+
+    fn values(&self, rank: usize) -> Range<usize> {
+        let rows = &self.rows[rank];
+        rows.start * self.columns..rows.end * self.columns
+    }
+
+    /// As [`pass`] over the values of all ranks, of which `vectors` are the own ones: every rank gets the result. `leaf` counts
+    /// from the first own value.
+    ///
+    /// # Panics
+    /// If the vectors do not have the number of own values.
+    pub fn pass<V: Split, R: Parcel>(
+        &self,
+        vectors: V,
+        leaf: &(impl Fn(usize, V) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
+        if self.is_whole() {
+            return pass(vectors, leaf, merge);
+        }
+        let own = self.own();
+        assert!(vectors.fits(own.len()), "the vectors of one pass must have the length of the share");
+        let mut rest = vectors;
+        let mut parts = Vec::new();
+        for branch in self.branches(self.ranks.rank()) {
+            let (part, after) = rest.split(branch.len());
+            rest = after;
+            parts.push(([branch.start - own.start, branch.len()], part));
+        }
+        let sums = parts.into_par_iter().map(|(place, part)| tree(LEAF, place, part, leaf, merge)).collect();
+        self.joined(sums, merge)
+    }
+
+    /// As [`reduce`] over the values of all ranks; `leaf` gets ranges of the own values, counted from the first one.
+    pub fn reduce<R: Parcel>(
+        &self,
+        leaf: &(impl Fn(Range<usize>) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
+        let own = self.own();
+        if self.is_whole() {
+            return reduce(own.len(), leaf, merge);
+        }
+        let places = self.branches(self.ranks.rank()).into_par_iter();
+        let place = |branch: Range<usize>| [branch.start - own.start, branch.len()];
+        let leaf = |start: usize, Count(length): Count| leaf(start..start + length);
+        let sums = places.map(|branch| tree(LEAF, place(branch.clone()), Count(branch.len()), &leaf, merge)).collect();
+        self.joined(sums, merge)
+    }
+
+    /// The sum over the values of all ranks; `leaf` returns the sum over its range of own values.
+    pub fn sum(&self, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
+        self.reduce(leaf, &|a, b| a + b)
+    }
+
+    /// The sum of the values of all ranks, in double precision.
+    pub fn total_of<T: Copy + Into<f64> + Sync>(&self, values: &[T]) -> f64 {
+        self.sum(&|range| values[range].iter().map(|value| (*value).into()).sum())
+    }
+
+    /// The scalar product Σ a b of the values of all ranks, in double precision.
+    pub fn dot<T: Copy + Into<f64> + Sync>(&self, a: &[T], b: &[T]) -> f64 {
+        self.sum(&|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum())
+    }
+
+    /// The values of all ranks in order; rank r has `lengths[r]` of them.
+    pub fn collect<R: Parcel>(&self, own: &[R], lengths: &[usize]) -> Vec<R> {
+        let mut words = vec![0; own.len() * R::WORDS];
+        own.iter().enumerate().for_each(|(i, value)| value.put(&mut words[i * R::WORDS..][..R::WORDS]));
+        let lengths: Vec<usize> = lengths.iter().map(|length| length * R::WORDS).collect();
+        let mut all = vec![0; lengths.iter().sum()];
+        self.ranks.gather(&words, &mut all, &lengths);
+        if R::WORDS == 0 { Vec::new() } else { all.chunks_exact(R::WORDS).map(R::get).collect() }
+    }
+
+    /// The value of each rank.
+    pub fn each<R: Parcel>(&self, own: R) -> Vec<R> {
+        self.collect(&[own], &vec![1; self.rows.len()])
+    }
+
+    /// True if it is true on any rank.
+    pub fn any(&self, own: bool) -> bool {
+        if self.is_whole() { own } else { self.each(own).contains(&true) }
+    }
+
+    /// The whole field, of which `own` are the own rows, of `columns` values each.
+    pub fn gather<T: Word>(&self, own: &[T], columns: usize) -> Vec<T> {
+        self.gather_rows(own, columns, &self.rows)
+    }
+
+    /// As [`gather`](Self::gather), of a field whose `rows` of each rank are not those of the share, one after another.
+    pub fn gather_rows<T: Word>(&self, own: &[T], columns: usize, rows: &[Range<usize>]) -> Vec<T> {
+        let words = |rank: usize| T::words(rows[rank].len() * columns);
+        let lengths: Vec<usize> = (0..rows.len()).map(words).collect();
+        let mut packed = vec![0; lengths[self.ranks.rank()]];
+        T::pack(own, &mut packed);
+        let mut all = vec![0; lengths.iter().sum()];
+        self.ranks.gather(&packed, &mut all, &lengths);
+        T::joined(all, rows.iter().map(|rows| rows.len() * columns))
+    }
+
+    /// The last row of the rank before this one and the first row of the one after, around the cell, of those that each rank
+    /// gives as its `first` and its `last`.
+    pub fn beside<T: Word>(&self, first: &[T], last: &[T]) -> [Vec<T>; 2] {
+        let (rank, size) = (self.ranks.rank(), self.rows.len());
+        let (before, after) = ((rank + size - 1) % size, (rank + 1) % size);
+        let words = T::words(first.len());
+        let to = |other: usize| [(other == before, first), (other == after, last)];
+        let mut letters = Letters::default();
+        for other in 0..size {
+            let mut length = 0;
+            for (_, row) in to(other).into_iter().filter(|(goes, _)| *goes) {
+                letters.out.resize(letters.out.len() + words, 0);
+                let start = letters.out.len() - words;
+                T::pack(row, &mut letters.out[start..]);
+                length += words;
+            }
+            letters.out_lengths.push(length);
+            // From the one after comes its first row, from the one before its last; from both, if they are one, in this order.
+            letters.into_lengths.push(usize::from(other == after) * words + usize::from(other == before) * words);
+        }
+        letters.into.resize(letters.into_lengths.iter().sum(), 0);
+        let Letters { into, into_lengths, .. } = self.ranks.post(letters).wait();
+        let start = |other: usize| into_lengths[..other].iter().sum::<usize>();
+        let place = [start(before) + usize::from(before == after) * words, start(after)];
+        place.map(|start| {
+            let mut row = vec![T::default(); first.len()];
+            T::unpack(&into[start..start + words], &mut row);
+            row
+        })
+    }
+
+    /// The largest branches of the tree inside of the values of a rank, in order.
+    fn branches(&self, rank: usize) -> Vec<Range<usize>> {
+        fn find(branch: Range<usize>, own: &Range<usize>, found: &mut Vec<Range<usize>>) {
+            if branch.end <= own.start || own.end <= branch.start {
+                return;
+            }
+            if own.start <= branch.start && branch.end <= own.end {
+                found.push(branch);
+                return;
+            }
+            let middle = branch.start + half(branch.len(), LEAF).expect("ranks own whole leaves");
+            find(branch.start..middle, own, found);
+            find(middle..branch.end, own, found);
+        }
+        let mut found = Vec::new();
+        find(0..self.total(), &self.values(rank), &mut found);
+        found
+    }
+
+    /// The result of the whole tree from those of the own branches.
+    fn joined<R: Parcel>(&self, own: Vec<R>, merge: &impl Fn(R, R) -> R) -> R {
+        let branches: Vec<Vec<Range<usize>>> = (0..self.rows.len()).map(|rank| self.branches(rank)).collect();
+        if R::WORDS == 0 {
+            // Nothing to tell, and nothing to wait for.
+            return R::get(&[]);
+        }
+        let lengths: Vec<usize> = branches.iter().map(Vec::len).collect();
+        let all = self.collect(&own, &lengths);
+        let mut branches = branches.into_iter().flatten().zip(all).peekable();
+        walk(0..self.total(), &mut branches, merge)
+    }
+}
+
+/// The number of rows that fill whole leaves and whole rows of coarser grids, both powers of two.
+fn unit(columns: usize, levels: u32) -> usize {
+    (LEAF >> columns.trailing_zeros().min(LEAF.ilog2())).max(1 << levels)
+}
+
+/// The result of a branch of the tree from those of the branches inside of it.
+fn walk<R>(
+    branch: Range<usize>,
+    known: &mut std::iter::Peekable<impl Iterator<Item = (Range<usize>, R)>>,
+    merge: &impl Fn(R, R) -> R,
+) -> R {
+    if let Some((_, result)) = known.next_if(|(range, _)| *range == branch) {
+        return result;
+    }
+    let middle = branch.start + half(branch.len(), LEAF).expect("ranks own whole leaves");
+    let left = walk(branch.start..middle, known, merge);
+    merge(left, walk(middle..branch.end, known, merge))
+}
+
+/// So many values, none of which is looked at.
+struct Count(usize);
+
+impl Split for Count {
+    fn length(&self) -> usize {
+        self.0
+    }
+
+    fn split(self, middle: usize) -> (Self, Self) {
+        (Self(middle), Self(self.0 - middle))
+    }
+}
+
+impl fmt::Debug for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Share").field("rows", &self.rows()).field("ranks", &self.rows.len()).finish_non_exhaustive()
+    }
+}
