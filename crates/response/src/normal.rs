@@ -90,7 +90,8 @@ impl NormalResponse {
         let [softest, stiffest] =
             [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick).unwrap_or(0.0));
         // Below, an entry would be a rounding error of the largest.
-        if !(stiffest > LEAST_COMPLIANCE * softest) {
+        let is_resolved = stiffest > LEAST_COMPLIANCE * softest;
+        if !is_resolved {
             return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
         }
         let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
