@@ -1,5 +1,5 @@
-"""Prints the version of Python and the available FFTW: {"python": .., "fftw": {"library": .., "threads": .., "needs": [..],
-"source": ..}}.
+"""Prints the version of Python, the available FFTW, and the versions of the packages of the peers that are installed:
+{"python": .., "fftw": {"library": .., "threads": .., "needs": [..], "source": ..}, "versions": {"Tamaas": .., ..}}.
 
 The FFTW is that of the system, else that of pyFFTW, else null. The FFTW inside the package of Tamaas is not used, since it
 has no vector code. The names can be loaded and preloaded; the libraries in "needs" must be loaded first.
@@ -8,6 +8,7 @@ has no vector code. The names can be loaded and preloaded; the libraries in "nee
 import ctypes
 import ctypes.util
 import glob
+import importlib.metadata
 import importlib.util
 import json
 import os
@@ -45,4 +46,17 @@ def of_pyfftw():
     return {"library": libraries[0], "threads": threads[0], "needs": needs, "source": "pyFFTW"}
 
 
-print(json.dumps({"python": platform.python_version(), "fftw": of_the_system() or of_pyfftw()}))
+PACKAGES = ["Tamaas", "ContactMechanics", "NuMPI", "muGrid", "SurfaceTopography", "aspher", "hertzian", "numpy", "scipy", "h5py"]
+
+
+def versions():
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+print(json.dumps({"python": platform.python_version(), "fftw": of_the_system() or of_pyfftw(), "versions": versions()}))

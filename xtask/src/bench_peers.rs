@@ -3,29 +3,33 @@
 //! The peers are installed from PyPI into a separate Python environment, and every solve is a separate process. One
 //! independent routine in NumPy (peers/certify.py) computes the residuals of all final pressures.
 
+mod any_load;
 mod contestant;
 mod judge;
 mod measure;
 mod process;
 mod python;
 mod report;
+mod table;
 mod tolerance;
 
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
+use std::fmt;
+use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_cli::choice::parse_choice;
+use gfmd_cli::choice::{by_name, parse_choice};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
-use gfmd_contact::Solver;
+use gfmd_contact::{Boundary, Solver};
 use gfmd_field::Grid;
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};
 
+pub use any_load::{AnyLoad, Block, Cell, Kind, Row};
 use contestant::{Contestant, Problem};
 use measure::Bench;
 use python::Environment;
@@ -36,17 +40,30 @@ pub use report::{Case, Entry, Report, Timing};
 #[command(after_help = "Examples:
   gfmd bench-peers --quick
   gfmd bench-peers --write-docs
+  gfmd bench-peers --any-load --write-docs
+  gfmd bench-peers --boundary free --sizes 512 --peers tamaas,aspher,hertzian
   gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
-    /// Grid points along a side
-    #[arg(long, value_delimiter = ',', default_values_t = [512, 1024, 2048], value_name = "N,..")]
+    /// Grid points along a side [default: 512,1024,2048; with --any-load 256]
+    #[arg(long, value_delimiter = ',', value_name = "N,..")]
     pub sizes: Vec<usize>,
     /// Hurst exponents
     #[arg(long, value_delimiter = ',', default_values_t = [0.8, 0.0], value_name = "H,..")]
     pub hurst: Vec<f64>,
-    /// Reduced pressures p/(E* g)
-    #[arg(long, value_delimiter = ',', default_values_t = [0.01, 0.05, 0.2], value_name = "P,..")]
+    /// Reduced pressures p/(E* g) [default: 0.0001,0.01,0.05,0.2,1; with --any-load 0.0001 to 3]
+    #[arg(long, value_delimiter = ',', value_name = "P,..")]
     pub p_star: Vec<f64>,
+    /// The surroundings of the surfaces
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic, conflicts_with = "any_load")]
+    #[serde(serialize_with = "by_name")]
+    pub boundary: Boundary,
+    /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness: what every
+    /// program reaches there, judged by one certificate, and what fails. Each is asked for --tol, and up to twice for less
+    #[arg(long, conflicts_with_all = ["quick", "solvers"])]
+    pub any_load: bool,
+    /// With --any-load: leave times out, as on a machine that is not idle
+    #[arg(long, requires = "any_load")]
+    pub without_times: bool,
     /// Numbers of threads
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
     pub thread_counts: Vec<usize>,
@@ -60,8 +77,9 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Solver>(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
     #[serde(serialize_with = "names")]
     pub solvers: Vec<Solver>,
-    /// Peers (other programs) to run
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart])]
+    /// Peers (other programs) to run, of those that are installed [default: tamaas,contact-mechanics,no-restart,aspher; with
+    /// free boundaries tamaas,contact-mechanics,aspher,hertzian; with --any-load all]
+    #[arg(long, value_enum, value_delimiter = ',')]
     pub peers: Vec<Peer>,
     /// FFTW used by Tamaas
     #[arg(long, value_enum, default_value_t = TamaasFftw::Preloaded)]
@@ -69,9 +87,9 @@ pub struct Args {
     /// Smallest number of solves up to 1024 x 1024 points; larger ones may run once. The median is reported
     #[arg(long, default_value_t = 3, value_name = "K")]
     pub repeats: usize,
-    /// Time limit: a peer is left out of a case that takes it longer, or is expected to
-    #[arg(long, default_value_t = 1800.0, value_name = "SECONDS")]
-    pub patience: f64,
+    /// Time limit: a peer is left out of a case that takes it longer, or is expected to [default: 1800; with --any-load 60]
+    #[arg(long, value_name = "SECONDS")]
+    pub patience: Option<f64>,
     /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
     #[arg(long, conflicts_with_all = ["sizes", "hurst", "p_star", "repeats"])]
     pub quick: bool,
@@ -81,9 +99,9 @@ pub struct Args {
     /// Folder of the environment, created if missing [default: bench-peers/venv beside the build]
     #[arg(long, value_name = "FOLDER")]
     pub venv: Option<PathBuf>,
-    /// Write the documentation page
-    #[arg(long, num_args = 0..=1, default_missing_value = "docs/benchmarks.md", value_name = "FILE.md")]
-    pub write_docs: Option<PathBuf>,
+    /// Write the documentation page [default: docs/benchmarks.md; with --any-load docs/any-load.md]
+    #[arg(long, value_name = "FILE.md")]
+    pub write_docs: Option<Option<PathBuf>>,
 }
 
 fn names<S: Serializer>(solvers: &[Solver], serializer: S) -> Result<S::Ok, S::Error> {
@@ -102,6 +120,27 @@ pub enum Peer {
     NoRestart,
     /// ContactMechanics with NuMPI's conjugate gradients without restart, under a load (slower)
     NoRestartLoad,
+    /// Tamaas with free boundaries registered, and not also chosen: it solves the periodic problem
+    TamaasRegistered,
+    /// ASPHER, its nested grids
+    Aspher,
+    /// ASPHER with its active set, which leaves points out, and the H2 operator, an approximation, which that needs (free
+    /// boundaries)
+    AspherActive,
+    /// hertzian, which has free boundaries only; install it into the environment from its repository
+    Hertzian,
+}
+
+impl Peer {
+    /// The name of its package.
+    fn package(self) -> &'static str {
+        match self {
+            Self::Tamaas | Self::TamaasRegistered => "Tamaas",
+            Self::ContactMechanics | Self::NoRestart | Self::NoRestartLoad => "ContactMechanics",
+            Self::Aspher | Self::AspherActive => "aspher",
+            Self::Hertzian => "hertzian",
+        }
+    }
 }
 
 /// The FFTW used by Tamaas.
@@ -117,15 +156,43 @@ pub enum TamaasFftw {
 }
 
 impl Args {
-    /// The arguments with the values of `--quick` filled in, and sorted.
+    /// The arguments with the default values, or those of `--quick`, filled in, and sorted.
     fn resolved(&self) -> Self {
         let mut args = self.clone();
         if self.quick {
             (args.sizes, args.hurst, args.p_star, args.repeats) = (vec![128, 256], vec![0.8], vec![0.05], 1);
         }
+        let fill = |values: &mut Vec<usize>, defaults: &[usize]| {
+            if values.is_empty() {
+                values.extend(defaults);
+            }
+        };
+        fill(&mut args.sizes, if self.any_load { &[256] } else { &[512, 1024, 2048] });
+        if args.p_star.is_empty() {
+            args.p_star = if self.any_load { any_load::LOADS.to_vec() } else { vec![1e-4, 0.01, 0.05, 0.2, 1.0] };
+        }
+        if args.peers.is_empty() {
+            args.peers = match self.boundary {
+                _ if self.any_load => any_load::PEERS.to_vec(),
+                Boundary::Periodic => vec![Peer::Tamaas, Peer::ContactMechanics, Peer::NoRestart, Peer::Aspher],
+                Boundary::Free => vec![Peer::Tamaas, Peer::ContactMechanics, Peer::Aspher, Peer::Hertzian],
+            };
+        }
+        args.patience = args.patience.or(Some(if self.any_load { 60.0 } else { 1800.0 }));
         args.sizes.sort_unstable();
         args.thread_counts.sort_unstable();
         args
+    }
+
+    /// The time limit of a peer, s.
+    fn patience(&self) -> f64 {
+        self.patience.unwrap_or(f64::INFINITY)
+    }
+
+    /// The page to write, if one is asked for.
+    fn page(&self) -> Option<&Path> {
+        let default = if self.any_load { "docs/any-load.md" } else { "docs/benchmarks.md" };
+        self.write_docs.as_ref().map(|file| file.as_deref().unwrap_or(Path::new(default)))
     }
 
     fn check(&self) -> Result<(), Failure> {
@@ -134,10 +201,10 @@ impl Args {
             None => Ok(()),
         };
         positive("--p-star", &self.p_star)?;
-        if !(self.patience > 0.0 && self.patience <= 1e7) {
+        if self.patience.is_some_and(|patience| !(patience > 0.0 && patience <= 1e7)) {
             return Err(Failure::Input(format!(
                 "--patience is {}; it must be above 0 and at most 1e7 s",
-                self.patience
+                self.patience()
             )));
         }
         if !(1e-12..=1e-3).contains(&self.tol) {
@@ -170,6 +237,26 @@ impl Args {
         let own = self.solvers.iter().copied().map(Contestant::Own);
         own.chain(self.peers.iter().copied().map(Contestant::Peer)).collect()
     }
+
+    /// Leaves the peers out that are not installed, or do not suit the boundary; returns remarks on them.
+    fn leave_out(&mut self, environment: &Environment) -> Vec<String> {
+        let mut notes = Vec::new();
+        let boundary = self.boundary;
+        let is_any = self.any_load;
+        self.peers.retain(|peer| {
+            let contestant = Contestant::Peer(*peer);
+            let why = if !environment.has(*peer) {
+                "it is not installed"
+            } else if !is_any && !contestant.suits(boundary, None) {
+                "it has no contacts with these boundaries"
+            } else {
+                return true;
+            };
+            notes.push(format!("{contestant} is left out: {why}."));
+            false
+        });
+        notes
+    }
 }
 
 /// Cell length over longest wavelength, and grid points per shortest wavelength, of every surface.
@@ -182,16 +269,45 @@ const SMALL: usize = 32;
 /// Spectral rms gradient of every surface.
 const RMS_GRADIENT: f64 = 0.1;
 
+/// The result of the command.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Made {
+    /// Times to one certified residual.
+    Timed(Report),
+    /// The table of all loads.
+    AnyLoad(AnyLoad),
+}
+
+impl fmt::Display for Made {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Timed(report) => report.fmt(f),
+            Self::AnyLoad(table) => table.fmt(f),
+        }
+    }
+}
+
 /// Runs the command. After a failure the finished cases are kept in a file, which the message names.
 ///
 /// # Errors
-/// Invalid input; an environment that cannot be created; a failed solve of this program; a result whose certified
-/// residual exceeds the tolerance, or which differs from that of the first contestant.
-pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let args = args.resolved();
+/// Invalid input; an environment that cannot be created; a failed solve of this program; without `--any-load` a result whose
+/// certified residual exceeds the tolerance, or which differs from that of the first contestant.
+pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
+    let mut args = args.resolved();
     args.check()?;
     let folder = work_folder()?;
-    let environment = Environment::prepare(&args, &folder, session)?;
+    let mut environment = Environment::prepare(&args, &folder, session)?;
+    let left_out = args.leave_out(&environment);
+    environment.notes.extend(left_out);
+    if args.any_load {
+        return any_load::run(&args, &folder, &environment, session).map(Made::AnyLoad);
+    }
+    timed(&args, &folder, &environment, session).map(Made::Timed)
+}
+
+/// Times all contestants to one certified residual.
+fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Session) -> Result<Report, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let (possible, too_many): (Vec<usize>, Vec<usize>) = args.thread_counts.iter().partition(|t| **t <= cores);
     if possible.is_empty() {
@@ -207,6 +323,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         fftw: environment.fftw_in_words(),
         tamaas_fftw: environment.tamaas_fftw,
         contestants: args.contestants().iter().map(ToString::to_string).collect(),
+        boundary: args.boundary.name(),
         tolerance: args.tol,
         seed: args.seed,
         cases: Vec::new(),
@@ -216,11 +333,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if !too_many.is_empty() {
         report.notes.push(format!("Numbers of threads {too_many:?} were left out: the machine has {cores} cores."));
     }
-    let small = problems(&args, SMALL, 0.8, environment.scratch())?;
-    let mut bench = Bench::new(&args, possible, &small[0], &environment, session)?;
+    let small = problems(args, SMALL, 0.8, environment.scratch())?;
+    let mut bench = Bench::new(args, possible, &small[0], environment, session)?;
     for &points in &args.sizes {
         for &hurst in &args.hurst {
-            let problems = problems(&args, points, hurst, environment.scratch())?;
+            let problems = problems(args, points, hurst, environment.scratch())?;
             for problem in &problems {
                 let done = bench.case(problem, &mut report.notes).map_err(|failure| report.keep_after(failure))?;
                 report.cases.push(done);
@@ -228,7 +345,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             }
         }
     }
-    if let Some(file) = &args.write_docs {
+    if let Some(file) = args.page() {
         report.write_page(file)?;
     }
     Ok(report)
@@ -245,7 +362,7 @@ fn work_folder() -> Result<PathBuf, Failure> {
 }
 
 /// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
-fn problems(args: &Args, points: usize, hurst: f64, folder: &std::path::Path) -> Result<Vec<Problem>, Failure> {
+fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
     let shortest = EPS_C_INV / points as f64;
@@ -263,7 +380,9 @@ fn problems(args: &Args, points: usize, hurst: f64, folder: &std::path::Path) ->
     let answer = args.contestants()[0].pressure_file(folder, 1);
     let load = |&p_star: &f64| {
         let mean_pressure = p_star * rms_gradient;
-        Problem { points, hurst, p_star, mean_pressure, heights: file.clone(), answer: answer.clone() }
+        let (heights, answer) = (file.clone(), answer.clone());
+        let (boundary, hardness, most_iterations) = (args.boundary, None, None);
+        Problem { points, hurst, p_star, mean_pressure, heights, boundary, hardness, most_iterations, answer }
     };
     Ok(args.p_star.iter().map(load).collect())
 }

@@ -57,6 +57,7 @@ pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
 use series::{First, Series};
+pub use together::Together;
 use vtk::VtkFile;
 
 /// Flags of `contact`.
@@ -192,7 +193,7 @@ impl ControlArgs {
 }
 
 /// The ranges of `--range-continuation`, over the one asked for.
-const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
+pub const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
 /// Runs the command.
 ///
@@ -325,7 +326,13 @@ impl Prepared {
 
     /// The numbers of the attraction, if there is one.
     fn adhesion(&self, args: &Args) -> Option<Adhesion> {
-        Adhesion::of(&args.law, &self.law, &self.surface, self.body.contact_modulus())
+        Adhesion::of(
+            &args.law,
+            &self.law,
+            &self.surface.grid,
+            &self.surface.statistics.moments,
+            self.body.contact_modulus(),
+        )
     }
 
     /// The contact with the hardness, if there is one.

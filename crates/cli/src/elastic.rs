@@ -188,12 +188,12 @@ impl BodyArgs {
     }
 }
 
-/// Makes the body of flags, without a command.
+/// The flags of a body, without a command.
 ///
 /// # Errors
-/// Words that are no flags of a body; a flag out of its range; flags that do not go together.
-pub fn body_of(words: &[String]) -> Result<Body, Failure> {
-    parsed::<BodyArgs>(words)?.body()
+/// Words that are no flags of a body.
+pub fn body_flags(words: &[String]) -> Result<BodyArgs, Failure> {
+    parsed(words)
 }
 
 impl OtherArgs {

@@ -251,7 +251,7 @@ impl Prepared {
     /// The numbers of the attraction, if there is one.
     fn adhesion(&self, args: &Args) -> Option<Adhesion> {
         let Action::Law(law) = &self.action else { return None };
-        Adhesion::of(&args.law, law, &self.surface, self.body.contact_modulus())
+        Adhesion::of(&args.law, law, &self.surface.grid, &self.surface.statistics.moments, self.body.contact_modulus())
     }
 
     /// The hardness, if there is one.

@@ -310,7 +310,7 @@ impl Equilibrium for SteepContact {
         let mut state = search.state(1e-3);
         let (mut residual, mut slow) = (1.0_f64, 0);
         loop {
-            let tolerance = (0.1 * residual).clamp(0.3 * budget.tolerance, 1e-3);
+            let tolerance = (0.1 * residual).min(1e-3).max(0.3 * budget.tolerance);
             let ending = match (search.solve(tolerance, watch), state) {
                 (Ok(ending), _) => ending,
                 // The displaced surface cannot be solved: the slopes are too large.

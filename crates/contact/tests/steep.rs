@@ -134,3 +134,13 @@ fn slopes_that_are_too_large_and_wrong_input_are_refused() {
     assert!(matches!(contact.certify(&Array2::zeros((3, 3)), Load::MeanPressure(1.0)), Err(Refusal::Shape { .. })));
     assert!(matches!(SteepContact::new(&body(0.0), &grid, &Array2::zeros((N, 1))), Err(Refusal::Flat)));
 }
+
+#[test]
+fn a_loose_tolerance_is_met() {
+    let (grid, heights) = rough(0.2, false);
+    let contact = SteepContact::new(&body(0.2), &grid, &heights).unwrap();
+    for tolerance in [1e-2, 0.1] {
+        let state = contact.press(Load::MeanPressure(0.02)).tolerance(tolerance).solve().unwrap();
+        assert!(state.worst() <= tolerance, "{tolerance}: {}", state.worst());
+    }
+}

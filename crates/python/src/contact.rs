@@ -3,24 +3,24 @@
 use std::sync::Arc;
 
 use clap::ValueEnum as _;
-use gfmd_cli::contact::Unknown;
-use gfmd_cli::elastic::body_of;
+use gfmd_cli::contact::{Together, Unknown};
+use gfmd_cli::elastic::{BodyArgs, body_flags};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
+use gfmd_cli::law::{Adhesion, LawArgs};
 use gfmd_cli::memory::Held;
 use gfmd_contact::{Boundary, Budget, Hardness, Load, Progress, Refusal, Solver};
 use gfmd_field::Grid;
-use gfmd_green::Body;
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_surface::{PowerSpectrum, Statistics};
-use ndarray::{ArrayRef2, ArrayView2};
+use gfmd_surface::{Moments, PowerSpectrum, Statistics};
+use ndarray::{Array2, ArrayRef2, ArrayView2};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::failure::{failed, refused};
-use crate::loads::{Loads, Rest};
+use crate::loads::{Loads, Rest, Setting};
 use crate::surface::grid;
 use crate::worker::{quick, run};
 
@@ -38,10 +38,30 @@ pub(crate) fn check_law(py: Python<'_>, name: &str, parameters: Vec<(String, f64
     law(py, name, &parameters).map(|_| ())
 }
 
-fn law(py: Python<'_>, name: &str, parameters: &[(String, f64)]) -> PyResult<(Kind, Arc<dyn Law>)> {
+fn law(py: Python<'_>, name: &str, parameters: &[(String, f64)]) -> PyResult<(LawArgs, Arc<dyn Law>)> {
     let kind: Kind = name.parse().map_err(|error| refused(py, &error))?;
     let law = kind.with(parameters).map_err(|error| refused(py, &error))?;
-    Ok((kind, law.into_shared()))
+    Ok((LawArgs { law: kind, param: parameters.to_vec(), coarse: false }, law.into_shared()))
+}
+
+/// The numbers of an attraction on a surface and a body, as JSON: `null` without one.
+#[pyfunction]
+pub(crate) fn adhesion(
+    py: Python<'_>,
+    heights: PyReadonlyArray2<'_, f64>,
+    lengths: [f64; 2],
+    body: Vec<String>,
+    law: (String, Vec<(String, f64)>),
+) -> PyResult<String> {
+    let (args, law) = self::law(py, &law.0, &law.1)?;
+    let heights = heights.as_array();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let found = quick(py, || {
+        let modulus = body_flags(&body)?.body()?.contact_modulus();
+        let (_, moments) = gradient(&heights, &grid, Boundary::Periodic)?;
+        Ok::<_, Failure>(Adhesion::of(&args, &law, &grid, &moments, modulus))
+    })?;
+    json::to_string(&found.map_err(|failure| refused(py, &failure))?).map_err(|error| refused(py, &error))
 }
 
 /// A surface against a body.
@@ -91,6 +111,9 @@ impl Problem {
         body: Vec<String>,
         law: (String, Vec<(String, f64)>),
         hardness: Option<Given<'_>>,
+        lower: Option<PyReadonlyArray2<'_, f64>>,
+        finite_slope: bool,
+        coarse: Option<bool>,
         boundary: &str,
         components: &str,
         solver: &str,
@@ -98,15 +121,16 @@ impl Problem {
     ) -> PyResult<Self> {
         let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
         let unknown = Unknown::from_str(components, false).map_err(|error| refused(py, &error))?;
-        let body = body_of(&body).map_err(|failure| refused(py, &failure))?;
-        let (kind, law) = self::law(py, &law.0, &law.1)?;
+        let body = body_flags(&body).map_err(|failure| refused(py, &failure))?;
+        let (args, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();
         let grid = grid(py, heights.dim().into(), lengths)?;
         let hardness = hardness.map(Hardness::from);
-        let (made, raised) = run(py, threads, None, |_| {
-            Self::pose(&heights, grid, (&body, boundary), (kind, &law, hardness.as_ref()), unknown, solver)
-        })?;
+        let lower: Option<Array2<f64>> = lower.map(|heights| heights.as_array().to_owned());
+        let (kind, hardness, lower) = (args.law, hardness.as_ref(), lower.as_deref());
+        let setting = Setting { boundary, kind, law: &law, hardness, unknown, finite_slope, lower, solver };
+        let (made, raised) = run(py, threads, None, |_| Self::pose(&heights, grid, &body, &setting, (&args, coarse)))?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
         made.map_err(|failure| refused(py, &failure))
@@ -156,10 +180,12 @@ impl Problem {
         displacement: PyReadonlyArray2<'_, f64>,
         gap: PyReadonlyArray2<'_, f64>,
         approach: f64,
+        lower_pressure: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<State> {
         let (pressure, displacement, gap) = (pressure.as_array(), displacement.as_array(), gap.as_array());
         let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
-        let made = quick(py, || self.loads.recalled(kept, &self.scales))?;
+        let lower = lower_pressure.as_ref().map(|lower| lower.as_array());
+        let made = quick(py, || self.loads.recalled(kept, lower.as_deref(), &self.scales))?;
         made.map(|rest| State { rest }).map_err(|failure| failed(py, &failure))
     }
 
@@ -183,6 +209,12 @@ impl State {
         this.get().rest.lateral().iter().map(|field| lent(&this, &field.view())).collect()
     }
 
+    /// Pressure, displacement, gap of the lower face of a slab between two surfaces, without a copy.
+    #[getter]
+    fn lower(this: Bound<'_, Self>) -> Option<[Array<'_>; 3]> {
+        this.get().rest.lower().map(|fields| fields.map(|field| lent(&this, &field)))
+    }
+
     /// The plastic depth of a contact with a hardness, without a copy.
     #[getter]
     fn plastic_depth(this: Bound<'_, Self>) -> Option<Array<'_>> {
@@ -199,22 +231,53 @@ fn lent<'py>(state: &Bound<'py, State>, field: &ArrayView2<'_, f64>) -> Array<'p
     array
 }
 
+/// The rms gradient by which loads are reduced, and the moments of a surface.
+fn gradient(heights: &ArrayRef2<f64>, grid: &Grid, boundary: Boundary) -> Result<(f64, Moments), Failure> {
+    let refuse = |error| Failure::input("surface", error);
+    match boundary {
+        Boundary::Periodic => {
+            let moments = PowerSpectrum::of(heights, grid).map_err(refuse)?.moments();
+            Ok((moments.rms_gradient(), moments))
+        }
+        Boundary::Free => {
+            let statistics = Statistics::of(&heights.to_owned(), grid).map_err(refuse)?;
+            Ok((statistics.rms_gradient_inside, statistics.moments))
+        }
+    }
+}
+
 impl Problem {
+    /// `coarse` is `None` for a problem whose grid is not judged.
     fn pose(
         heights: &ArrayRef2<f64>,
         grid: Grid,
-        (body, boundary): (&Body, Boundary),
-        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<&Hardness>),
-        unknown: Unknown,
-        solver: Solver,
+        body: &BodyArgs,
+        setting: &Setting<'_>,
+        (args, coarse): (&LawArgs, Option<bool>),
     ) -> Result<Self, Failure> {
-        if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), body) {
+        let Setting { boundary, kind, law, hardness, unknown, finite_slope, lower, .. } = *setting;
+        let hardness_in_words = hardness.map(|hardness| hardness.mean().to_string());
+        let lower_flag = lower.map(|_| "--lower-surface");
+        let together = Together {
+            law: kind,
+            boundary,
+            components: unknown,
+            hardness: hardness_in_words,
+            body,
+            finite_slope,
+            lower: lower_flag,
+        };
+        together.check()?;
+        let body = body.body()?;
+        if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), &body) {
             return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
         }
         if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
             return Err(Failure::value("hardness", hardness.mean(), "absent with a law"));
         }
         let held = match (kind, boundary) {
+            _ if finite_slope => Held::STEEP,
+            _ if lower.is_some() => Held::SQUEEZED,
             _ if unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
             (Kind::HardWall, Boundary::Periodic) if hardness.is_none() => Held::HARD_WALL,
             (Kind::HardWall, _) => Held::FREE,
@@ -222,19 +285,27 @@ impl Problem {
             (_, Boundary::Free) => Held::LAW_FREE,
         };
         held.check("the grid", grid.points())?;
-        let of_input = |error| Failure::input("surface", error);
-        let rms_gradient = match boundary {
-            Boundary::Periodic => PowerSpectrum::of(heights, &grid).map_err(of_input)?.moments().rms_gradient(),
-            Boundary::Free => Statistics::of(&heights.to_owned(), &grid).map_err(of_input)?.rms_gradient_inside,
-        };
+        let (rms_gradient, moments) = gradient(heights, &grid, boundary)?;
+        if lower.is_some() && heights.iter().all(|height| *height == heights[[0, 0]]) {
+            return Err(Failure::Input(
+                "surface: the heights are all equal; with a lower surface only that may be flat".into(),
+            ));
+        }
         let refuse = |error: Refusal| match error {
             Refusal::Solver { .. } => Failure::input("solver", error),
             Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => Failure::input("hardness", error),
+            Refusal::Body(_) if lower.is_some() => Failure::input("lower_surface", error),
             Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };
-        let loads =
-            Loads::new((grid, body, boundary), heights, (kind, law, hardness), unknown, solver).map_err(refuse)?;
+        let loads = Loads::new((grid, &body), heights, setting).map_err(refuse)?;
+        if let Some(coarse) = coarse {
+            let advice = Adhesion::of(args, law, &grid, &moments, body.contact_modulus());
+            advice.map_or(Ok(()), |advice| advice.tell(coarse))?;
+            if let Some(trapping) = loads.trapping() {
+                tracing::warn!("{trapping}");
+            }
+        }
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
         Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient })
     }

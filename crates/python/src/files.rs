@@ -19,23 +19,37 @@ use crate::surface::grid;
 use crate::worker::quick;
 
 /// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth, with all
-/// components also u_x and u_y.
+/// components or finite slopes also u_x and u_y, between two surfaces also pressure, displacement and gap of the lower face.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
-/// Writes contacts of one surface. `surface` is heights, lengths, unit, description; `hardness` is given if it is a field.
+/// A surface: heights, lengths, unit, description.
+type Given<'py> = (PyReadonlyArray2<'py, f64>, [f64; 2], Option<String>, String);
+
+/// The surface as a file has it.
+fn surface_of(
+    py: Python<'_>,
+    (heights, lengths, unit, description): Given<'_>,
+    boundary: Boundary,
+) -> PyResult<Surface> {
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let statistics = quick(py, || Statistics::of(&heights, &grid))?;
+    let statistics = statistics.map_err(|error| refused(py, &format!("surface: {error}")))?;
+    Ok(Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None, second: None })
+}
+
+/// Writes contacts of one surface; `hardness` is given if it is a field, `lower` if there is a surface below the slab.
 #[pyfunction]
-#[pyo3(signature = (path, surface, loads, config, hardness=None))]
+#[pyo3(signature = (path, surface, loads, config, hardness=None, lower=None))]
 pub(crate) fn save(
     py: Python<'_>,
     path: &str,
-    surface: (PyReadonlyArray2<'_, f64>, [f64; 2], Option<String>, String),
+    surface: Given<'_>,
     loads: Vec<Load<'_>>,
     config: String,
     hardness: Option<PyReadonlyArray2<'_, f64>>,
+    lower: Option<Given<'_>>,
 ) -> PyResult<()> {
-    let (heights, lengths, unit, description) = surface;
-    let heights = heights.as_array().to_owned();
-    let grid = grid(py, heights.dim().into(), lengths)?;
     let mut records = Vec::new();
     let mut fields: Vec<Vec<Array2<f64>>> = Vec::new();
     for (record, of_load) in loads {
@@ -46,10 +60,9 @@ pub(crate) fn save(
     let is_free = records.iter().any(|record| record.force.is_some());
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
     let hardness = hardness.map(|field| Hardness::Field(field.as_array().to_owned()));
+    let surface = surface_of(py, surface, boundary)?;
+    let lower = lower.map(|lower| surface_of(py, lower, boundary)).transpose()?;
     let written = quick(py, || {
-        let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input("surface", error))?;
-        let surface =
-            Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None, second: None };
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let with_law = records.iter().any(|record| record.law.is_some());
@@ -57,9 +70,14 @@ pub(crate) fn save(
         let is_squeezed = records.iter().any(|record| record.lower.is_some());
         let others = 3 + usize::from(is_plastic) + if is_squeezed { 3 } else { 0 };
         let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(others));
-        let recording = Recording { is_plastic, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
+        let is_steep = records.iter().any(|record| record.mean_shear.is_some());
+        let recording =
+            Recording { is_plastic, is_steep, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
         let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
+        if let Some(lower) = &lower {
+            file.write_lower(lower)?;
+        }
         file.write_hardness(hardness.as_ref(), &surface)?;
         for (index, fields) in fields.iter().enumerate() {
             file.write_fields(index, fields.iter().map(|field| field.view().into()))?;

@@ -17,7 +17,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::command::{program, run};
     #[pymodule_export]
-    use crate::contact::{Problem, State, check_law, solvers};
+    use crate::contact::{Problem, State, adhesion, check_law, solvers};
     #[pymodule_export]
     use crate::files::{json_to_toml, read_array, read_text, save, toml_to_json};
     #[pymodule_export]
@@ -25,6 +25,8 @@ mod _gfmd {
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    const RANGES: [f64; 3] = gfmd_cli::contact::RANGES;
     #[pymodule_export]
     const GIT_COMMIT: &str = gfmd_cli::session::GIT_COMMIT;
 }

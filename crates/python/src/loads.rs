@@ -8,7 +8,7 @@ use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
 use gfmd_contact::{
     Boundary, Budget, Contact, Equilibrium, Fields, FullContact, FullSolution, Hardness, Load, Refusal, Solution,
-    SolveError, Solver, Watch,
+    SolveError, Solver, SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::Body;
@@ -27,7 +27,22 @@ pub(crate) struct Loads {
 enum Kindred {
     Wall(Contact),
     Full(FullContact),
+    Steep(SteepContact),
+    Squeezed(SqueezedContact),
     Law(Interface),
+}
+
+/// What a contact has beside its surface and its body.
+pub(crate) struct Setting<'a> {
+    pub(crate) boundary: Boundary,
+    pub(crate) kind: Kind,
+    pub(crate) law: &'a Arc<dyn Law>,
+    pub(crate) hardness: Option<&'a Hardness>,
+    pub(crate) unknown: Unknown,
+    pub(crate) finite_slope: bool,
+    /// Heights of a rigid surface below the slab.
+    pub(crate) lower: Option<&'a ArrayRef2<f64>>,
+    pub(crate) solver: Solver,
 }
 
 /// A load at rest, or as far as it came.
@@ -40,6 +55,9 @@ pub(crate) struct Rest {
 enum Reached {
     Wall(Box<Solution>),
     Full(Box<FullSolution>),
+    Steep(Box<SteepSolution>),
+    /// A state between two surfaces, and u_z of the lower face.
+    Squeezed(Box<SqueezedSolution>, Array2<f64>),
     /// A state with a law, and the pressure that follows from its traction.
     Law(Box<State>, Array2<f64>),
 }
@@ -59,13 +77,23 @@ impl Rest {
     pub(crate) fn plastic_depth(&self) -> Option<ArrayView2<'_, f64>> {
         match &self.reached {
             Reached::Wall(solution) => solution.plastic.as_ref().map(|plastic| plastic.depth.view()),
-            Reached::Full(_) | Reached::Law(..) => None,
+            _ => None,
         }
+    }
+
+    /// Pressure, displacement, gap of the lower face of a slab between two surfaces.
+    pub(crate) fn lower(&self) -> Option<[ArrayView2<'_, f64>; 3]> {
+        let Reached::Squeezed(solution, displacement) = &self.reached else { return None };
+        Some([solution.lower.pressure.view(), displacement.view(), solution.lower.gap.view()])
     }
 
     /// The lateral displacement, if it was unknown.
     pub(crate) fn lateral(&self) -> &[Array2<f64>] {
-        if let Reached::Full(solution) = &self.reached { &solution.lateral } else { &[] }
+        match &self.reached {
+            Reached::Full(solution) => &solution.lateral,
+            Reached::Steep(solution) => &solution.lateral,
+            _ => &[],
+        }
     }
 
     /// Pressure, displacement, gap.
@@ -73,6 +101,10 @@ impl Rest {
         match &self.reached {
             Reached::Wall(solution) => [solution.pressure.view(), solution.displacement_z(), solution.gap()],
             Reached::Full(solution) => [solution.normal.pressure.view(), solution.displacement_z(), solution.gap()],
+            Reached::Steep(solution) => [solution.normal.pressure.view(), solution.displacement_z(), solution.gap()],
+            Reached::Squeezed(solution, _) => {
+                [solution.upper.pressure.view(), solution.displacement_z(), solution.gap()]
+            }
             Reached::Law(state, pressure) => [pressure.view(), state.displacement_z(), state.gap()],
         }
     }
@@ -86,6 +118,15 @@ fn full(solution: FullSolution) -> Reached {
     Reached::Full(Box::new(solution))
 }
 
+fn steep(solution: SteepSolution) -> Reached {
+    Reached::Steep(Box::new(solution))
+}
+
+fn squeezed(solution: SqueezedSolution) -> Reached {
+    let displacement = solution.lower_displacement_z();
+    Reached::Squeezed(Box::new(solution), displacement)
+}
+
 fn with_pressure(state: State) -> Reached {
     let pressure = state.pressure().into_owned();
     Reached::Law(Box::new(state), pressure)
@@ -93,42 +134,53 @@ fn with_pressure(state: State) -> Reached {
 
 impl Loads {
     pub(crate) fn new(
-        (grid, body, boundary): (Grid, &Body, Boundary),
+        (grid, body): (Grid, &Body),
         heights: &ArrayRef2<f64>,
-        (kind, law, hardness): (Kind, &Arc<dyn Law>, Option<&Hardness>),
-        unknown: Unknown,
-        solver: Solver,
+        setting: &Setting<'_>,
     ) -> Result<Self, Refusal> {
-        let (contact, allowed) = if unknown == Unknown::All {
-            let contact = FullContact::on(FullResponse::new(grid, body), heights)?;
-            let allowed = contact.solvers();
-            (Kindred::Full(contact), allowed)
+        let Setting { boundary, kind, law, hardness, unknown, finite_slope, lower, solver } = *setting;
+        let contact = if let Some(lower) = lower {
+            Kindred::Squeezed(SqueezedContact::new(body, &grid, heights, lower)?)
+        } else if finite_slope {
+            Kindred::Steep(SteepContact::new(body, &grid, heights)?)
+        } else if unknown == Unknown::All {
+            Kindred::Full(FullContact::on(FullResponse::new(grid, body), heights)?)
         } else if kind == Kind::HardWall {
             let contact = match boundary {
                 Boundary::Periodic => Contact::on(unknown.response(grid, body), heights)?,
                 Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
             };
-            let contact = match hardness {
+            Kindred::Wall(match hardness {
                 Some(hardness) => contact.with_hardness(hardness.clone())?,
                 None => contact,
-            };
-            let allowed = contact.solvers();
-            (Kindred::Wall(contact), allowed)
+            })
         } else {
             let interface = match boundary {
                 Boundary::Periodic => Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?,
                 Boundary::Free => Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?,
             };
-            if let Some(trapping) = interface.trapping() {
-                tracing::warn!("{trapping}");
-            }
-            let allowed = interface.solvers();
-            (Kindred::Law(interface), allowed)
+            Kindred::Law(interface)
+        };
+        let allowed = match &contact {
+            Kindred::Wall(contact) => contact.solvers(),
+            Kindred::Full(contact) => contact.solvers(),
+            Kindred::Steep(contact) => contact.solvers(),
+            Kindred::Squeezed(contact) => contact.solvers(),
+            Kindred::Law(interface) => interface.solvers(),
         };
         if !allowed.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed });
         }
         Ok(Self { contact, solver })
+    }
+
+    /// The remark that single points jump on this grid, if the law is too steep for it.
+    pub(crate) fn trapping(&self) -> Option<String> {
+        if let Kindred::Law(interface) = &self.contact {
+            interface.trapping().map(|told| told.to_string())
+        } else {
+            None
+        }
     }
 
     /// Brings one load to rest. With a failure, the state is as far as it came; without a state, the load was refused.
@@ -159,19 +211,38 @@ impl Loads {
             }
             Kindred::Full(contact) => {
                 let start = if let Some(Reached::Full(start)) = last { Some(&**start) } else { None };
-                let (state, failure) = self.press(contact, load, budget, start, watch)?;
-                let seconds = started.elapsed().as_secs_f64();
-                Ok((Rest::of(state, full, scales, budget.tolerance, seconds), failure))
+                self.rested((contact, full), load, (budget, scales), start, watch)
+            }
+            Kindred::Steep(contact) => {
+                let start = if let Some(Reached::Steep(start)) = last { Some(&**start) } else { None };
+                self.rested((contact, steep), load, (budget, scales), start, watch)
+            }
+            Kindred::Squeezed(contact) => {
+                let start = if let Some(Reached::Squeezed(start, _)) = last { Some(&**start) } else { None };
+                self.rested((contact, squeezed), load, (budget, scales), start, watch)
             }
             Kindred::Law(interface) => {
                 let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
-                let (state, failure) = self.press(interface, load, budget, start, watch)?;
-                let seconds = started.elapsed().as_secs_f64();
-                let mut rest = Rest::of(state, with_pressure, scales, budget.tolerance, seconds);
+                let (mut rest, failure) =
+                    self.rested((interface, with_pressure), load, (budget, scales), start, watch)?;
                 rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid());
                 Ok((rest, failure))
             }
         }
+    }
+
+    /// As [`solve`](Self::solve), without a stiffness.
+    fn rested<E: Equilibrium<State: Recorded>>(
+        &self,
+        (contact, kept): (&E, impl FnOnce(E::State) -> Reached),
+        load: Load,
+        (budget, scales): (&Budget, &Scales),
+        start: Option<&E::State>,
+        watch: &mut dyn Watch,
+    ) -> Result<(Rest, Option<Failure>), Failure> {
+        let started = Instant::now();
+        let (state, failure) = self.press(contact, load, budget, start, watch)?;
+        Ok((Rest::of(state, kept, scales, budget.tolerance, started.elapsed().as_secs_f64()), failure))
     }
 
     fn press<E: Equilibrium>(
@@ -199,8 +270,13 @@ impl Loads {
         }
     }
 
-    /// The state with these fields, as a file keeps them, to start from.
-    pub(crate) fn recalled(&self, kept: Kept<'_>, scales: &Scales) -> Result<Rest, Failure> {
+    /// The state with these fields, as a file keeps them, and the pressure on the lower face if there is one, to start from.
+    pub(crate) fn recalled(
+        &self,
+        kept: Kept<'_>,
+        lower: Option<&ArrayRef2<f64>>,
+        scales: &Scales,
+    ) -> Result<Rest, Failure> {
         let refuse = |error: Refusal| Failure::input("start", error);
         match &self.contact {
             Kindred::Wall(contact) => {
@@ -211,6 +287,16 @@ impl Loads {
                 let mean = kept.pressure.mean().unwrap_or(f64::NAN);
                 let solution = contact.certify(kept.pressure, Load::MeanPressure(mean)).map_err(refuse)?;
                 Ok(Rest::of(solution, full, scales, f64::INFINITY, 0.0))
+            }
+            Kindred::Steep(contact) => {
+                let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
+                Ok(Rest::of(solution, steep, scales, f64::INFINITY, 0.0))
+            }
+            Kindred::Squeezed(contact) => {
+                let lower = lower.ok_or_else(|| Failure::Input("start has no lower_pressure".into()))?;
+                let load = Load::Approach(kept.approach);
+                let solution = contact.certify([kept.pressure, lower], load).map_err(refuse)?;
+                Ok(Rest::of(solution, squeezed, scales, f64::INFINITY, 0.0))
             }
             Kindred::Law(interface) => {
                 let state = interface.recall(kept).map_err(refuse)?;

@@ -233,7 +233,7 @@ def test_files_come_back(tmp_path):
 
 def test_warnings_of_the_libraries_are_warnings():
     with pytest.warns(UserWarning, match="trap|grid|range") as told:
-        gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4)
+        gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4, coarse=True)
     assert told[0].filename == __file__
 
 
@@ -253,13 +253,3 @@ def test_the_overhead_of_a_call_is_small():
         best = min(best, time.perf_counter() - before - contact.seconds)
     # About 1 ms on a quiet machine, with the scalars measured on the fields; a busy one takes some times that.
     assert best < 1e-2, best
-
-
-def test_contacts_that_python_does_not_hold_are_not_read_as_others(tmp_path):
-    path = tmp_path / "c.h5"
-    gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05).save(path)
-    assert gfmd.load(path).converged
-    with h5py.File(path, "r+") as file:
-        file.attrs["config"] = "lower_seed = 0\n" + str(file.attrs["config"])
-    with pytest.raises(gfmd.InputError, match="lower-seed"):
-        gfmd.load(path)

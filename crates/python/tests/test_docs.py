@@ -102,9 +102,11 @@ def test_results_have_the_attributes_that_are_documented(words):
     adhesive = gfmd.contact(words["s"], gfmd.Body(), approach=0.001, law=gfmd.law("morse", gamma=1e-4, range=5e-3))
     rubbed = gfmd.friction(gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1)
     indented = gfmd.path(gfmd.self_affine(n=16), gfmd.Body(), p_star=[0.1], hardness=0.05, steps=1)
+    steep = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, finite_slope=True)
+    squeezed = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(height=0.5), p_star=0.05, lower_surface=np.zeros((16, 16)))
     examples = [
         (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
-                        gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1)]),
+                        gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1), steep, squeezed]),
         (gfmd.Path, [words["loop"], rubbed, indented]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
@@ -113,7 +115,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.Statistics, [words["s"].statistics()]),
         (gfmd.Body, [gfmd.Body()]),
         (gfmd.Residual, [words["c"].residual, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual,
-                         gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual]),
+                         gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual, steep.residual]),
     ]
     for kind, results in examples:
         typed = {key for key in kind.__annotations__ if not key.startswith("_")}

@@ -93,7 +93,9 @@ loads = st.one_of(positive, st.lists(positive, min_size=1, max_size=3), st.lists
 bodies = st.sampled_from([BODY, BODY, gfmd.Body(e_star=2.0), gfmd.Body(poisson=0.5, height=0.3), gfmd.Body(height=1.0, base="sliding")])
 laws = st.sampled_from([None, None, "hard-wall", LAW, gfmd.law("dugdale", gamma=1e-3, range=0.05), gfmd.law("exponential", gamma=1e-3, range=0.1)])
 files = st.sampled_from([FILE, "heights.npy", "heights.txt", "noise.h5", "noise.npy", "noise.txt", "nowhere", ".", "", "a/b.h5", f"{FILE}:/surface/height", f"{FILE}:/fields/pressure", f"{FILE}:/no", "\0", "ö.txt"])
-solve = dict(law=laws, solver=st.sampled_from(["auto", "auto", "auto", "cg", "fire", "newton"]), tolerance=st.floats(1e-10, 0.1), max_iterations=st.integers(0, 300), threads=st.integers(0, 3))
+solve = dict(law=laws, solver=st.sampled_from(["auto", "auto", "auto", "cg", "fire", "newton"]), tolerance=st.floats(1e-10, 0.1), max_iterations=st.integers(0, 300), threads=st.integers(0, 3),
+             coarse=st.booleans(), range_continuation=st.sampled_from([False, False, True]), finite_slope=st.sampled_from([False, False, True]),
+             lower_surface=st.sampled_from([None, None, SURFACE, np.zeros((8, 8))]))  # fmt: skip
 one_load = dict(mean_pressure=positive, p_star=positive, approach=signed)
 load = dict(mean_pressure=loads, p_star=loads, approach=st.one_of(signed, st.lists(signed, min_size=1, max_size=3)))
 sweep = st.fixed_dictionaries(

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use gfmd_cli::load::LoadRecord;
 use gfmd_cli::session::Session;
-use gfmd_contact::Solver;
+use gfmd_contact::{Boundary, Solver};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -33,6 +32,10 @@ impl fmt::Display for Contestant {
             Self::Peer(Peer::ContactMechanics) => f.write_str("ContactMechanics"),
             Self::Peer(Peer::NoRestart) => f.write_str("CM no-restart"),
             Self::Peer(Peer::NoRestartLoad) => f.write_str("CM no-restart, load"),
+            Self::Peer(Peer::TamaasRegistered) => f.write_str("Tamaas, registered"),
+            Self::Peer(Peer::Aspher) => f.write_str("ASPHER"),
+            Self::Peer(Peer::AspherActive) => f.write_str("ASPHER active"),
+            Self::Peer(Peer::Hertzian) => f.write_str("hertzian"),
         }
     }
 }
@@ -45,6 +48,10 @@ pub(super) struct Problem {
     pub(super) p_star: f64,
     pub(super) mean_pressure: f64,
     pub(super) heights: PathBuf,
+    pub(super) boundary: Boundary,
+    pub(super) hardness: Option<f64>,
+    /// The largest number of iterations of a peer, if it is not left to it.
+    pub(super) most_iterations: Option<u64>,
     /// File with the pressure of the first contestant.
     pub(super) answer: PathBuf,
 }
@@ -60,6 +67,9 @@ pub(super) struct Solve {
     pub(super) peak_bytes: u64,
     /// Resident memory before the surface was read; for this program, memory of a solve with few points.
     pub(super) baseline_bytes: u64,
+    /// The reason why the program itself says that it has not reached its tolerance.
+    #[serde(default)]
+    pub(super) failure: Option<String>,
 }
 
 /// The settings of a solve.
@@ -77,9 +87,22 @@ impl Contestant {
     /// True if the contestant can use more than one thread.
     pub(super) fn is_threaded(&self, environment: &Environment) -> bool {
         match self {
-            Self::Own(_) => true,
-            Self::Peer(Peer::Tamaas) => environment.tamaas_has_threads(),
+            Self::Own(_) | Self::Peer(Peer::Aspher | Peer::AspherActive) => true,
+            Self::Peer(Peer::Tamaas | Peer::TamaasRegistered) => environment.tamaas_has_threads(),
             Self::Peer(_) => false,
+        }
+    }
+
+    /// True if the contestant solves contacts of this kind.
+    pub(super) fn suits(&self, boundary: Boundary, hardness: Option<f64>) -> bool {
+        match self {
+            Self::Own(solver) => hardness.is_none() || matches!(solver, Solver::Auto | Solver::PreconditionedCg),
+            Self::Peer(Peer::Tamaas | Peer::ContactMechanics) => true,
+            Self::Peer(Peer::NoRestart) => boundary == Boundary::Periodic && hardness.is_none(),
+            Self::Peer(Peer::NoRestartLoad | Peer::Aspher) => hardness.is_none(),
+            Self::Peer(Peer::Hertzian | Peer::TamaasRegistered | Peer::AspherActive) => {
+                boundary == Boundary::Free && hardness.is_none()
+            }
         }
     }
 
@@ -93,9 +116,22 @@ impl Contestant {
         })
     }
 
+    /// As [`attempt`](Self::attempt); a program that says that it has not reached its tolerance has failed.
+    pub(super) fn solve(
+        &self,
+        problem: &Problem,
+        tolerance: f64,
+        threads: usize,
+        out: Option<&Path>,
+        place: Place,
+    ) -> Result<Solve, Ended> {
+        let solve = self.attempt(problem, tolerance, threads, out, place)?;
+        solve.failure.clone().map_or(Ok(solve), |failure| Err(Ended::Failed(failure)))
+    }
+
     /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`: .h5 for
     /// this program, which writes no file if `out` is `None`; .npy for peers, which need a file.
-    pub(super) fn solve(
+    pub(super) fn attempt(
         &self,
         problem: &Problem,
         tolerance: f64,
@@ -109,32 +145,38 @@ impl Contestant {
                 "mean_pressure": problem.mean_pressure,
                 "tolerance": tolerance,
                 "threads": threads,
+                "boundary": problem.boundary.name(),
+                "hardness": problem.hardness,
                 "answer": problem.answer,
                 "out": out.map_or_else(|| place.environment.scratch().join("unused.npy"), Path::to_path_buf),
             });
             if let (Some(task), serde_json::Value::Object(more)) = (task.as_object_mut(), more) {
                 task.extend(more);
+                task.extend(problem.most_iterations.map(|most| ("most".to_owned(), json!(most))));
             }
             task
         };
         let environment = place.environment;
         match self {
             Self::Own(solver) => own(*solver, problem, tolerance, threads, out, place),
-            Self::Peer(Peer::Tamaas) => {
+            Self::Peer(peer @ (Peer::Tamaas | Peer::TamaasRegistered)) => {
                 let measured = environment.tamaas_fftw == TamaasFftw::Tuned;
                 let fftw = environment.preloaded();
                 let plans = if measured { "measured" } else { "estimated" };
-                let task = task(json!({ "fftw": fftw, "plans": plans }));
+                let solver = if *peer == Peer::Tamaas { "dcfft" } else { "default" };
+                let task = task(json!({ "fftw": fftw, "plans": plans, "solver": solver }));
                 environment.run_within(Script::Tamaas, &task, place.limit, place.session)
             }
             Self::Peer(peer) => {
-                let solver = match peer {
-                    Peer::NoRestart => "no-restart",
-                    Peer::NoRestartLoad => "no-restart-load",
-                    _ => "default",
+                let (script, solver) = match peer {
+                    Peer::NoRestart => (Script::ContactMechanics, "no-restart"),
+                    Peer::NoRestartLoad => (Script::ContactMechanics, "no-restart-load"),
+                    Peer::Aspher => (Script::Aspher, "default"),
+                    Peer::AspherActive => (Script::Aspher, "active"),
+                    Peer::Hertzian => (Script::Hertzian, "default"),
+                    _ => (Script::ContactMechanics, "default"),
                 };
-                let task = task(json!({ "solver": solver }));
-                environment.run_within(Script::ContactMechanics, &task, place.limit, place.session)
+                environment.run_within(script, &task(json!({ "solver": solver })), place.limit, place.session)
             }
         }
     }
@@ -143,8 +185,16 @@ impl Contestant {
 /// The part of the JSON output of `contact` that is needed here.
 #[derive(Deserialize)]
 struct Contact {
-    loads: Vec<LoadRecord>,
+    loads: Vec<Load>,
     peak_bytes: u64,
+}
+
+/// The part of a load: other numbers may be `null`, such as the stiffness in full contact.
+#[derive(Deserialize)]
+struct Load {
+    seconds: f64,
+    iterations: u64,
+    transform_pairs: f64,
 }
 
 /// Solves with this program in a new process, so that its memory can be measured and caches are as cold as for peers.
@@ -163,6 +213,10 @@ fn own(
     command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
     command.arg("--tol").arg(format!("{tolerance:e}"));
     command.arg("--threads").arg(threads.to_string());
+    command.args(["--boundary", problem.boundary.name()]);
+    if let Some(hardness) = problem.hardness {
+        command.arg("--hardness").arg(format!("{hardness:?}"));
+    }
     if solver != Solver::Auto {
         command.arg("--solver").arg(solver.name());
     }
@@ -179,5 +233,6 @@ fn own(
         transform_pairs: Some(load.transform_pairs),
         peak_bytes: contact.peak_bytes,
         baseline_bytes: place.own_baseline,
+        failure: None,
     })
 }

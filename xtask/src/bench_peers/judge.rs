@@ -16,7 +16,7 @@ use super::python::{Environment, Script};
 /// pressure times rms height.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Verdict {
-    /// The four residuals (docs/interface.md).
+    /// The residuals (docs/interface.md).
     pub residual: ResidualRecord,
     /// Fraction of points with pressure.
     pub area_fraction: f64,
@@ -43,9 +43,7 @@ pub(super) const AGREEMENT: f64 = 1e-6;
 impl Verdict {
     /// The largest residual; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
-        let r = self.residual;
-        let all = [r.complementarity, r.penetration, r.negative_pressure, r.load];
-        all.into_iter().fold(0.0, |worst, r| if worst.is_nan() || r <= worst { worst } else { r })
+        self.residual.worst()
     }
 
     /// The reason why this pressure is rejected, if any. On small grids [`AGREEMENT`] is less than one point; one point
@@ -72,7 +70,8 @@ impl Verdict {
     }
 }
 
-/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`.
+/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`. One that is no number,
+/// or carries no load, has no verdict.
 pub(super) fn judge(
     problem: &Problem,
     fields: &BTreeMap<String, PathBuf>,
@@ -81,7 +80,8 @@ pub(super) fn judge(
     session: &Session,
 ) -> Result<BTreeMap<String, Verdict>, Ended> {
     let task = json!({
-        "heights": problem.heights, "mean_pressure": problem.mean_pressure, "fields": fields, "reference": reference,
+        "heights": problem.heights, "mean_pressure": problem.mean_pressure, "boundary": problem.boundary.name(),
+        "hardness": problem.hardness, "fields": fields, "reference": reference,
     });
     environment.run(Script::Certify, &task, session)
 }

@@ -112,7 +112,7 @@ impl<'a> Bench<'a> {
 
     /// The settings of a solve with a time limit of `patience` times that of the user.
     fn place(&self, patience: f64) -> Place<'a> {
-        let limit = Duration::from_secs_f64(patience * self.args.patience);
+        let limit = Duration::from_secs_f64(patience * self.args.patience());
         Place { environment: self.environment, session: self.session, limit, own_baseline: self.own_baseline }
     }
 
@@ -136,8 +136,8 @@ impl<'a> Bench<'a> {
         let known = self.known.get(&key).copied();
         if let Some(known) = known {
             let expected = known.seconds * (problem.points as f64 / known.points as f64).powf(GROWTH);
-            if expected > self.args.patience {
-                return Err(Ended::TooLong(Duration::from_secs_f64(self.args.patience)));
+            if expected > self.args.patience() {
+                return Err(Ended::TooLong(Duration::from_secs_f64(self.args.patience())));
             }
         }
         let threads = if contestant.is_threaded(self.environment) { self.threads[0] } else { 1 };
@@ -279,6 +279,12 @@ impl<'a> Bench<'a> {
         let reference = self.contestants[0].to_string();
         let verdicts = judge(problem, &fields, &reference, self.environment, self.session);
         let verdicts = verdicts.map_err(|ended| ended.failure("the verdict"))?;
+        for starter in starters {
+            let contestant = starter.contestant.to_string();
+            if !verdicts.contains_key(&contestant) {
+                return Err(Failure::Computation(format!("{contestant} at {name}: its pressure is no number")));
+            }
+        }
         for (contestant, verdict) in &verdicts {
             if let Some(objection) = verdict.objection(self.args.tol, problem.points) {
                 let text = format!("{contestant} at {name}, {threads} threads, against {reference}: {objection}");

@@ -14,7 +14,7 @@ use serde_json::json;
 use tempfile::TempDir;
 
 use super::process::{Ended, output};
-use super::{Args, TamaasFftw};
+use super::{Args, Peer, TamaasFftw};
 
 const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
 
@@ -27,18 +27,30 @@ pub(super) const LONG: Duration = Duration::from_secs(3600);
 /// The scripts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Script {
+    Aspher,
     Certify,
     ContactMechanics,
     Describe,
+    Hertzian,
     Tamaas,
     Yardstick,
 }
 
 impl Script {
-    const ALL: [Self; 5] = [Self::Certify, Self::ContactMechanics, Self::Describe, Self::Tamaas, Self::Yardstick];
+    const ALL: [Self; 7] = [
+        Self::Aspher,
+        Self::Certify,
+        Self::ContactMechanics,
+        Self::Describe,
+        Self::Hertzian,
+        Self::Tamaas,
+        Self::Yardstick,
+    ];
 
     fn name(self) -> &'static str {
         match self {
+            Self::Aspher => "solve_aspher.py",
+            Self::Hertzian => "solve_hertzian.py",
             Self::Certify => "certify.py",
             Self::ContactMechanics => "solve_contact_mechanics.py",
             Self::Describe => "describe.py",
@@ -49,6 +61,8 @@ impl Script {
 
     fn text(self) -> &'static str {
         match self {
+            Self::Aspher => include_str!("../../peers/solve_aspher.py"),
+            Self::Hertzian => include_str!("../../peers/solve_hertzian.py"),
             Self::Certify => include_str!("../../peers/certify.py"),
             Self::ContactMechanics => include_str!("../../peers/solve_contact_mechanics.py"),
             Self::Describe => include_str!("../../peers/describe.py"),
@@ -71,6 +85,8 @@ pub(super) struct Fftw {
 struct Description {
     python: String,
     fftw: Option<Fftw>,
+    /// Versions of the packages of the peers that are there.
+    versions: BTreeMap<String, String>,
 }
 
 /// A measurement of the yardstick at one size and number of threads.
@@ -93,6 +109,7 @@ struct Yardsticks {
 pub(super) struct Environment {
     python: PathBuf,
     python_version: String,
+    packages: BTreeMap<String, String>,
     fftw: Fftw,
     fftw_version: String,
     pub(super) tamaas_fftw: TamaasFftw,
@@ -105,7 +122,7 @@ impl Environment {
     /// Creates the environment if it is missing, and finds an FFTW.
     pub(super) fn prepare(args: &Args, folder: &Path, session: &Session) -> Result<Self, Failure> {
         let venv = args.venv.clone().unwrap_or_else(|| folder.join("venv"));
-        let python = install(&args.python, &venv, session)?;
+        let (python, mut notes) = install(&args.python, &venv, session)?;
         let scratch = tempfile::tempdir_in(folder).map_err(|error| cannot_write(folder, &error))?;
         for script in Script::ALL {
             let file = scratch.path().join(script.name());
@@ -126,7 +143,6 @@ impl Environment {
                 "neither the system nor pyFFTW provides it, and the yardstick needs it (Debian: libfftw3-double3)";
             return Err(Failure::input("FFTW", reason));
         };
-        let mut notes = Vec::new();
         if fftw.source != "system" {
             notes.push("The system has no FFTW: that of pyFFTW was used for the yardstick and for Tamaas.".to_owned());
         }
@@ -137,7 +153,9 @@ impl Environment {
         }
         let python_version = description.python;
         let fftw_version = String::new();
-        let mut environment = Self { python, python_version, fftw, fftw_version, tamaas_fftw, notes, scratch };
+        let packages = description.versions;
+        let mut environment =
+            Self { python, python_version, packages, fftw, fftw_version, tamaas_fftw, notes, scratch };
         environment.fftw_version = environment.yardsticks(&[], &[], 0.0, session)?.version;
         Ok(environment)
     }
@@ -147,13 +165,17 @@ impl Environment {
         self.scratch.path()
     }
 
-    /// Versions of the pinned packages, of Python and of this program.
+    /// Versions of the packages, of Python and of this program.
     pub(super) fn versions(&self) -> BTreeMap<String, String> {
-        let pins = REQUIREMENTS.lines().filter_map(|line| line.split_once("=="));
-        let mut versions: BTreeMap<_, _> = pins.map(|(name, version)| (name.to_owned(), version.to_owned())).collect();
+        let mut versions = self.packages.clone();
         versions.insert("Python".into(), self.python_version.clone());
         versions.insert("gfmd".into(), env!("CARGO_PKG_VERSION").into());
         versions
+    }
+
+    /// True if the package of a peer is there.
+    pub(super) fn has(&self, peer: Peer) -> bool {
+        self.packages.contains_key(peer.package())
     }
 
     /// The FFTW of the yardstick.
@@ -245,13 +267,13 @@ fn run<T: DeserializeOwned>(
         .map_err(|error| Ended::Failed(format!("the output of {} is no valid JSON: {error}", script.name())))
 }
 
-/// The Python of the environment in `venv`, with all packages installed.
-fn install(program: &Path, venv: &Path, session: &Session) -> Result<PathBuf, Failure> {
+/// The Python of the environment in `venv`, with all packages installed that can be, and remarks on the others.
+fn install(program: &Path, venv: &Path, session: &Session) -> Result<(PathBuf, Vec<String>), Failure> {
     let python = venv.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     // This file is written last: without it, or with other contents, the environment is incomplete.
     let complete = venv.join("gfmd-requirements.txt");
     if fs::read_to_string(&complete).is_ok_and(|text| text == REQUIREMENTS) {
-        return Ok(python);
+        return Ok((python, Vec::new()));
     }
     tracing::info!("installing the peers in {}", venv.display());
     let made = output(Command::new(program).arg("-m").arg("venv").arg(venv), LONG, session);
@@ -260,16 +282,25 @@ fn install(program: &Path, venv: &Path, session: &Session) -> Result<PathBuf, Fa
         other => Failure::input("--python, --venv", other.in_words()),
     })?;
     let packages: Vec<&str> = REQUIREMENTS.lines().collect();
-    pip(&python, &packages, session)?;
+    let mut notes = Vec::new();
+    if let Err(Failure::Computation(_)) = pip(&python, &packages, session) {
+        // One that cannot be built here does not keep the others out.
+        for package in packages {
+            match pip(&python, &[package], session) {
+                Err(Failure::Computation(said)) => notes.push(format!("{package} is not installed: {said}")),
+                done => done?,
+            }
+        }
+    }
     fs::write(&complete, REQUIREMENTS).map_err(|error| cannot_write(&complete, &error))?;
-    Ok(python)
+    Ok((python, notes))
 }
 
 fn pip(python: &Path, packages: &[&str], session: &Session) -> Result<(), Failure> {
     let mut command = Command::new(python);
     command.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(packages);
     let done = output(&mut command, LONG, session);
-    done.map(|_| ()).map_err(|ended| ended.failure("pip cannot install the peers (Python 3.11 or later is needed)"))
+    done.map(|_| ()).map_err(|ended| ended.failure("pip cannot install it (Python 3.11 or later is needed)"))
 }
 
 fn cannot_write(file: &Path, error: &std::io::Error) -> Failure {

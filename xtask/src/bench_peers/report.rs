@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
-use std::fs::File;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use gfmd_cli::failure::Failure;
@@ -11,6 +9,7 @@ use serde::Serialize;
 
 use super::TamaasFftw;
 use super::judge::{AGREEMENT, Verdict};
+use super::table::{Table, write_beside};
 
 /// The result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
@@ -29,6 +28,8 @@ pub struct Report {
     pub tamaas_fftw: TamaasFftw,
     /// The contestants; the first is the reference of the comparisons.
     pub contestants: Vec<String>,
+    /// The surroundings of the surfaces.
+    pub boundary: &'static str,
     /// The bound on the certified residuals.
     pub tolerance: f64,
     /// Seed of the surfaces.
@@ -262,7 +263,7 @@ impl Report {
     }
 
     pub(super) fn page(&self) -> String {
-        let Self { date, machine, commit, fftw, seed, tolerance, .. } = self;
+        let Self { date, machine, commit, fftw, seed, tolerance, boundary, .. } = self;
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
         let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
         let plans = match self.tamaas_fftw {
@@ -276,7 +277,7 @@ impl Report {
             "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. -->\n\
              # Against other programs\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
-             Half-space, hard wall, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
+             Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
              shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"
         );
         for note in self.disturbance().iter().chain(&self.notes) {
@@ -311,59 +312,4 @@ impl fmt::Display for Report {
         }
         writeln!(f, "kept: {}", self.kept.display())
     }
-}
-
-/// A table with a title and a header row.
-struct Table {
-    title: String,
-    head: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
-        std::iter::once(&self.head).chain(&self.rows)
-    }
-
-    fn widths(&self) -> Vec<usize> {
-        let width =
-            |column: usize| self.lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
-        (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect()
-    }
-
-    fn markdown(&self) -> String {
-        let widths = self.widths();
-        let row = |cells: &Vec<String>| {
-            let cells = cells.iter().zip(&widths).map(|(cell, width)| format!(" {cell:>width$} |"));
-            format!("|{}\n", cells.collect::<String>())
-        };
-        let rule =
-            format!("|{}\n", widths.iter().map(|width| format!("{}:|", "-".repeat(width + 1))).collect::<String>());
-        format!("## {}\n\n{}{rule}{}", self.title, row(&self.head), self.rows.iter().map(row).collect::<String>())
-    }
-}
-
-impl fmt::Display for Table {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        writeln!(f, "{}", self.title)?;
-        let widths = self.widths();
-        for line in self.lines() {
-            let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
-            writeln!(f, "{}", cells.join("  "))?;
-        }
-        Ok(())
-    }
-}
-
-/// Writes a file beside `file` and renames it, so that `file` is never incomplete.
-fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
-    let mut beside = file.as_os_str().to_owned();
-    beside.push(".part");
-    let write = || -> std::io::Result<()> {
-        let mut opened = File::create(&beside)?;
-        opened.write_all(text.as_bytes())?;
-        opened.sync_all()?;
-        std::fs::rename(&beside, file)
-    };
-    write().map_err(|error| Failure::Computation(format!("cannot write {}: {error}", file.display())))
 }

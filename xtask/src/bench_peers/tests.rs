@@ -4,15 +4,17 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use gfmd_cli::session::{Common, Session};
-use gfmd_contact::Residual;
+use gfmd_contact::{Boundary, Residual, Solver};
 use proptest::prelude::*;
 
+use super::any_load::{AnyLoad, Block, Cell, Kind, LOADS, Row};
+use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
 use super::measure::median;
 use super::process::{Ended, output};
 use super::report::{Case, Entry, Report, Timing};
 use super::tolerance::{Found, loosest};
-use super::{Args, TamaasFftw};
+use super::{Args, Peer, TamaasFftw};
 
 fn session() -> Session {
     Session::silent(Common { json: false, threads: 1, quiet: true, verbose: 0 })
@@ -126,6 +128,7 @@ fn report() -> Report {
         fftw: "fftw-3.3.10".into(),
         tamaas_fftw: TamaasFftw::Preloaded,
         contestants: vec!["gfmd".into(), "Tamaas".into()],
+        boundary: "periodic",
         tolerance: 1e-8,
         seed: 1,
         cases: vec![case(512, 20.0), case(512, 30.0), case(512, 70.0), case(1024, 1.0)],
@@ -176,11 +179,102 @@ fn flags_out_of_range_are_refused_by_name() {
     refused(|args| args.tol = f64::NAN, "--tol");
     refused(|args| args.repeats = 0, "--repeats");
     refused(|args| args.thread_counts = vec![0], "--thread-counts");
-    refused(|args| args.patience = -1.0, "--patience");
-    refused(|args| args.patience = 1e30, "--patience");
+    refused(|args| args.patience = Some(-1.0), "--patience");
+    refused(|args| args.patience = Some(1e30), "--patience");
     refused(|args| args.solvers.clear(), "--solvers");
-    let quick = args(&["--quick"]).resolved();
+    let quick = args(&["--quick"]);
     assert_eq!((quick.sizes, quick.p_star), (vec![128, 256], vec![0.05]));
+    let any = args(&["--any-load", "--write-docs"]);
+    assert_eq!((any.sizes.clone(), any.patience()), (vec![256], 60.0));
+    assert_eq!(any.page().unwrap().to_str(), Some("docs/any-load.md"));
+    assert_eq!(args(&["--write-docs"]).page().unwrap().to_str(), Some("docs/benchmarks.md"));
+    assert!(args(&["--boundary", "free"]).peers.contains(&Peer::Hertzian));
+}
+
+#[test]
+fn contestants_solve_the_contacts_that_they_have() {
+    use Boundary::{Free, Periodic};
+    let suits = |contestant: Contestant| {
+        [(Periodic, None), (Free, None), (Periodic, Some(0.1))]
+            .map(|(boundary, hardness)| contestant.suits(boundary, hardness))
+    };
+    assert_eq!(suits(Contestant::Own(Solver::Auto)), [true; 3]);
+    assert_eq!(suits(Contestant::Own(Solver::PolonskyKeer)), [true, true, false]);
+    assert_eq!(suits(Contestant::Peer(Peer::ContactMechanics)), [true; 3]);
+    assert_eq!(suits(Contestant::Peer(Peer::Aspher)), [true, true, false]);
+    assert_eq!(suits(Contestant::Peer(Peer::Hertzian)), [false, true, false]);
+    assert_eq!(suits(Contestant::Peer(Peer::NoRestart)), [true, false, false]);
+}
+
+/// A table with a contestant that is certified, one that is wrong, one that says so, and one without a pressure.
+fn any_load() -> AnyLoad {
+    let good = Cell {
+        tolerance: 1e-8,
+        seconds: Some(0.5),
+        iterations: Some(12),
+        transform_pairs: Some(26.0),
+        verdict: Some(verdict(4e-9, 0.0, 0)),
+        certified: true,
+        said: None,
+    };
+    let counted = Cell { transform_pairs: None, ..good.clone() };
+    let wrong = Cell { verdict: Some(verdict(0.7, 0.23, 900)), certified: false, ..good.clone() };
+    let said = Some("no convergence to 1e-8: stagnated".to_owned());
+    let close = Cell { verdict: Some(verdict(2e-8, 1e-7, 0)), certified: false, said, ..good.clone() };
+    let late = Cell { said: Some("it takes longer than 60 s".into()), ..Cell::default() };
+    let row = |p_star, cells: [&Cell; 3]| Row { p_star, contact: Some(0.25), cells: cells.map(Cell::clone).into() };
+    let kind = Kind { name: "free", boundary: Boundary::Free, hardness: None };
+    let hard = Kind { name: "hardness", boundary: Boundary::Periodic, hardness: Some(0.1) };
+    let names = ["gfmd", "A", "B"].map(str::to_owned).to_vec();
+    let rows = vec![row(0.01, [&good, &counted, &wrong]), row(1.0, [&good, &close, &late])];
+    let hard_row = Row { cells: vec![good.clone(), good.clone()], ..row(0.1, [&late; 3]) };
+    AnyLoad {
+        date: "2026-01-02".into(),
+        machine: "a processor".into(),
+        commit: "0123456789abcdef".into(),
+        versions: BTreeMap::from([("A".into(), "2.9.0".into())]),
+        points: 256,
+        tolerance: 1e-8,
+        seed: 1,
+        patience: 60.0,
+        timed: true,
+        blocks: vec![
+            Block { kind, hurst: 0.8, contestants: names.clone(), rows },
+            Block { kind: hard, hurst: 0.0, contestants: names[..2].into(), rows: vec![hard_row] },
+        ],
+        notes: vec!["something to know".into()],
+        kept: "kept.json".into(),
+    }
+}
+
+#[test]
+fn the_page_of_all_loads_shows_what_fails() {
+    let table = any_load();
+    let page = table.page();
+    for words in [
+        "| 26, 4e-9 | 12 it., 4e-9 | ✗ 7e-1, 23 % off |",
+        "✗ 2e-8 |",
+        "✗ too long |",
+        "2 of 2 |",
+        "1 of 2 |",
+        "hardness 0.1 E\\*, H = 0",
+        "- A, free boundaries, H = 0.8: p\\* = 1: residual 2e-8, pressure 1.0e-5 % off (no convergence to 1e-8: stagnated).",
+        "- B, free boundaries, H = 0.8: p\\* = 0.01: residual 7e-1, pressure 23 % off; p\\* = 1: no result (it takes longer than 60 s).",
+        "> something to know",
+        "## Seconds: free boundaries, H = 0.8",
+        "0.500",
+    ] {
+        assert!(page.contains(words), "{words}\n{page}");
+    }
+    assert!(!page.contains("- gfmd,"), "what is certified is not told as a failure");
+    assert!(!AnyLoad { timed: false, ..table }.page().contains("## Seconds"));
+    for lines in page.split("## ") {
+        let mut widths: Vec<usize> =
+            lines.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
+        widths.dedup();
+        assert!(widths.len() <= 1, "{lines}");
+    }
+    assert!(LOADS.is_sorted());
 }
 
 fn args(flags: &[&str]) -> Args {
@@ -189,7 +283,7 @@ fn args(flags: &[&str]) -> Args {
         #[command(flatten)]
         args: Args,
     }
-    <Line as clap::Parser>::parse_from(["bench-peers"].iter().chain(flags)).args
+    <Line as clap::Parser>::parse_from(["bench-peers"].iter().chain(flags)).args.resolved()
 }
 
 #[test]

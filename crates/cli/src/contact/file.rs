@@ -199,7 +199,7 @@ impl<'a> ContactFile<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
+    pub fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&lower.grid, lower.unit());
         lower::write(lower, &mut self.archive, [&x, &y])
     }

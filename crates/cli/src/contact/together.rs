@@ -1,4 +1,4 @@
-//! Which flags go together.
+//! What goes together.
 
 use gfmd_contact::{Boundary, Factors, Solver};
 use gfmd_green::{BaseKind, Body, Height};
@@ -6,8 +6,75 @@ use gfmd_law::Kind;
 
 use super::{Args, Unknown};
 use crate::dynamics::DampedBy;
+use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::values::numbers;
+
+/// What a contact has, from flags or from the arguments of a call, of which not all goes together.
+pub struct Together<'a> {
+    /// The law across the gap.
+    pub law: Kind,
+    /// The surroundings of the surface.
+    pub boundary: Boundary,
+    /// The unknown components.
+    pub components: Unknown,
+    /// The hardness in words.
+    pub hardness: Option<String>,
+    /// The elastic body.
+    pub body: &'a BodyArgs,
+    /// True with finite slopes.
+    pub finite_slope: bool,
+    /// The flag of a surface below the slab.
+    pub lower: Option<&'static str>,
+}
+
+/// A flag that is refused, what it is, and what it must be.
+type Refused = (&'static str, String, &'static str);
+
+impl Together<'_> {
+    /// Refuses what does not go with finite slopes or with a surface below the slab, if there are.
+    ///
+    /// # Errors
+    /// The name, the value found, and the values allowed.
+    pub fn check(&self) -> Result<(), Failure> {
+        let told = |refused: Option<Refused>, other: &str| match refused {
+            Some((flag, found, allowed)) => Err(Failure::value(flag, found, format!("{allowed} with {other}"))),
+            None => Ok(()),
+        };
+        if let Some(lower) = self.lower {
+            told(self.beside_lower(), lower)?;
+        }
+        if self.finite_slope { told(self.beside_either(), FINITE_SLOPE) } else { Ok(()) }
+    }
+
+    /// What goes neither with finite slopes nor with a surface below.
+    fn beside_either(&self) -> Option<Refused> {
+        let Self { law, boundary, components, hardness, body, .. } = self;
+        let second_body = &body.others.second_body;
+        match () {
+            () if *law != Kind::HardWall => Some(("--law", law.name().into(), "hard-wall")),
+            () if *boundary == Boundary::Free => Some(("--boundary", boundary.to_string(), "periodic")),
+            () if *components != Unknown::Normal => Some(("--components", components.name().into(), "normal")),
+            () => (second_body.map(|second| ("--second-body", second.to_string(), "left out")))
+                .or_else(|| hardness.as_ref().map(|hardness| ("--hardness", hardness.clone(), "left out"))),
+        }
+    }
+
+    fn beside_lower(&self) -> Option<Refused> {
+        let Self { body, finite_slope, .. } = self;
+        match () {
+            () if body.height == Height::Infinite => Some(("--height", "inf".into(), "finite")),
+            () if body.others.base != BaseKind::Bonded => {
+                let allowed = "left out (nothing but the two surfaces holds the slab)";
+                Some(("--base", body.others.base.to_string(), allowed))
+            }
+            () if *finite_slope => Some((FINITE_SLOPE, "given".into(), "left out")),
+            () => self.beside_either(),
+        }
+    }
+}
+
+const FINITE_SLOPE: &str = "--finite-slope";
 
 impl Args {
     /// Checks that the contact can have the unknown components.
@@ -25,37 +92,33 @@ impl Args {
         }
     }
 
+    /// What goes together here.
+    fn together(&self) -> Together<'_> {
+        Together {
+            law: self.law.law,
+            boundary: self.boundary,
+            components: self.components,
+            hardness: self.hardness.as_ref().map(ToString::to_string),
+            body: &self.body,
+            finite_slope: self.finite_slope,
+            lower: self.lower.flag(),
+        }
+    }
+
     /// Refuses flags that do not go with finite slopes.
     pub(super) fn check_finite_slope(&self) -> Result<(), Failure> {
-        let Self { components, boundary, law, hardness, base, body, flow_threshold, .. } = self;
-        let second_body = &body.others.second_body;
-        let refused: [(bool, &str, String, &str); 6] = [
-            (law.law != Kind::HardWall, "--law", law.law.name().into(), "hard-wall"),
-            (*boundary == Boundary::Free, "--boundary", boundary.to_string(), "periodic"),
-            (*components != Unknown::Normal, "--components", components.name().into(), "normal"),
-            (
-                hardness.is_some(),
-                "--hardness",
-                hardness.as_ref().map_or_else(String::new, ToString::to_string),
-                "left out",
-            ),
-            (
-                second_body.is_some(),
-                "--second-body",
-                second_body.map_or_else(String::new, |second| second.to_string()),
-                "left out",
-            ),
-            (*flow_threshold, "--flow-threshold", "given".into(), "left out"),
+        Together { finite_slope: true, lower: None, ..self.together() }.check()?;
+        self.given([(self.flow_threshold, "--flow-threshold")], FINITE_SLOPE)
+    }
+
+    /// Refuses flags that are given and do not go with `other`, beside a base that moves.
+    fn given<const N: usize>(&self, flags: [(bool, &str); N], other: &str) -> Result<(), Failure> {
+        let moved = [
+            (self.base.base_displacement.is_some(), "--base-displacement"),
+            (self.base.base_traction.is_some(), "--base-traction"),
         ];
-        let moved = [("--base-displacement", &base.base_displacement), ("--base-traction", &base.base_traction)];
-        let moved = moved
-            .into_iter()
-            .filter(|(_, file)| file.is_some())
-            .map(|(flag, _)| (true, flag, "given".into(), "left out"));
-        match refused.into_iter().chain(moved).find(|(clashes, ..)| *clashes) {
-            Some((_, flag, found, allowed)) => {
-                Err(Failure::value(flag, found, format!("{allowed} with --finite-slope")))
-            }
+        match moved.into_iter().chain(flags).find(|(is_given, _)| *is_given) {
+            Some((_, flag)) => Err(Failure::value(flag, "given", format!("left out with {other}"))),
             None => Ok(()),
         }
     }
@@ -87,29 +150,9 @@ impl Args {
     /// Refuses flags that do not go with a surface below the slab.
     pub(super) fn check_lower(&self) -> Result<(), Failure> {
         let Some(lower) = self.lower.flag() else { return Ok(()) };
-        let refuse = |flag: &str, found: String, allowed: &str| {
-            Err(Failure::value(flag, found, format!("{allowed} with {lower}")))
-        };
-        let others = &self.body.others;
-        match () {
-            () if self.body.height == Height::Infinite => refuse("--height", "inf".into(), "finite"),
-            () if others.base != BaseKind::Bonded => {
-                refuse("--base", others.base.to_string(), "left out (nothing but the two surfaces holds the slab)")
-            }
-            () if self.base.base_displacement.is_some() => refuse("--base-displacement", "given".into(), "left out"),
-            () if self.base.base_traction.is_some() => refuse("--base-traction", "given".into(), "left out"),
-            () if self.law.law != Kind::HardWall => refuse("--law", self.law.law.name().into(), "hard-wall"),
-            () if self.boundary == Boundary::Free => refuse("--boundary", self.boundary.to_string(), "periodic"),
-            () if self.components != Unknown::Normal => refuse("--components", self.components.name().into(), "normal"),
-            () if self.finite_slope => refuse("--finite-slope", "given".into(), "left out"),
-            () if self.statistics => refuse("--statistics", "given".into(), "left out"),
-            () if self.flow => refuse("--flow", "given".into(), "left out"),
-            () if self.flow_threshold => refuse("--flow-threshold", "given".into(), "left out"),
-            () => match (&others.second_body, &self.hardness) {
-                (Some(second), _) => refuse("--second-body", second.to_string(), "left out"),
-                (_, Some(hardness)) => refuse("--hardness", hardness.to_string(), "left out"),
-                _ => Ok(()),
-            },
-        }
+        self.together().check()?;
+        let flags =
+            [(self.statistics, "--statistics"), (self.flow, "--flow"), (self.flow_threshold, "--flow-threshold")];
+        self.given(flags, lower)
     }
 }

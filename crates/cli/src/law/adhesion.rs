@@ -3,12 +3,13 @@
 use std::f64::consts::PI;
 use std::fmt;
 
+use gfmd_field::Grid;
 use gfmd_law::Law;
+use gfmd_surface::Moments;
 use serde::Serialize;
 
 use super::LawArgs;
 use crate::failure::Failure;
-use crate::source::Surface;
 
 /// The numbers of an attraction on a surface and a grid.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -36,17 +37,16 @@ pub(super) const LEAST_POINTS: f64 = 0.1;
 const RESOLVED: f64 = 2.0;
 
 impl Adhesion {
-    /// The numbers of a law on a surface, on a body of this contact modulus. `None` without an attraction, or if a
-    /// number of it is too large or too small.
-    pub fn of(args: &LawArgs, law: &dyn Law, surface: &Surface, contact_modulus: f64) -> Option<Self> {
+    /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None` without an
+    /// attraction, or if a number of it is too large or too small.
+    pub fn of(args: &LawArgs, law: &dyn Law, grid: &Grid, moments: &Moments, contact_modulus: f64) -> Option<Self> {
         let named = |name: &str| args.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
         let work = named("gamma").or_else(|| named("phi_n"))?;
         let steepness = law.steepness();
         let range = (work / steepness).sqrt();
         let process_zone = 0.25 * PI * contact_modulus / steepness;
-        let sides = if surface.grid.is_line() { 1 } else { 2 };
-        let spacing = surface.grid.spacing()[..sides].iter().copied().fold(0.0, f64::max);
-        let moments = &surface.statistics.moments;
+        let sides = if grid.is_line() { 1 } else { 2 };
+        let spacing = grid.spacing()[..sides].iter().copied().fold(0.0, f64::max);
         let (gradient, curvature) = (moments.rms_gradient(), moments.rms_curvature());
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let length = work / contact_modulus;

@@ -58,7 +58,7 @@ def _of(result: Any) -> Iterator[str]:
         yield _METHOD
         yield _AREA
         wall = result.law.name == "hard-wall"
-        yield _SOLVERS.get(result._settings[0], "") if wall or result._settings[0] != "auto" else ""
+        yield _SOLVERS.get(result._settings.solver, "") if wall or result._settings.solver != "auto" else ""
         yield _LAWS.get(result.law.name, "")
     elif isinstance(result, Path):
         yield _METHOD

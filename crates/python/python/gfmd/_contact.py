@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _gfmd
 from ._body import Body, Law
 from ._check import Array, frozen, shown
+from ._command import body_flags, records
 from ._errors import InputError
 from ._record import Record, Residual
 from ._surface import Surface
@@ -18,8 +21,28 @@ from ._surface import Surface
 if TYPE_CHECKING:
     from ._below import FieldsBelow
 
-FIELDS = ("pressure", "gap", "displacement_z")
+# The fields of every contact, in the order of a file.
+FIELDS = ("pressure", "displacement_z", "gap")
+
+# Further fields, in the order of a file: those of a contact with a hardness, with lateral components, with a surface below.
+LATERAL = ("displacement_x", "displacement_y")
+LOWER = ("lower_pressure", "lower_displacement_z", "lower_gap")
+OTHERS = ("plastic_depth", *LATERAL, *LOWER)
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
+
+
+class Settings(NamedTuple):
+    """What a contact was asked for, beside surface, body and law."""
+
+    solver: str = "auto"
+    tolerance: float = 1e-8
+    boundary: str = "periodic"
+    hardness: Union[float, Array, None] = None
+    components: str = "normal"
+    finite_slope: bool = False
+    lower_surface: Optional[Surface] = None
+    # The prescribed quantity, by its flag, and its value.
+    load: Optional[tuple[str, float]] = None
 
 
 class Contact(Record):
@@ -54,6 +77,13 @@ class Contact(Record):
             with a hardness only.
         hardness: the hardness given, stress, or None.
         components: "normal", "all" or "held", as given.
+        finite_slope: True if slopes were not taken as small.
+        mean_shear: mean traction along x and y that holds the rigid surface in its place, stress; as the next, with finite slopes only.
+        projected_area_fraction: area between the points in contact where they have gone, over the area of the cell.
+        lower_surface: the rigid surface below the slab, or None. With one, pressures, area and gap are those of the upper face.
+        lower: the contact of the lower face, with a lower surface only: a `Record` of its `mean_pressure`, `displacement` (its part
+            of the approach), `area_fraction`, `area_fraction_corrected`, `contact_nodes`, `boundary_links`, `mean_gap`,
+            `max_pressure`, `mean_pressure_in_contact` and `residual`.
         interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
         passed_instability: True if the surfaces jumped on the way from `start`.
         lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
@@ -93,6 +123,9 @@ class Contact(Record):
     force: float
     plastic_fraction: float
     plastic_volume: float
+    mean_shear: list[float]
+    projected_area_fraction: float
+    lower: Record
     interface_energy: float
     passed_instability: bool
     lowest_curvature: float
@@ -100,31 +133,28 @@ class Contact(Record):
     _pressure: Array
     _displacement_z: Array
     _gap: Array
-    _settings: tuple[str, float, str, Union[float, Array, None], str]
+    _settings: Settings
     _state: Any
-    _plastic_depth: Optional[Array]
-    _lateral: tuple[Array, ...]
+    _others: dict[str, Array]
 
     def __init__(
         self,
         values: dict[str, Any],
         parts: tuple[Surface, Body, Law],
         fields: tuple[Array, Array, Array],
-        settings: tuple[str, float, str, Union[float, Array, None], str] = ("auto", 1e-8, "periodic", None, "normal"),
+        settings: Settings = Settings(),
         state: Any = None,
-        plastic_depth: Optional[Array] = None,
-        lateral: tuple[Array, ...] = (),
+        others: Optional[dict[str, Array]] = None,
     ) -> None:
         super().__init__(values)
-        object.__setattr__(self, "_plastic_depth", None if plastic_depth is None else frozen(plastic_depth))
-        object.__setattr__(self, "_lateral", tuple(frozen(field) for field in lateral))
+        object.__setattr__(self, "_others", {name: frozen(field) for name, field in (others or {}).items()})
         names = ("surface", "body", "law", "_pressure", "_displacement_z", "_gap", "_settings", "_state")
         for name, value in zip(names, (*parts, *(frozen(field) for field in fields), settings, state)):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         fields = (self._pressure, self._displacement_z, self._gap)
-        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._plastic_depth, self._lateral)
+        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._others)
 
     @property
     def pressure(self) -> Array:
@@ -144,32 +174,70 @@ class Contact(Record):
     @property
     def boundary(self) -> str:
         """The surroundings of the surface, by name: "periodic" or "free"."""
-        return self._settings[2]
+        return self._settings.boundary
 
     @property
     def hardness(self) -> Union[float, Array, None]:
         """The largest pressure of a contact with a hardness, stress: a number, or that of each point [x, y]."""
-        return self._settings[3]
+        return self._settings.hardness
 
     @property
     def components(self) -> str:
         """The components of the surface displacement that were unknown, by name: "normal", "all" or "held"."""
-        return self._settings[4]
+        return self._settings.components
+
+    @property
+    def finite_slope(self) -> bool:
+        """True if slopes were not taken as small: points of the body met the height at their displaced place."""
+        return self._settings.finite_slope
+
+    @property
+    def lower_surface(self) -> Optional[Surface]:
+        """The second rigid surface, below the slab, on the same points; None without one."""
+        return self._settings.lower_surface
 
     @property
     def displacement_x(self) -> Optional[Array]:
-        """Displacement of the elastic surface along x [x, y], length; None unless all components were unknown. Read-only."""
-        return self._lateral[0] if self._lateral else None
+        """Displacement of the elastic surface along x [x, y], length; None unless it was unknown (all components, finite slopes). Read-only."""
+        return self._others.get("displacement_x")
 
     @property
     def displacement_y(self) -> Optional[Array]:
         """Displacement of the elastic surface along y [x, y], length, as `displacement_x`; None for a profile. Read-only."""
-        return self._lateral[1] if len(self._lateral) > 1 else None
+        return self._others.get("displacement_y")
 
     @property
     def plastic_depth(self) -> Optional[Array]:
         """Depth by which the surfaces are pressed into each other beyond touching [x, y], length; None without a hardness. Read-only."""
-        return self._plastic_depth
+        return self._others.get("plastic_depth")
+
+    @property
+    def lower_pressure(self) -> Optional[Array]:
+        """Pressure on the lower face of the slab [x, y], stress; None without a lower surface. Read-only."""
+        return self._others.get("lower_pressure")
+
+    @property
+    def lower_displacement_z(self) -> Optional[Array]:
+        """Normal displacement of the lower face [x, y], length, positive upwards; None without a lower surface. Read-only."""
+        return self._others.get("lower_displacement_z")
+
+    @property
+    def lower_gap(self) -> Optional[Array]:
+        """Distance between the lower face and the lower surface [x, y], length; None without a lower surface. Read-only."""
+        return self._others.get("lower_gap")
+
+    @property
+    def adhesion(self) -> Optional[Record]:
+        """The attraction on this surface and grid in numbers; None without one.
+
+        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `tabor` and
+        `pastewka_robbins` (docs/laws/adhesion.md).
+        """
+        if self.law.name == "hard-wall":
+            return None
+        given = (self.surface.heights, self.surface.size, body_flags(self.body), self.law._native)
+        found: Optional[Record] = records(json.loads(_gfmd.adhesion(*given)))
+        return found
 
     @property
     def approach(self) -> float:
@@ -230,7 +298,7 @@ class Contact(Record):
         return _show.dataset([self]).isel(load=0)
 
     def to_pyvista(self) -> Any:
-        """Returns a pyvista.ImageData with height, pressure, gap and displacement_z [x, y] as point data.
+        """Returns a pyvista.ImageData with height and the fields of the contact [x, y] as point data.
 
         Raises:
             Error: no pyvista.
@@ -240,14 +308,13 @@ class Contact(Record):
         """
         from . import _show
 
-        fields = {"height": self.surface.heights, "pressure": self.pressure, "gap": self.gap, "displacement_z": self.displacement_z}
-        return _show.grid(self.surface, fields)
+        return _show.grid(self.surface, {"height": self.surface.heights, **self._fields()})
 
     def plot(self, field: str = "pressure", ax: Any = None) -> Any:
         """Draws a map (a curve of a line contact) of a field, with matplotlib. Returns the axes.
 
         Args:
-            field: "pressure", "gap" or "displacement_z".
+            field: "pressure", "gap", "displacement_z", or another field that the contact has.
             ax: the axes to draw into; new ones by default.
 
         Raises:
@@ -258,9 +325,14 @@ class Contact(Record):
         """
         from . import _show
 
-        if field not in FIELDS:
-            raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, FIELDS))}")
-        return _show.field(getattr(self, field), self.surface, field, ax)
+        fields = self._fields()
+        if field not in fields:
+            raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
+        return _show.field(fields[field], self.surface, field, ax)
+
+    def _fields(self) -> dict[str, Array]:
+        """The fields by name."""
+        return {**{name: getattr(self, name) for name in FIELDS}, **self._others}
 
     def _repr_html_(self) -> str:
         from . import _show
@@ -272,7 +344,7 @@ class Contacts(Sequence[Contact]):
     """Contacts one after the other: a sequence of `Contact`.
 
     The numbers of a contact are arrays [load] here, in the same units: `cs.area_fraction`, `cs.mean_pressure`; `residual` is
-    the largest part of each. The fields `pressure`, `gap` and `displacement_z` are [load, x, y].
+    the largest part of each, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and `displacement_z`, are [load, x, y].
 
     Example:
         >>> cs = gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.05])
@@ -304,18 +376,21 @@ class Contacts(Sequence[Contact]):
     def __len__(self) -> int:
         return len(self._contacts)
 
-    def __getattr__(self, name: str) -> Array:
+    def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and self._contacts:
-            if name in FIELDS:
+            if name in self._contacts[0]._fields():
                 return np.stack([getattr(contact, name) for contact in self._contacts])
             if name == "residual":
                 return np.array([float(contact.residual) for contact in self._contacts])
+            if name == "lower" and name in self._contacts[0]:
+                return Record({key: np.array([float(contact.lower[key]) for contact in self._contacts]) for key in self._contacts[0].lower})
             if name == "approach" or name in self._contacts[0]:
                 return np.array([getattr(contact, name) for contact in self._contacts])
         raise AttributeError(f"Contacts has no {name}")
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *FIELDS, "approach", *(self._contacts[0] if self._contacts else ())]
+        first = self._contacts[:1]
+        return [*super().__dir__(), "approach", *(name for contact in first for name in (*contact._fields(), *contact))]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that `gfmd contact --out` writes with these loads.

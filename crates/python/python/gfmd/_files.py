@@ -4,33 +4,36 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
-from typing import Any, Union
+from collections.abc import Mapping, Sequence
+from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _check, _gfmd
 from ._body import Body, Law
 from ._check import Array
-from ._contact import Contact, Contacts
+from ._contact import LATERAL, LOWER, Contact, Contacts, Settings
 from ._errors import InputError
-from ._record import Residual
-from ._surface import _surface
+from ._record import Record, Residual
+from ._surface import Surface, _surface
 
 _COUNTS = ("contact_nodes", "boundary_links", "iterations")
 _FLAGS = ("converged", "passed_instability")
 _STIFFNESS = ("stiffness", "stiffness_error")
+_CONTROLS = ("pressure", "p_star", "displacement")
 _RESIDUALS = ("complementarity", "penetration", "negative_pressure", "load")
 
 
-def _toml(values: dict[str, Any]) -> str:
-    """Scalars as TOML, which has NaN."""
+def _toml(values: Mapping[str, Any], under: str = "") -> str:
+    """Scalars as TOML, which has NaN; parts as tables."""
 
     def text(value: Any) -> str:
         return str(value).lower() if isinstance(value, bool) else repr(value)
 
-    rows = [f"{name} = {text(value)}" for name, value in values.items() if name != "residual"]
-    rows += ["[residual]", *(f"{name} = {text(value)}" for name, value in values["residual"].items())]
+    rows = [f"{name} = {text(value)}" for name, value in values.items() if not isinstance(value, Mapping)]
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            rows += [f"[{under}{name}]", _toml(value, f"{under}{name}.")]
     return "\n".join(rows)
 
 
@@ -39,6 +42,14 @@ def _others(body: Body) -> dict[str, Any]:
     names = ("base", "base_young", "base_poisson", "second_body")
     found = {name: body[name] for name in names if body.get(name) not in (None, "bonded")}
     return {**found, **({"layer": body.layers} if body.layers else {})}
+
+
+def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
+    """The prescribed loads; the mean pressures if they were prescribed by different quantities."""
+    given = [contact._settings.load for contact in contacts]
+    if None not in given and len({load[0] for load in given if load}) == 1:
+        return {given[0][0]: [load[1] for load in given if load]}  # type: ignore[index]
+    return {"pressure": [contact["mean_pressure"] for contact in contacts]}
 
 
 def save(name: Any, contacts: Sequence[Contact]) -> None:
@@ -52,23 +63,55 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body._given[2],
         "height": "inf" if body.height is None else body.height,
         **_others(body),
-        "pressure": [contact["mean_pressure"] for contact in contacts],
+        **_asked(contacts),
         "boundary": first.boundary,
         **({} if first.components == "normal" else {"components": first.components}),
         **({} if first.hardness is None else {"hardness": first.hardness if isinstance(first.hardness, float) else "array"}),
-        "solver": first._settings[0],
-        "tol": first._settings[1],
+        **({"finite_slope": True} if first.finite_slope else {}),
+        **({} if first.lower_surface is None else {"lower_surface": "array"}),
+        "solver": first._settings.solver,
+        "tol": first._settings.tolerance,
         "law": law.name,
-        "param": [[name, value] for name, value in law.parameters.items()],
+        **({"param": [[name, value] for name, value in law.parameters.items()]} if law.parameters else {}),
     }
-    def fields_of(contact: Contact) -> list[Array]:
-        depth = contact.plastic_depth
-        return [contact.pressure, contact.displacement_z, contact.gap, *([] if depth is None else [depth]), *contact._lateral]
-
-    loads = [(_toml(contact._values), fields_of(contact)) for contact in contacts]
-    given = (surface.heights, surface.size, surface.unit, surface.description)
+    loads = [(_toml(contact._values), list(contact._fields().values())) for contact in contacts]
     field = None if first.hardness is None or isinstance(first.hardness, float) else first.hardness
-    _gfmd.save(_check.path("path", name), given, loads, _gfmd.json_to_toml(json.dumps(config)), field)
+    lower = None if first.lower_surface is None else _given(first.lower_surface)
+    _gfmd.save(_check.path("path", name), _given(surface), loads, _gfmd.json_to_toml(json.dumps(config)), field, lower)
+
+
+def _given(surface: Surface) -> tuple[Array, tuple[float, float], Optional[str], str]:
+    return surface.heights, surface.size, surface.unit, surface.description
+
+
+def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
+    """A surface of a file; `length` is that of the configuration."""
+    heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
+    if len(length) == 2:
+        size = (length[0], length[1])
+    elif size is not None and len(length) == 1:
+        size = (length[0], size[1])
+    return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, "description"))
+
+
+def _lower(name: str) -> list[Record]:
+    """The contacts of the lower face in a file."""
+    keys = ["mean_pressure", "displacement", "area_fraction", "area_fraction_corrected", "contact_nodes", "boundary_links"]
+    keys += ["mean_gap", "max_pressure", "mean_pressure_in_contact"]
+    columns = {key: _gfmd.read_array(name, f"/loads/lower_{key}") for key in keys}
+    residuals = {part: _gfmd.read_array(name, f"/loads/lower_residual_{part}") for part in _RESIDUALS}
+
+    def one(index: int) -> Record:
+        residual = Residual({part: float(values[index]) for part, values in residuals.items()})
+        return Record({**{key: _number(key, float(column[index])) for key, column in columns.items()}, "residual": residual})
+
+    return [one(index) for index in range(len(columns["mean_gap"]))]
+
+
+def _number(key: str, value: float) -> Any:
+    if key in _COUNTS and np.isfinite(value):
+        return int(value)
+    return bool(value) if key in _FLAGS else value
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
@@ -87,18 +130,13 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """
     name = _check.path("path", path)
     config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    for key in ("finite_slope", "lower_surface", "lower_seed"):
-        if key in config:
-            raise InputError(f"{name} was made with --{key.replace('_', '-')}; it must be a contact of `gfmd.contact` (other tools read its fields)")
     hardness = config.get("hardness")
     hardness = _check.frozen(_gfmd.read_array(name, "/surface/hardness")) if isinstance(hardness, str) else hardness and float(hardness)
-    heights, size, unit, *_ = _gfmd.read(f"{name}:/surface/height")
     length = [] if "second_surface" in config else config.get("length", [])
-    if len(length) == 2:
-        size = (length[0], length[1])
-    elif size is not None and len(length) == 1:
-        size = (length[0], size[1])
-    surface = _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, "/surface", "description"))
+    surface = _stored(name, "/surface", length)
+    between = "lower_surface" in config or "lower_seed" in config
+    lower = _stored(name, "/lower", length) if between else None
+    finite_slope = bool(config.get("finite_slope", False))
     height = config.get("height", "inf")
     e_star = config.get("e_star")
     below = {name: config[name] for name in ("base", "base_young", "base_poisson", "second_body") if name in config}
@@ -114,11 +152,15 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         names.append("force")
     if hardness is not None:
         names += ["plastic_fraction", "plastic_volume"]
+    if finite_slope:
+        names += ["mean_shear", "projected_area_fraction"]
     components = str(config.get("components", "normal"))
-    parts = _RESIDUALS if hardness is None else (*_RESIDUALS, "saturation")
-    parts = (*parts, "lateral_traction") if components == "all" else parts
+    parts = [*_RESIDUALS, *(["saturation"] if hardness is not None else [])]
+    parts += ["lateral_traction"] * (components == "all") + ["lateral_displacement"] * finite_slope
     residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in parts}
-    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key != "residual" and key not in _STIFFNESS}
+    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key not in ("residual", "mean_shear", *_STIFFNESS)}
+    if finite_slope:
+        columns["mean_shear"] = np.stack([_gfmd.read_array(name, f"/loads/mean_shear_{axis}") for axis in "xy"], axis=1)
     for key in _STIFFNESS:
         try:
             column = _gfmd.read_array(name, f"/loads/{key}")
@@ -131,18 +173,24 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     def scalar(key: str, index: int) -> Any:
         if key == "residual":
             return Residual({part: float(values[index]) for part, values in residuals.items()})
-        value = float(columns[key][index])
-        if key in _COUNTS and np.isfinite(value):
-            return int(value)
-        return bool(value) if key in _FLAGS else value
+        if key == "mean_shear":
+            return columns[key][index].tolist()
+        return _number(key, float(columns[key][index]))
 
-    depths = None if hardness is None else _gfmd.read_array(name, "/fields/plastic_depth")
-    settings = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")), hardness, components)
-    axes = () if components != "all" else ("x",) if surface.n[1] == 1 else ("x", "y")
-    lateral = [_gfmd.read_array(name, f"/fields/displacement_{axis}") for axis in axes]
-    contacts = [
-        Contact({key: scalar(key, index) for key in names}, (surface, body, law), tuple(np.ascontiguousarray(field[index]) for field in fields), settings, None, None if depths is None else np.ascontiguousarray(depths[index]), tuple(np.ascontiguousarray(field[index]) for field in lateral))  # type: ignore[arg-type]
-        for index in range(len(fields[0]))
-        if np.isfinite(columns["mean_pressure"][index])
-    ]
+    faces = _lower(name) if between else []
+    lateral = LATERAL[: 1 if surface.n[1] == 1 else 2] if components == "all" or finite_slope else ()
+    further = (*(() if hardness is None else ("plastic_depth",)), *lateral, *(LOWER if between else ()))
+    others = {field: _gfmd.read_array(name, f"/fields/{field}") for field in further}
+    told = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")))
+    settings = Settings(*told, hardness, components, finite_slope, lower)
+    control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))
+
+    def contact(index: int) -> Contact:
+        pressure, displacement, gap = (np.ascontiguousarray(field[index]) for field in fields)
+        values = {**{key: scalar(key, index) for key in names}, **({"lower": faces[index]} if between else {})}
+        own = {field: np.ascontiguousarray(column[index]) for field, column in others.items()}
+        load = (control, float(asked[index])) if index < len(asked) else None
+        return Contact(values, (surface, body, law), (pressure, displacement, gap), settings._replace(load=load), None, own)
+
+    contacts = [contact(index) for index in range(len(fields[0])) if np.isfinite(columns["mean_pressure"][index])]
     return contacts[0] if len(contacts) == 1 else Contacts(contacts)

@@ -7,8 +7,10 @@ import numpy.typing as npt
 __all__ = [
     "GIT_COMMIT",
     "Problem",
+    "RANGES",
     "State",
     "VERSION",
+    "adhesion",
     "check_law",
     "composite",
     "detrend",
@@ -28,6 +30,7 @@ __all__ = [
 ]
 VERSION: str
 GIT_COMMIT: str
+RANGES: list[float]
 
 _Array = npt.NDArray[np.float64]
 _Tick = Optional[Callable[[int, float], None]]
@@ -37,6 +40,7 @@ class State:
     fields: tuple[_Array, _Array, _Array]
     plastic_depth: Optional[_Array]
     lateral: list[_Array]
+    lower: Optional[tuple[_Array, _Array, _Array]]
 
 @final
 class Problem:
@@ -47,6 +51,9 @@ class Problem:
         body: list[str],
         law: tuple[str, list[tuple[str, float]]],
         hardness: float | _Array | None,
+        lower: Optional[_Array],
+        finite_slope: bool,
+        coarse: Optional[bool],
         boundary: str,
         components: str,
         solver: str,
@@ -55,7 +62,11 @@ class Problem:
     def solve(
         self, control: str, value: float, tolerance: float, max_iterations: int, start: Optional[State], threads: int, tick: _Tick
     ) -> tuple[State, str, Optional[tuple[str, str]], Optional[BaseException]]: ...
-    def recall(self, pressure: _Array, displacement: _Array, gap: _Array, approach: float) -> State: ...
+    def recall(
+        self, pressure: _Array, displacement: _Array, gap: _Array, approach: float, lower_pressure: Optional[_Array]
+    ) -> State: ...
+
+def adhesion(heights: _Array, lengths: tuple[float, float], body: list[str], law: tuple[str, list[tuple[str, float]]]) -> str: ...
 
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
 def solvers() -> list[str]: ...
@@ -92,6 +103,7 @@ def save(
     loads: list[tuple[str, list[_Array]]],
     config: str,
     hardness: Optional[_Array] = None,
+    lower: Optional[tuple[_Array, tuple[float, float], Optional[str], str]] = None,
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...

@@ -90,6 +90,7 @@ class Residual(Record):
         load: mean pressure less the asked one, over the asked one.
         saturation: with a hardness only, largest gap over the rms height where the pressure is the hardness.
         lateral_traction: with all components only, largest lateral traction that the dynamics left over the largest pressure.
+        lateral_displacement: with finite slopes only, last change of the lateral displacement over the rms height.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
@@ -102,6 +103,7 @@ class Residual(Record):
     load: float
     saturation: float
     lateral_traction: float
+    lateral_displacement: float
 
     def __float__(self) -> float:
         parts = [float(part) for part in self._values.values()]

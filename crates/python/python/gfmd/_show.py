@@ -6,13 +6,14 @@ import base64
 import html
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._check import Array
 from ._errors import Error
+from ._record import Record
 
 if TYPE_CHECKING:
     from ._contact import Contact
@@ -34,19 +35,23 @@ def axes(ax: Any) -> Any:
     return needed("matplotlib.pyplot", "plot").subplots()[1]
 
 
-_QUANTITIES = {"height": "length", "gap": "length", "displacement_z": "length", "pressure": "stress"}
+def units(name: str, surface: Surface) -> str:
+    """The unit of a field."""
+    return "stress" if name.endswith("pressure") else surface.unit or "length"
 
 
 def field(values: Array, surface: Surface, name: str, ax: Any) -> Any:
     ax = axes(ax)
     unit = surface.unit or "length"
     (lx, ly), (nx, ny) = surface.size, surface.n
-    label = f"{name.replace('_z', ' $u_z$')} ({unit if _QUANTITIES[name] == 'length' else 'stress'})"
+    lengthwise = name[:-1].endswith("displacement_")
+    words = f"{name[:-2].replace('_', ' ')} $u_{name[-1]}$" if lengthwise else name.replace("_", " ")
+    label = f"{words} ({units(name, surface)})"
     if ny == 1:
         ax.plot(np.arange(nx) * lx / nx, values[:, 0])
         ax.set_ylabel(label)
     else:
-        colours = "magma" if name == "pressure" else "viridis"
+        colours = "magma" if name.endswith("pressure") else "viridis"
         image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), cmap=colours, interpolation="nearest")
         ax.figure.colorbar(image, ax=ax, label=label)
         ax.set_ylabel(f"y ({unit})")
@@ -86,20 +91,26 @@ def coordinates(surface: Surface) -> dict[str, Any]:
     return {"x": ("x", np.arange(nx) * lx / nx, {"units": length}), "y": ("y", np.arange(ny) * ly / ny, {"units": length})}
 
 
+def _columns(records: Sequence[Any], before: str = "") -> Iterator[tuple[str, list[Any]]]:
+    """The numbers of records as columns; parts of a part have its name before theirs."""
+    for name, value in records[0].items():
+        column = [record[name] for record in records]
+        if isinstance(value, Record):
+            yield from _columns(column, f"{before}{name}_")
+        else:
+            yield f"{before}{name}", column
+
+
 def dataset(contacts: Sequence[Contact]) -> Any:
     xarray = needed("xarray", "to_xarray")
     surface = contacts[0].surface
     length = surface.unit or "length"
     variables: dict[str, Any] = {"height": (("x", "y"), surface.heights, {"units": length})}
-    for name in ("pressure", "displacement_z", "gap"):
-        units = "stress" if name == "pressure" else length
-        variables[name] = (("load", "x", "y"), np.stack([getattr(contact, name) for contact in contacts]), {"units": units})
-    for name, value in contacts[0].items():
-        if name == "residual":
-            for part in value:
-                variables[f"residual_{part}"] = ("load", [contact["residual"][part] for contact in contacts])
-        else:
-            variables[name] = ("load", [contact[name] for contact in contacts])
+    for name in contacts[0]._fields():
+        values = np.stack([contact._fields()[name] for contact in contacts])
+        variables[name] = (("load", "x", "y"), values, {"units": units(name, surface)})
+    for name, of_loads in _columns(contacts):
+        variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads)
     return xarray.Dataset(variables, coordinates(surface))
 
 

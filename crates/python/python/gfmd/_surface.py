@@ -357,6 +357,18 @@ def as_surface(value: Any) -> Surface:
     return value if isinstance(value, Surface) else Surface(value)
 
 
+def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
+    """A surface below the slab, on the points of the upper one. An array has the cell of the upper one."""
+    if value is None:
+        return None
+    lower = value if isinstance(value, Surface) or hasattr(value, "physical_sizes") else Surface(value, size=surface.size)
+    lower = as_surface(lower)
+    for name, found, wanted in (("n", lower.n, surface.n), ("size", lower.size, surface.size), ("unit", lower.unit, surface.unit)):
+        if found != wanted and not (name == "unit" and None in (found, wanted)):
+            raise InputError(f"{name} of lower_surface is {found}; it must be {wanted}, that of the upper surface")
+    return lower
+
+
 def as_hardness(value: Any, surface: Surface) -> Union[float, Array, None]:
     """A hardness, one or that of each point."""
     if value is None or np.ndim(value) == 0:

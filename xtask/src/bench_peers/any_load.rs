@@ -1,0 +1,317 @@
+//! `--any-load`: what every program reaches at any load, with each kind of boundary and with a hardness, and what fails.
+//!
+//! Unlike the timed comparison, which needs certified results, this one shows failures: every pressure that a program returns
+//! is judged by one certificate, also one that the program itself calls not converged.
+
+mod page;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use gfmd_cli::failure::Failure;
+use gfmd_cli::session::{Session, machine};
+use gfmd_contact::{Boundary, Solver};
+use serde::Serialize;
+
+use super::contestant::{Contestant, Place, Problem, Solve};
+use super::judge::{Verdict, judge};
+use super::measure::median;
+use super::process::Ended;
+use super::python::Environment;
+use super::table::{Table, write_beside};
+use super::{Args, Peer, RMS_GRADIENT, problems};
+
+/// Reduced pressures, from first touch to full contact.
+pub(super) const LOADS: [f64; 9] = [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.9, 0.99, 1.0, 3.0];
+
+/// The peers.
+pub(super) const PEERS: [Peer; 7] = [
+    Peer::Tamaas,
+    Peer::TamaasRegistered,
+    Peer::ContactMechanics,
+    Peer::NoRestartLoad,
+    Peer::Aspher,
+    Peer::AspherActive,
+    Peer::Hertzian,
+];
+
+/// The largest number of iterations of a peer, and the number of solves to find a tolerance for which its result is
+/// certified.
+const MOST_ITERATIONS: u64 = 20_000;
+const TRIALS: usize = 3;
+
+/// The part of the bound at which the tolerance after a result that is not certified aims, and the smallest factor.
+const AIM: f64 = 0.3;
+const LEAST: f64 = 1e-3;
+
+/// A kind of contact.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Kind {
+    /// The name in tables.
+    pub name: &'static str,
+    /// "periodic" or "free".
+    #[serde(serialize_with = "gfmd_cli::choice::by_name")]
+    pub boundary: Boundary,
+    /// Largest pressure over E*.
+    pub hardness: Option<f64>,
+}
+
+/// The kinds of contact. The hardness is E* times the rms gradient, so that p* = 1 is the largest load.
+const KINDS: [Kind; 3] = [
+    Kind { name: "periodic", boundary: Boundary::Periodic, hardness: None },
+    Kind { name: "free", boundary: Boundary::Free, hardness: None },
+    Kind { name: "hardness", boundary: Boundary::Periodic, hardness: Some(RMS_GRADIENT) },
+];
+
+impl Kind {
+    /// True if the table of this kind has the load.
+    fn has(&self, p_star: f64) -> bool {
+        match self.hardness {
+            Some(hardness) => p_star * RMS_GRADIENT < hardness,
+            // Between 0.3 and 1 loads are close to each other without a hardness.
+            None => p_star <= 0.3 || p_star >= 1.0,
+        }
+    }
+}
+
+/// The table of all loads.
+#[derive(Clone, Debug, Serialize)]
+pub struct AnyLoad {
+    /// Date of the run.
+    pub date: String,
+    /// Processor, cores, operating system.
+    pub machine: String,
+    /// Commit from which this program was built.
+    pub commit: String,
+    /// Versions of all programs and packages.
+    pub versions: BTreeMap<String, String>,
+    /// Points along a side.
+    pub points: usize,
+    /// The bound on the certified residuals.
+    pub tolerance: f64,
+    /// Seed of the surfaces.
+    pub seed: u64,
+    /// Time limit of a peer, s.
+    pub patience: f64,
+    /// True if times are told.
+    pub timed: bool,
+    /// One for each kind and Hurst exponent.
+    pub blocks: Vec<Block>,
+    /// Notes for readers of the results.
+    pub notes: Vec<String>,
+    /// The file of this table.
+    pub kept: PathBuf,
+}
+
+/// The loads on one surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct Block {
+    /// The kind of contact.
+    pub kind: Kind,
+    /// Hurst exponent.
+    pub hurst: f64,
+    /// The contestants that have such contacts.
+    pub contestants: Vec<String>,
+    /// One for each load.
+    pub rows: Vec<Row>,
+}
+
+/// One load.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Reduced pressure.
+    pub p_star: f64,
+    /// Contact area fraction by the first contestant.
+    pub contact: Option<f64>,
+    /// What each contestant reached.
+    pub cells: Vec<Cell>,
+}
+
+/// What a contestant reached.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Cell {
+    /// The tolerance that it was asked for, in its own measure.
+    pub tolerance: f64,
+    /// Wall time: the median of the repeats.
+    pub seconds: Option<f64>,
+    /// Iterations of its solver.
+    pub iterations: Option<u64>,
+    /// Transform pairs that it computed.
+    pub transform_pairs: Option<f64>,
+    /// The verdict on its pressure, if there is one.
+    pub verdict: Option<Verdict>,
+    /// True if the residual is within the bound.
+    pub certified: bool,
+    /// What the program says of a failure.
+    pub said: Option<String>,
+}
+
+/// Runs the comparison, and writes the page if it is asked for.
+///
+/// # Errors
+/// An interruption; a file that cannot be written.
+pub(super) fn run(
+    args: &Args,
+    folder: &Path,
+    environment: &Environment,
+    session: &Session,
+) -> Result<AnyLoad, Failure> {
+    let mut table = AnyLoad {
+        date: jiff::Zoned::now().date().to_string(),
+        machine: machine(),
+        commit: gfmd_cli::session::GIT_COMMIT.into(),
+        versions: environment.versions(),
+        points: args.sizes[0],
+        tolerance: args.tol,
+        seed: args.seed,
+        patience: args.patience(),
+        timed: !args.without_times,
+        blocks: Vec::new(),
+        notes: environment.notes.clone(),
+        kept: folder.join("any-load.json"),
+    };
+    let all = [Contestant::Own(Solver::Auto)].into_iter().chain(args.peers.iter().copied().map(Contestant::Peer));
+    let all: Vec<Contestant> = all.collect();
+    for kind in KINDS {
+        let contestants: Vec<Contestant> =
+            all.iter().copied().filter(|contestant| contestant.suits(kind.boundary, kind.hardness)).collect();
+        for &hurst in &args.hurst {
+            let names = contestants.iter().map(ToString::to_string).collect();
+            table.blocks.push(Block { kind, hurst, contestants: names, rows: Vec::new() });
+            let problems = problems(args, table.points, hurst, environment.scratch())?;
+            for problem in problems.into_iter().filter(|problem| kind.has(problem.p_star)) {
+                let problem = Problem {
+                    boundary: kind.boundary,
+                    hardness: kind.hardness,
+                    most_iterations: Some(MOST_ITERATIONS),
+                    ..problem
+                };
+                let row = Trial { args, environment, session, problem: &problem }.row(&contestants, kind.name)?;
+                table.blocks.last_mut().into_iter().for_each(|block| block.rows.push(row.clone()));
+                table.keep()?;
+            }
+        }
+    }
+    if let Some(file) = args.page() {
+        write_beside(file, &table.page())?;
+    }
+    Ok(table)
+}
+
+/// One load, for all contestants.
+struct Trial<'a> {
+    args: &'a Args,
+    environment: &'a Environment,
+    session: &'a Session,
+    problem: &'a Problem,
+}
+
+impl Trial<'_> {
+    fn row(&self, contestants: &[Contestant], kind: &str) -> Result<Row, Failure> {
+        let Problem { hurst, p_star, .. } = *self.problem;
+        let mut cells: Vec<Cell> = Vec::new();
+        for contestant in contestants {
+            let name = format!("{contestant}, {kind}, H = {hurst}, p* = {p_star}");
+            let cell = self.cell(contestant, &contestants[0]).map_err(|ended| ended.failure(&name))?;
+            tracing::info!("{name}: {cell}");
+            cells.push(cell);
+        }
+        let contact = cells[0].verdict.as_ref().map(|verdict| verdict.area_fraction);
+        Ok(Row { p_star, contact, cells })
+    }
+
+    /// The best result of a contestant in up to [`TRIALS`] solves, the first of which asks for the bound itself.
+    fn cell(&self, contestant: &Contestant, reference: &Contestant) -> Result<Cell, Ended> {
+        let Self { args, problem, .. } = self;
+        let mut best = Cell::default();
+        let mut tolerance = args.tol;
+        for _ in 0..TRIALS {
+            let cell = self.solve(contestant, reference, tolerance)?;
+            let residual = cell.residual();
+            let gave_up = cell.said.is_some();
+            if best.verdict.is_none() || residual < best.residual() {
+                best = cell;
+            }
+            // A program that cannot reach a tolerance does not reach a smaller one.
+            if best.certified || gave_up || residual.is_nan() || matches!(contestant, Contestant::Own(_)) {
+                break;
+            }
+            tolerance *= (AIM * args.tol / residual).clamp(LEAST, AIM);
+        }
+        if best.certified && !args.without_times {
+            let mut seconds: Vec<f64> = best.seconds.into_iter().collect();
+            while seconds.len() < args.repeats {
+                let threads = self.threads(contestant);
+                let out = contestant.pressure_file(self.environment.scratch(), threads);
+                seconds.push(contestant.attempt(problem, best.tolerance, threads, Some(&out), self.place())?.seconds);
+            }
+            best.seconds = Some(median(&seconds));
+        }
+        Ok(best)
+    }
+
+    /// One solve, judged. Only an interruption is an error.
+    fn solve(&self, contestant: &Contestant, reference: &Contestant, tolerance: f64) -> Result<Cell, Ended> {
+        let Self { args, environment, session, problem } = *self;
+        let threads = self.threads(contestant);
+        let file = contestant.pressure_file(environment.scratch(), threads);
+        // A pressure of another load is not that of this one.
+        let _ = std::fs::remove_file(&file);
+        let failed = |said: String| Ok(Cell { tolerance, said: Some(said), ..Cell::default() });
+        let solve = match contestant.attempt(problem, tolerance, threads, Some(&file), self.place()) {
+            Err(Ended::Interrupted) => return Err(Ended::Interrupted),
+            Err(ended) => return failed(ended.in_words()),
+            Ok(solve) => solve,
+        };
+        let own = reference.pressure_file(environment.scratch(), threads);
+        let fields = BTreeMap::from([(reference.to_string(), own), (contestant.to_string(), file)]);
+        let verdict = match judge(problem, &fields, &reference.to_string(), environment, session) {
+            Err(Ended::Interrupted) => return Err(Ended::Interrupted),
+            Err(ended) => return failed(ended.in_words()),
+            Ok(mut verdicts) => verdicts.remove(&contestant.to_string()),
+        };
+        let Solve { seconds, iterations, transform_pairs, failure, .. } = solve;
+        let certified = verdict.as_ref().is_some_and(|verdict| verdict.worst() <= args.tol);
+        let no_number = || verdict.is_none().then(|| "its pressure is no number, or zero".to_owned());
+        let said = failure.or_else(no_number);
+        Ok(Cell { tolerance, seconds: Some(seconds), iterations, transform_pairs, verdict, certified, said })
+    }
+
+    fn threads(&self, contestant: &Contestant) -> usize {
+        if contestant.is_threaded(self.environment) { self.args.thread_counts[0] } else { 1 }
+    }
+
+    fn place(&self) -> Place<'_> {
+        let limit = Duration::from_secs_f64(self.args.patience());
+        Place { environment: self.environment, session: self.session, limit, own_baseline: 0 }
+    }
+}
+
+impl Cell {
+    /// The certified residual; NaN without a pressure.
+    fn residual(&self) -> f64 {
+        self.verdict.as_ref().map_or(f64::NAN, Verdict::worst)
+    }
+}
+
+impl AnyLoad {
+    /// Writes the table to its file, so that a later failure does not lose it.
+    fn keep(&self) -> Result<(), Failure> {
+        let text = gfmd_cli::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
+        write_beside(&self.kept, &(text + "\n"))
+    }
+}
+
+impl fmt::Display for AnyLoad {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for table in self.tables() {
+            writeln!(f, "{table}")?;
+        }
+        for line in self.failures().iter().chain(&self.notes) {
+            writeln!(f, "{line}")?;
+        }
+        writeln!(f, "kept: {}", self.kept.display())
+    }
+}

@@ -1,0 +1,159 @@
+//! The tables and the page of `--any-load`.
+
+use std::fmt::{self, Write as _};
+
+use super::{AnyLoad, Block, Cell, Row, Table};
+
+/// Relative differences of the pressure (rms) that are told in per cent.
+const OFF: f64 = 1e-3;
+
+impl fmt::Display for Cell {
+    /// Effort and certified residual, or what is wrong.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Some(verdict) = &self.verdict else {
+            let said = self.said.as_deref().unwrap_or("no pressure");
+            return f.write_str(if said.contains("longer than") { "✗ too long" } else { "✗ fails" });
+        };
+        if self.certified {
+            match (self.transform_pairs, self.iterations) {
+                (Some(pairs), _) => write!(f, "{pairs:.0}")?,
+                (None, Some(iterations)) => write!(f, "{iterations} it.")?,
+                (None, None) => f.write_str("?")?,
+            }
+            return write!(f, ", {:.0e}", verdict.worst());
+        }
+        write!(f, "✗ {:.0e}", verdict.worst())?;
+        if verdict.differs.pressure > OFF { write!(f, ", {} off", per_cent(verdict.differs.pressure)) } else { Ok(()) }
+    }
+}
+
+/// A fraction in per cent, with two digits.
+fn per_cent(fraction: f64) -> String {
+    let number = 100.0 * fraction;
+    match number {
+        ..0.1 => format!("{number:.1e} %"),
+        ..10.0 => format!("{number:.1} %"),
+        ..1000.0 => format!("{number:.0} %"),
+        _ => format!("{number:.0e} %"),
+    }
+}
+
+impl Block {
+    fn words(&self) -> String {
+        let hardness = self.kind.hardness.map_or_else(String::new, |hardness| format!(", hardness {hardness} E\\*"));
+        format!("{} boundaries{hardness}, H = {}", self.kind.boundary, self.hurst)
+    }
+
+    fn table(&self, title: &str, cell: impl Fn(&Cell) -> String) -> Table {
+        let head = ["p*", "contact"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned());
+        let row = |row: &Row| {
+            let contact = row.contact.map_or_else(|| "?".into(), per_cent);
+            [row.p_star.to_string(), contact].into_iter().chain(row.cells.iter().map(&cell)).collect()
+        };
+        Table {
+            title: format!("{title}: {}", self.words()),
+            head: head.collect(),
+            rows: self.rows.iter().map(row).collect(),
+        }
+    }
+}
+
+impl AnyLoad {
+    /// The number of loads at which each contestant is certified, for each kind of contact.
+    fn summary(&self) -> Table {
+        let mut names: Vec<&String> = Vec::new();
+        for name in self.blocks.iter().flat_map(|block| &block.contestants) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let head = self.blocks.iter().map(Block::words);
+        let count = |name: &String, block: &Block| {
+            let Some(place) = block.contestants.iter().position(|other| other == name) else { return "-".into() };
+            let certified = block.rows.iter().filter(|row| row.cells[place].certified).count();
+            format!("{certified} of {}", block.rows.len())
+        };
+        let row = |name: &&String| {
+            std::iter::once((*name).clone()).chain(self.blocks.iter().map(|block| count(name, block))).collect()
+        };
+        Table {
+            title: "Loads with a certified result".into(),
+            head: std::iter::once(String::new()).chain(head).collect(),
+            rows: names.iter().map(row).collect(),
+        }
+    }
+
+    pub(super) fn tables(&self) -> Vec<Table> {
+        let mut tables = vec![self.summary()];
+        tables.extend(self.blocks.iter().map(|block| block.table("Effort and certificate", ToString::to_string)));
+        if self.timed {
+            let seconds = |cell: &Cell| match (cell.certified, cell.seconds) {
+                (true, Some(seconds)) => format!("{seconds:.3}"),
+                _ => "✗".into(),
+            };
+            tables.extend(self.blocks.iter().map(|block| block.table("Seconds", seconds)));
+        }
+        tables
+    }
+
+    /// What is not certified, one line for each contestant and surface.
+    pub(super) fn failures(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for block in &self.blocks {
+            for (place, name) in block.contestants.iter().enumerate() {
+                let cells: Vec<(f64, &Cell)> = block.rows.iter().map(|row| (row.p_star, &row.cells[place])).collect();
+                let failed: Vec<String> = cells.iter().filter(|(_, cell)| !cell.certified).map(told).collect();
+                if !failed.is_empty() {
+                    lines.push(format!("{name}, {}: {}", block.words(), failed.join("; ")));
+                }
+            }
+        }
+        lines
+    }
+
+    pub(in crate::bench_peers) fn page(&self) -> String {
+        let Self { date, machine, commit, points, seed, tolerance, patience, .. } = self;
+        let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
+        let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
+        let flag = if self.timed { "" } else { " --without-times" };
+        let busy = if self.timed {
+            ""
+        } else {
+            "The machine was busy with other work, so that times are not told, and the limit of time is shorter than it seems.\n\n"
+        };
+        let mut page = format!(
+            "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change xtask/src/bench_peers/any_load instead. -->\n\
+             # Any load: what each program reaches\n\n\
+             {date}. {machine}. Commit {short}. {versions}.\n\n\
+             {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
+             wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (of one that does not count them \
+             the iterations, it.) and the residual of its pressure by the certificate below, at most {tolerance:e}. ✗: not certified, with \
+             the residual reached and how far the pressure is off (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} s.\n\n{busy}"
+        );
+        for note in &self.notes {
+            let _ = writeln!(page, "> {note}\n");
+        }
+        for table in self.tables() {
+            let _ = writeln!(page, "{}", table.markdown());
+        }
+        let _ = writeln!(page, "## What is not certified\n");
+        for line in self.failures() {
+            let _ = writeln!(page, "- {line}.");
+        }
+        let _ = write!(page, "\n{}", include_str!("method.md"));
+        page
+    }
+}
+
+/// A load that is not certified, in words.
+fn told((p_star, cell): &(f64, &Cell)) -> String {
+    let said = cell.said.as_ref().map(|said| format!(" ({said})")).unwrap_or_default();
+    match &cell.verdict {
+        None => format!("p\\* = {p_star}: no result{said}"),
+        Some(verdict) => format!(
+            "p\\* = {p_star}: residual {:.0e}, pressure {} off{said}",
+            verdict.worst(),
+            per_cent(verdict.differs.pressure)
+        ),
+    }
+}

@@ -1,0 +1,64 @@
+//! Tables of a report, and the files it goes to.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+
+use gfmd_cli::failure::Failure;
+
+/// A table with a title and a header row.
+pub(super) struct Table {
+    pub(super) title: String,
+    pub(super) head: Vec<String>,
+    pub(super) rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
+        std::iter::once(&self.head).chain(&self.rows)
+    }
+
+    fn widths(&self) -> Vec<usize> {
+        let width =
+            |column: usize| self.lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
+        (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect()
+    }
+
+    /// The table as a section of a page.
+    pub(super) fn markdown(&self) -> String {
+        let widths = self.widths();
+        let row = |cells: &Vec<String>| {
+            let cells = cells.iter().zip(&widths).map(|(cell, width)| format!(" {cell:>width$} |"));
+            format!("|{}\n", cells.collect::<String>())
+        };
+        let rule =
+            format!("|{}\n", widths.iter().map(|width| format!("{}:|", "-".repeat(width + 1))).collect::<String>());
+        format!("## {}\n\n{}{rule}{}", self.title, row(&self.head), self.rows.iter().map(row).collect::<String>())
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        let widths = self.widths();
+        for line in self.lines() {
+            let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+            writeln!(f, "{}", cells.join("  "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes a file beside `file` and renames it, so that `file` is never incomplete.
+pub(super) fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
+    let mut beside = file.as_os_str().to_owned();
+    beside.push(".part");
+    let write = || -> std::io::Result<()> {
+        let mut opened = File::create(&beside)?;
+        opened.write_all(text.as_bytes())?;
+        opened.sync_all()?;
+        std::fs::rename(&beside, file)
+    };
+    write().map_err(|error| Failure::Computation(format!("cannot write {}: {error}", file.display())))
+}
