@@ -237,7 +237,7 @@ const MEANINGS_WITH_LOWER: &[(&str, &str)] = &[
 /// The wall time of a load, which is not in [`SCALARS`] because it differs between identical runs.
 pub const SECONDS: Column<LoadRecord> = Column::new("seconds", "s", "wall time of the solve", |r| r.seconds);
 
-/// The scalars of [`LawRecord`]; NaN for a hard wall alone.
+/// The scalars of [`LawRecord`](super::LawRecord); NaN for a hard wall alone.
 pub const LAW_SCALARS: &[Column<LoadRecord>] = &[
     Column::new("interface_energy", "stress*length", "energy of the contact law per area of the surface", |r| {
         r.law.map_or(f64::NAN, |law| law.interface_energy)
