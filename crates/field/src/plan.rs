@@ -74,8 +74,9 @@ impl<T: Real> Plan<T> {
     /// The lanes of the half spectrum that belong to this process.
     pub(crate) fn lanes(&self) -> Range<usize> {
         match (&self.kind, self.points) {
-            (Kind::Line(_), _) => 0..1,
-            (Kind::Plane(_), [_, ny]) => 0..ny / 2 + 1,
+            // A row along y has a lane for each of its modes; of a line there is one.
+            (Kind::Line(_), [_, 1]) => 0..1,
+            (Kind::Line(_) | Kind::Plane(_), [_, ny]) => 0..ny / 2 + 1,
             (Kind::Shared(shared), _) => shared.columns(),
         }
     }

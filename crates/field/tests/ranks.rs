@@ -93,3 +93,13 @@ fn slices_that_do_not_fit_the_share_are_refused() {
         assert!(transform.convolve_back(Rows(&mut [0.0; 4096][..], 64), |_, _, _| (), &mut ws).is_err());
     });
 }
+
+/// The lanes of one process are those of the half spectrum, whatever the shape of the grid.
+#[test]
+fn one_process_has_all_lanes() {
+    for points in [[8, 6], [9, 1], [1, 9], [1, 8], [1, 1], [2, 2]] {
+        let grid = Grid::new(points, [1.0, 1.0]).unwrap();
+        let [lanes, _] = grid.spectrum_shape();
+        assert_eq!(Transform::<f64>::new(grid).lanes(), 0..lanes, "{points:?}");
+    }
+}
