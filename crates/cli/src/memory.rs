@@ -27,12 +27,12 @@ impl Held {
     pub const LAW_FREE: Self = Self(90);
     /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(39);
-    /// The same with a law, on a patch.
+    /// A path with a law, on a patch.
     pub const PATH_FREE: Self = Self(133);
-    /// A path with friction, on a patch.
-    pub const ALL_COMPONENTS_FREE: Self = Self(158);
     /// A path that moves all components.
     pub const ALL_COMPONENTS: Self = Self(95);
+    /// A path with friction, on a patch.
+    pub const ALL_COMPONENTS_FREE: Self = Self(158);
     /// A punch.
     pub const PUNCH: Self = Self(48);
     /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.

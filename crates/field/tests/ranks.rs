@@ -14,7 +14,7 @@ fn same<T: Real>(a: &[T], b: &[T]) -> bool {
 }
 
 /// Convolution, quadratic form, forward and inverse transforms over this many ranks against those of one process.
-fn compare<T: Real>([nx, ny]: [usize; 2], size: usize) {
+fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
     let grid = Grid::new([nx, ny], [1.0, 2.0]).unwrap();
     let half = ny / 2 + 1;
     let (field, full) = (noise::<T>(nx * ny, 0.3), noise::<T>(nx * half, 0.1));
@@ -58,8 +58,8 @@ fn compare<T: Real>([nx, ny]: [usize; 2], size: usize) {
 fn transforms_over_ranks_have_the_bits_of_one_process() {
     for points in [[256, 256], [512, 1000], [1024, 512], [96, 2048], [33, 4096], [4096, 2], [700, 8]] {
         for size in 1..=Share::most(points, 0).min(7) {
-            compare::<f64>(points, size);
-            compare::<f32>(points, size);
+            assert_bits_of_one::<f64>(points, size);
+            assert_bits_of_one::<f32>(points, size);
         }
     }
 }
@@ -73,7 +73,7 @@ proptest! {
     ) {
         let columns = (columns >> exponent).max(1) << exponent;
         let points = [rows, columns.max(2)];
-        compare::<f64>(points, size.min(Share::most(points, 0)));
+        assert_bits_of_one::<f64>(points, size.min(Share::most(points, 0)));
     }
 }
 

@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, Grid, Transform};
+use gfmd_field::{Convolution, Grid};
 use gfmd_green::{Body, GreenError, PatchMatrix, patch_compliance, patch_matrix, stiffness_range};
-use num_complex::Complex64;
-use rayon::prelude::*;
 
 use crate::elastic::fits;
+use crate::patch_table::Parity::{Even, Odd};
+use crate::patch_table::PatchTable;
 use crate::{Components, Hermitian, Operator, Workspace};
 
 /// The compliance of a patch of a half-space that does not repeat, for all components of its surface: the counterpart of
@@ -26,34 +26,12 @@ impl FreeFullCompliance {
     /// # Errors
     /// A body other than a half-space; a line; a patch with more points than memory can address when it is doubled.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
-        let between = patch_matrix(body, &patch)?;
-        let cell = patch.padded()?;
-        let [nx, ny] = cell.points();
-        // Where the images of the patch would meet, values that are odd have no side.
-        let distance = |index: usize, points: usize| match 2 * index {
-            twice if twice == points => (index, 0.0),
-            twice if twice < points => (index, 1.0),
-            _ => (points - index, -1.0),
-        };
-        let matrices: Vec<PatchMatrix> = (0..cell.len())
-            .into_par_iter()
-            .map(|index| {
-                let ((i, x), (j, y)) = (distance(index / ny, nx), distance(index % ny, ny));
-                let PatchMatrix { xx, yy, zz, xy, xz, yz } = between([i, j]);
-                PatchMatrix { xx, yy, zz, xy: x * y * xy, xz: x * xz, yz: y * yz }
-            })
-            .collect();
-        let transform = Transform::new(cell);
-        let mut workspace = transform.workspace();
-        let mut spectrum = |of: fn(&PatchMatrix) -> f64| {
-            let field: Vec<f64> = matrices.iter().map(of).collect();
-            let mut spectrum = vec![Complex64::ZERO; cell.spectrum_len()];
-            fits(transform.forward(&field, &mut spectrum, &mut workspace));
-            spectrum.iter_mut().for_each(|mode| *mode *= cell.len() as f64);
-            spectrum
-        };
-        let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz].map(&mut spectrum);
-        let [xy, xz, yz] = [|m: &PatchMatrix| m.xy, |m: &PatchMatrix| m.xz, |m: &PatchMatrix| m.yz].map(&mut spectrum);
+        let table = PatchTable::new(&patch, patch_matrix(body, &patch)?)?;
+        let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
+            .map(|of| table.spectrum(of, [Even, Even]));
+        let xy = table.spectrum(|m| m.xy, [Odd, Odd]);
+        let xz = table.spectrum(|m| m.xz, [Odd, Even]);
+        let yz = table.spectrum(|m| m.yz, [Even, Odd]);
         let of_mode = |at: usize| Hermitian {
             xx: xx[at].re,
             yy: yy[at].re,
@@ -62,7 +40,7 @@ impl FreeFullCompliance {
             xz: xz[at].im,
             yz: yz[at].im,
         };
-        let compliance = Operator::of_matrices(transform, (0..cell.spectrum_len()).map(of_mode).collect());
+        let compliance = Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect());
         let range = stiffness_range(body, &patch).map_or([0.0; 2], |range| [range.softest, range.stiffest]);
         let normal = Convolution::new(patch, patch_compliance(body, &patch)?).into();
         Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })

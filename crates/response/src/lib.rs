@@ -53,6 +53,7 @@ mod full;
 mod hermitian;
 mod normal;
 mod operator;
+mod patch_table;
 mod plate;
 mod rounded;
 mod units;

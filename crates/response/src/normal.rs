@@ -2,10 +2,8 @@ use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Transform};
 use gfmd_green::{Body, GreenError, normal_stiffness_table, patch_compliance, restricted_normal_stiffness_table};
-use num_complex::Complex64;
-use rayon::prelude::*;
 
-use crate::elastic::fits;
+use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
@@ -73,20 +71,9 @@ impl NormalResponse {
     /// # Errors
     /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
     pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
-        let between = patch_compliance(body, patch)?;
-        let cell = patch.padded()?;
-        let [nx, ny] = cell.points();
-        let columns = ny / 2 + 1;
-        let near: Vec<f64> = (0..(nx / 2 + 1) * columns)
-            .into_par_iter()
-            .map(|index| between([index / columns, index % columns]))
-            .collect();
-        let at = |[i, j]: [usize; 2]| near[i.min(nx - i) * columns + j.min(ny - j)];
-        let field: Vec<f64> = (0..cell.len()).map(|index| at([index / ny, index % ny])).collect();
-        let transform = Transform::new(cell);
-        let mut spectrum = vec![Complex64::ZERO; cell.spectrum_len()];
-        fits(transform.forward(&field, &mut spectrum, &mut transform.workspace()));
-        let mut compliance: Vec<f64> = spectrum.iter().map(|mode| mode.re * cell.len() as f64).collect();
+        let table = PatchTable::new(patch, patch_compliance(body, patch)?)?;
+        let spectrum = table.spectrum(|compliance| *compliance, [Parity::Even; 2]);
+        let mut compliance: Vec<f64> = spectrum.iter().map(|mode| mode.re).collect();
         let [softest, stiffest] =
             [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick).unwrap_or(0.0));
         // Below, an entry would be a rounding error of the largest.
@@ -97,7 +84,7 @@ impl NormalResponse {
         let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
         let uniform_compliance = std::mem::take(&mut compliance[0]);
         Ok(Self {
-            transform,
+            transform: table.transform,
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
             tabulate: normal_stiffness_table,

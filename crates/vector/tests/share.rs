@@ -9,7 +9,7 @@ fn noise(n: usize) -> Vec<f64> {
 }
 
 /// Passes, reductions and gathered fields of this many ranks against those of one.
-fn compare(points: [usize; 2], size: usize, levels: u32) {
+fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
     let [rows, columns] = points;
     let field = noise(rows * columns);
     let leaf = |_: usize, [x]: [&mut [f64]; 1]| {
@@ -54,7 +54,7 @@ fn compare(points: [usize; 2], size: usize, levels: u32) {
 fn sums_over_ranks_have_the_bits_of_one_process() {
     for points in [[512, 512], [1000, 1000], [300, 4096], [4096, 96], [100, 2048], [33, 2048]] {
         for size in 1..=Share::most(points, 1).min(7) {
-            compare(points, size, 1);
+            assert_bits_of_one(points, size, 1);
         }
     }
 }
@@ -68,7 +68,7 @@ proptest! {
     ) {
         // Odd numbers of columns allow one rank or two; even ones more.
         let columns = (columns >> exponent).max(1) << exponent;
-        compare([rows, columns], size.min(Share::most([rows, columns], levels)), levels);
+        assert_bits_of_one([rows, columns], size.min(Share::most([rows, columns], levels)), levels);
     }
 }
 

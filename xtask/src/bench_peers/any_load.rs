@@ -245,7 +245,7 @@ impl Trial<'_> {
             while seconds.len() < args.repeats {
                 let threads = self.threads(contestant);
                 let out = contestant.pressure_file(self.environment.scratch(), threads);
-                seconds.push(contestant.attempt(problem, best.tolerance, threads, Some(&out), self.place())?.seconds);
+                seconds.push(contestant.solve(problem, best.tolerance, threads, Some(&out), self.place())?.seconds);
             }
             best.seconds = Some(median(&seconds));
         }
@@ -260,7 +260,7 @@ impl Trial<'_> {
         // A pressure of another load is not that of this one.
         let _ = std::fs::remove_file(&file);
         let failed = |said: String| Ok(Cell { tolerance, said: Some(said), ..Cell::default() });
-        let solve = match contestant.attempt(problem, tolerance, threads, Some(&file), self.place()) {
+        let solve = match contestant.solve(problem, tolerance, threads, Some(&file), self.place()) {
             Err(Ended::Interrupted) => return Err(Ended::Interrupted),
             Err(ended) => return failed(ended.in_words()),
             Ok(solve) => solve,

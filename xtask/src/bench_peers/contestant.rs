@@ -72,6 +72,16 @@ pub(super) struct Solve {
     pub(super) failure: Option<String>,
 }
 
+impl Solve {
+    /// This solve, unless the program itself says that it has not reached its tolerance.
+    pub(super) fn converged(self) -> Result<Self, Ended> {
+        match self.failure {
+            Some(failure) => Err(Ended::Failed(failure)),
+            None => Ok(self),
+        }
+    }
+}
+
 /// The settings of a solve.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
@@ -116,22 +126,9 @@ impl Contestant {
         })
     }
 
-    /// As [`attempt`](Self::attempt); a program that says that it has not reached its tolerance has failed.
-    pub(super) fn solve(
-        &self,
-        problem: &Problem,
-        tolerance: f64,
-        threads: usize,
-        out: Option<&Path>,
-        place: Place,
-    ) -> Result<Solve, Ended> {
-        let solve = self.attempt(problem, tolerance, threads, out, place)?;
-        solve.failure.clone().map_or(Ok(solve), |failure| Err(Ended::Failed(failure)))
-    }
-
     /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`: .h5 for
     /// this program, which writes no file if `out` is `None`; .npy for peers, which need a file.
-    pub(super) fn attempt(
+    pub(super) fn solve(
         &self,
         problem: &Problem,
         tolerance: f64,

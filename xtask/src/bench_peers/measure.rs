@@ -79,7 +79,7 @@ impl<'a> Bench<'a> {
         let mut bench = Self { args, threads, environment, session, contestants, known, own_baseline: 0 };
         let most = bench.most_threads();
         let first = bench.contestants[0];
-        let solve = first.solve(small, args.tol, most, None, bench.place(1.0));
+        let solve = first.solve(small, args.tol, most, None, bench.place(1.0)).and_then(Solve::converged);
         bench.own_baseline = solve.map_err(|ended| ended.failure(&first.to_string()))?.peak_bytes;
         Ok(bench)
     }
@@ -125,7 +125,7 @@ impl<'a> Bench<'a> {
         let threads = self.most_threads();
         let file = self.file(&contestant, threads);
         let solve = contestant.solve(problem, self.args.tol, threads, Some(&file), self.place(1.0));
-        let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
+        let solve = solve.and_then(Solve::converged).map_err(|ended| ended.failure(&contestant.to_string()))?;
         let cost = Some((solve.iterations, solve.transform_pairs));
         Ok(Starter { contestant, tolerance: self.args.tol, first: None, cost })
     }
@@ -150,7 +150,7 @@ impl<'a> Bench<'a> {
         let mut last = f64::NAN;
         let found =
             loosest(MARGIN * self.args.tol, known.map_or(self.args.tol, |known| known.tolerance), |tolerance| {
-                let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place(1.0))?;
+                let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place(1.0))?.converged()?;
                 let verdicts = judge(problem, &fields, &reference.to_string(), self.environment, self.session)?;
                 let residual = verdicts.get(&contestant.to_string()).map_or(f64::NAN, Verdict::worst);
                 tracing::debug!(
@@ -250,7 +250,7 @@ impl<'a> Bench<'a> {
         let contestant = &starter.contestant;
         let file = matches!(contestant, Contestant::Peer(_)).then(|| self.file(contestant, threads));
         let solve = contestant.solve(problem, starter.tolerance, threads, file.as_deref(), self.place(INDULGENCE));
-        let solve = solve.map_err(|ended| ended.failure(&contestant.to_string()))?;
+        let solve = solve.and_then(Solve::converged).map_err(|ended| ended.failure(&contestant.to_string()))?;
         match starter.cost {
             Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(
                 "{contestant} on {threads} threads took {:?} iterations and {:?} pairs; they must be {:?} and {:?} as before",

@@ -69,12 +69,12 @@ pub(crate) fn check(
     };
     if args.finite_slope {
         let contact = SteepContact::new(body, &surface.grid, heights).map_err(refuse)?;
-        let certify = |pressure: &Array2<f64>, load| contact.certify(pressure, load).map(unstiff);
-        file.compare_all("pressure", loads, comparison, certify)
+        let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
+        file.compare_all(["pressure"], loads, comparison, certify)
     } else if args.components == Unknown::All {
         let contact = FullContact::on(FullResponse::new(surface.grid, body), heights).map_err(refuse)?;
-        let certify = |pressure: &Array2<f64>, load| contact.certify(pressure, load).map(unstiff);
-        file.compare_all("pressure", loads, comparison, certify)
+        let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
+        file.compare_all(["pressure"], loads, comparison, certify)
     } else if let Some(lower) = lower {
         if let Ok(stated) = reader.text("/lower", "height_sha256")
             && lower.checksum() != stated
@@ -82,37 +82,29 @@ pub(crate) fn check(
             comparison.differ("/lower/height", "its checksum does not hold".into());
         }
         let contact = SqueezedContact::new(body, &surface.grid, heights, &lower.heights).map_err(refuse)?;
-        for (index, load) in loads.iter().enumerate() {
-            let [upper, lower] = [file.field("pressure", index)?, file.field("lower_pressure", index)?];
-            if is_solved(&upper) && is_solved(&lower) {
-                let state = contact.certify([&upper, &lower], *load).map_err(refuse)?;
-                file.compare(index, *load, &state, None, comparison)?;
-            }
-        }
-        Ok(())
+        let certify = |faces: &[Array2<f64>; 2], load| {
+            let [upper, lower] = faces;
+            contact.certify([upper, lower], load).map(unstiff)
+        };
+        file.compare_all(["pressure", "lower_pressure"], loads, comparison, certify)
     } else if args.law.law == Kind::HardWall {
         let contact = match surface.boundary {
             Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
             Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
         };
         let contact = prepared.harden(contact.map_err(refuse)?)?;
-        let certify = |pressure: &Array2<f64>, load| {
+        let certify = |[pressure]: &[Array2<f64>; 1], load| {
             let state = contact.certify(pressure, load)?;
             let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
             Ok((state, Some(stiffness)))
         };
-        file.compare_all("pressure", loads, comparison, certify)
+        file.compare_all(["pressure"], loads, comparison, certify)
     } else {
         let law = std::sync::Arc::clone(law);
         let interface = Interface::bounded(surface.boundary, body, &surface.grid, heights, law).map_err(refuse)?;
-        for (index, load) in loads.iter().enumerate() {
-            let [gap, pressure] = [file.field("gap", index)?, file.field("pressure", index)?];
-            if is_solved(&gap) {
-                let state = interface.certify(&gap, &pressure, (*load).into()).map_err(refuse)?;
-                file.compare(index, *load, &state, None, comparison)?;
-            }
-        }
-        file.compare_statistics(comparison)
+        let certify =
+            |[gap, pressure]: &[Array2<f64>; 2], load: Load| interface.certify(gap, pressure, load.into()).map(unstiff);
+        file.compare_all(["gap", "pressure"], loads, comparison, certify)
     }
 }
 
@@ -147,19 +139,22 @@ impl Checked<'_> {
         made.map_err(|error| Failure::input("/fields", error))
     }
 
-    /// Compares all loads with the states that `certify` makes of the field `name`, and then the statistics.
-    fn compare_all<S: Recorded>(
+    /// Compares all loads with the states that `certify` makes of these fields, and then the statistics.
+    fn compare_all<const N: usize, S: Recorded>(
         &mut self,
-        name: &str,
+        names: [&str; N],
         loads: &[Load],
         comparison: &mut Comparison,
-        certify: impl Fn(&Array2<f64>, Load) -> Result<(S, Option<Stiffness>), Refusal>,
+        certify: impl Fn(&[Array2<f64>; N], Load) -> Result<(S, Option<Stiffness>), Refusal>,
     ) -> Result<(), Failure> {
         for (index, load) in loads.iter().enumerate() {
-            let field = self.field(name, index)?;
-            if is_solved(&field) {
+            let mut fields = std::array::from_fn(|_| Array2::zeros([0, 0]));
+            for (field, name) in fields.iter_mut().zip(names) {
+                *field = self.field(name, index)?;
+            }
+            if fields.iter().all(is_solved) {
                 let (state, stiffness) =
-                    certify(&field, *load).map_err(|error| Failure::input("/surface/height", error))?;
+                    certify(&fields, *load).map_err(|error| Failure::input("/surface/height", error))?;
                 self.compare(index, *load, &state, stiffness, comparison)?;
             }
         }
