@@ -9,6 +9,7 @@ use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
 
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::{Compliance, Rounded};
+use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Contact, Load};
 
@@ -53,8 +54,11 @@ const LEVEL: f64 = 4.0;
 /// without it is faster.
 const PATIENCE: u64 = 100;
 
+/// The number that a checkpoint has in place of that of a part, of a search on few points.
+const FEW: u32 = 3;
+
 /// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
-const MARGIN: f64 = 0.95;
+pub(crate) const MARGIN: f64 = 0.95;
 
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
@@ -214,6 +218,25 @@ impl Preconditioned for Dual<'_> {
 
 pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
     let contact = attempt.contact;
+    // The parts of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned again; before
+    // them that on few points.
+    let mut part = 0;
+    // Only one method heeds the hardness.
+    let in_parts = matches!(gradients, Gradients::Auto) && contact.hardness.is_none();
+    if in_parts {
+        let mut few = FEW;
+        let continued = attempt.watch.recall().map(|kept| {
+            attempt.effort.visit(kept);
+            kept.small(&mut part);
+        });
+        if continued.is_none() || part == FEW {
+            part = 0;
+            let outer = |visitor: &mut dyn Visit| visitor.small(&mut few);
+            if let Some(ended) = dilute::solve(&mut attempt, outer, continued.is_some())? {
+                return Ok(Ended { pressure: contact.whole(ended.pressure), ..ended });
+            }
+        }
+    }
     let mut dual = Dual::new(contact, attempt.load);
     let mean = match attempt.load {
         Load::MeanPressure(mean) => Some(mean),
@@ -234,39 +257,28 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Preconditioned => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
-        // Only this method heeds the hardness.
-        Gradients::Auto if contact.hardness.is_some() => {
-            PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?
-        }
-        Gradients::Auto => {
-            // The parts of the search: preconditioned, without the preconditioner, and preconditioned again.
-            let mut part = 0;
-            if let Some(kept) = attempt.watch.recall() {
-                attempt.effort.visit(kept);
-                kept.small(&mut part);
-            }
-            loop {
-                let Budget { tolerance, max_iterations } = attempt.budget_left();
-                let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
-                let budget = within(Budget { tolerance, max_iterations: max_iterations.min(limit) });
-                let target = Target { budget, ..target };
-                let plain = part == 1;
-                let minimum = {
-                    let mut onlooker = attempt.onlooker(false, |visitor: &mut dyn Visit| visitor.small(&mut part));
-                    if plain {
-                        ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
-                    } else {
-                        PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
-                    }
-                };
-                let is_over = part == 2 || plain && minimum.reached.iteration >= max_iterations;
-                if is_over || !matches!(minimum.ending, Ending::GaveUp(_)) {
-                    break minimum;
+        Gradients::Auto if !in_parts => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
+        Gradients::Auto => loop {
+            let Budget { tolerance, max_iterations } = attempt.budget_left();
+            let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
+            let budget = within(Budget { tolerance, max_iterations: max_iterations.min(limit) });
+            let target = Target { budget, ..target };
+            let plain = part == 1;
+            let minimum = {
+                let mut onlooker = attempt.onlooker(false, |visitor: &mut dyn Visit| visitor.small(&mut part));
+                if plain {
+                    ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                } else {
+                    PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
                 }
-                attempt.effort.iterations += minimum.reached.iteration;
-                part += 1;
+            };
+            let is_over = part == 2 || plain && minimum.reached.iteration >= max_iterations;
+            if is_over || !matches!(minimum.ending, Ending::GaveUp(_)) {
+                break minimum;
             }
-        }
+            attempt.effort.iterations += minimum.reached.iteration;
+            part += 1;
+        },
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();

@@ -55,6 +55,7 @@ mod solution;
 
 mod attempt;
 mod compliance;
+mod dilute;
 mod dual;
 mod dynamics;
 mod full;

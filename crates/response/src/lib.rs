@@ -56,6 +56,7 @@ mod operator;
 mod patch_table;
 mod plate;
 mod rounded;
+mod scattered;
 mod units;
 
 pub use components::Components;
@@ -68,4 +69,5 @@ pub use normal::NormalResponse;
 pub use operator::{Operator, Workspace};
 pub use plate::{PlateResponse, PlateTransforms};
 pub use rounded::RoundedTransforms;
+pub use scattered::{Blocks, LANES, Scattered, ScatteredMemory};
 pub use units::unit_of;

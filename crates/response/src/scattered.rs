@@ -1,0 +1,240 @@
+//! The response of a body between few points of its grid.
+
+mod blocks;
+mod stencil;
+
+use gfmd_field::{Grid, Rows, Transform, Workspace};
+use rayon::prelude::*;
+
+pub use blocks::Blocks;
+use stencil::Stencil;
+
+use crate::NormalResponse;
+use crate::elastic::fits;
+use crate::rounded::power_of_two;
+
+/// Compliance and approximate stiffness between few points of a periodic grid, in single precision: for contacts so small that
+/// transforms of the whole surface would mostly move zeros.
+///
+/// The compliance is split by wavelength, as Ewald (1921) split Coulomb's sum: `G = G (1 − e^{−q² s²}) + G e^{−q² s²}`. The first
+/// part decays within a few s, and is summed over pairs of points. The second part has no waves shorter than some s, and is
+/// computed on a grid of [`COARSENING`] times the spacing, to which pressures are spread, and from which displacements are
+/// interpolated, by B-splines (Essmann et al. 1995). Images are accurate to some 1e-5 of the largest ones.
+///
+/// The points come in [`Blocks`] of [`LANES`] neighbours in a row.
+#[derive(Debug)]
+pub struct Scattered {
+    coarse: Transform<f32>,
+    /// The compliance of long waves on the coarse grid, over the unit.
+    smooth: Vec<f32>,
+    /// The compliance of short waves between two points, over the unit.
+    near: Stencil,
+    /// The stiffness between two points times the unit, cut off at a short distance.
+    stiff: Stencil,
+    /// What a point at each of the places between two coarse points gives to those around it.
+    weights: [[f32; ORDER]; COARSENING],
+    unit: f64,
+}
+
+/// The number of neighbouring points in a block.
+pub const LANES: usize = 8;
+
+/// The spacing of the coarse grid, in points.
+const COARSENING: usize = 4;
+
+/// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
+const ORDER: usize = 8;
+
+/// The number of coarse points along a row to which a block spreads.
+const SPREAD: usize = ORDER + LANES / COARSENING - 1;
+
+/// The distance in points up to which short waves are summed; it leaves some 1e-5 of them.
+const REACH: usize = 24;
+
+/// The distance in points up to which points stiffen each other.
+const STIFF: usize = 6;
+
+/// The least number of points of a cell in which the response to a point has decayed.
+const BOX: usize = 2 * REACH + LANES;
+
+impl Scattered {
+    /// Splits the response, with the given compliance of the uniform mode in length/stress. `None` if the grid is no rectangle of
+    /// whole blocks and coarse cells, or small.
+    pub fn of(response: &NormalResponse, uniform: f64) -> Option<Self> {
+        let grid = response.grid();
+        let [nx, ny] = grid.points();
+        let small = [nx, ny].map(|points| (BOX..=points / 2).find(|side| points.is_multiple_of(*side)));
+        let [Some(rows), Some(columns)] = small else { return None };
+        let [wide, narrow] = [f64::max, f64::min].map(|pick| {
+            let [x, y] = grid.spacing();
+            pick(x, y)
+        });
+        // Beyond, the reach would be too short along an axis, or have too many points along the other one.
+        if !nx.is_multiple_of(COARSENING) || !ny.is_multiple_of(LANES) || wide > 1.5 * narrow {
+            return None;
+        }
+        let unit = power_of_two(1.0 / response.stiffness_range()[0]);
+        let width = COARSENING as f64 * (wide * narrow).sqrt();
+        let short = |q: f64, g: f64| -(-(q * width).powi(2)).exp_m1() * g / unit;
+        let near = Stencil::new(response, [rows, columns], REACH, short).ok()?;
+        let stiff = Stencil::new(response, [rows, columns], STIFF, |_, g| if g > 0.0 { unit / g } else { 0.0 }).ok()?;
+        let coarse = Grid::new([nx / COARSENING, ny / COARSENING], grid.lengths()).ok()?;
+        let smooth = smooth(response, &coarse, uniform, width).map(|g| (g / unit) as f32).collect();
+        let weights = std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
+        Some(Self { coarse: Transform::new(coarse), smooth, near, stiff, weights, unit })
+    }
+
+    /// The unit of compliances, a power of two, in length/stress.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// The number of points of the coarse grid for each of the fine one.
+    pub fn effort(&self) -> f64 {
+        1.0 / (COARSENING * COARSENING) as f64
+    }
+
+    /// Memory for images of pressures on the coarse grid.
+    pub fn memory(&self) -> ScatteredMemory {
+        ScatteredMemory {
+            workspace: self.coarse.workspace(),
+            far: vec![0.0; self.coarse.grid().len()],
+            lines: Vec::new(),
+        }
+    }
+
+    /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is zero.
+    pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
+        let ScatteredMemory { workspace, far, lines } = memory;
+        self.spread(blocks, pressure, lines);
+        let columns = self.coarse.grid().points()[1];
+        let lines = &*lines;
+        let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
+        let source = |row: usize, (): (), values: &mut [f32]| self.gather(blocks, lines, row, values);
+        let far_rows = Rows(&mut far[..], columns);
+        fits(self.coarse.convolve_rows(&self.smooth, (), source, far_rows, copy, workspace));
+        let far = &*far;
+        blocks.near.apply(&self.near, pressure, out, |block, sums| self.interpolate(blocks, far, block, sums));
+    }
+
+    /// `out` ← S `gap` times the unit, with the stiffness S of a surface that is held between the points. S is positive definite.
+    pub fn stiffness(&self, blocks: &Blocks, gap: &[f32], out: &mut [f32]) {
+        blocks.stiff.apply(&self.stiff, gap, out, |_, _| ());
+    }
+
+    /// What every block gives to the coarse points of its row.
+    fn spread(&self, blocks: &Blocks, pressure: &[f32], lines: &mut Vec<[f32; SPREAD]>) {
+        let values = pressure.as_chunks::<LANES>().0;
+        (0..blocks.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|block| {
+                let mut line = [0.0; SPREAD];
+                for (lane, value) in values[block].iter().enumerate() {
+                    let first = lane / COARSENING;
+                    let weights = &self.weights[lane % COARSENING];
+                    line[first..].iter_mut().zip(weights).for_each(|(line, weight)| *line += weight * value);
+                }
+                line
+            })
+            .collect_into_vec(lines);
+    }
+
+    /// Fills a row of the coarse grid with what the blocks around it give.
+    fn gather(&self, blocks: &Blocks, lines: &[[f32; SPREAD]], row: usize, values: &mut [f32]) {
+        values.fill(0.0);
+        let [rows, columns] = self.coarse.grid().points();
+        for k in 0..ORDER {
+            let from = (row + rows + ORDER / 2 - 1 - k) % rows;
+            for within in 0..COARSENING {
+                let weight = self.weights[within][k];
+                for block in blocks.in_row(from * COARSENING + within) {
+                    let first = first_column(blocks.column(block), columns);
+                    let [own, beyond] = within_row(first, columns);
+                    let (line, rest) = lines[block].split_at(own);
+                    values[first..].iter_mut().zip(line).for_each(|(value, line)| *value += weight * line);
+                    values[..beyond].iter_mut().zip(rest).for_each(|(value, line)| *value += weight * line);
+                }
+            }
+        }
+    }
+
+    /// Adds the displacement by long waves to the points of a block.
+    fn interpolate(&self, blocks: &Blocks, far: &[f32], block: usize, sums: &mut [f32; LANES]) {
+        let [rows, columns] = self.coarse.grid().points();
+        let (row, first) = (blocks.row(block), first_column(blocks.column(block), columns));
+        let [own, beyond] = within_row(first, columns);
+        let mut line = [0.0; SPREAD];
+        for (k, weight) in self.weights[row % COARSENING].iter().enumerate() {
+            let from = (row / COARSENING + rows + k + 1 - ORDER / 2) % rows;
+            let far = &far[from * columns..(from + 1) * columns];
+            let (near, rest) = line.split_at_mut(own);
+            near.iter_mut().zip(&far[first..]).for_each(|(value, far)| *value += weight * far);
+            rest.iter_mut().zip(&far[..beyond]).for_each(|(value, far)| *value += weight * far);
+        }
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            let weights = &self.weights[lane % COARSENING];
+            *sum += line[lane / COARSENING..].iter().zip(weights).map(|(value, weight)| value * weight).sum::<f32>();
+        }
+    }
+}
+
+/// The first of the coarse columns to which a block in this column spreads.
+fn first_column(column: usize, columns: usize) -> usize {
+    (column * (LANES / COARSENING) + columns + 1 - ORDER / 2) % columns
+}
+
+/// The number of these that lie before the end of a row, and of the others, at its beginning.
+fn within_row(first: usize, columns: usize) -> [usize; 2] {
+    let own = SPREAD.min(columns - first);
+    [own, SPREAD - own]
+}
+
+/// Working memory of a [`Scattered`] response.
+#[derive(Debug)]
+pub struct ScatteredMemory {
+    workspace: Workspace<f32>,
+    /// The displacement by long waves on the coarse grid.
+    far: Vec<f32>,
+    /// What every block gives to the coarse points of its row.
+    lines: Vec<[f32; SPREAD]>,
+}
+
+/// The compliance of the long waves for pressures that are spread and displacements that are interpolated, laid out as the modes
+/// of the coarse grid.
+fn smooth(response: &NormalResponse, coarse: &Grid, uniform: f64, width: f64) -> impl Iterator<Item = f64> {
+    let fine = response.grid();
+    let share = coarse.len() as f64 / fine.len() as f64;
+    let spacing = coarse.spacing();
+    coarse.modes().map(move |mode| {
+        let compliance = if mode.is_uniform() { uniform } else { mode_of(response, mode.number) };
+        let sinc = |axis: usize| {
+            let half = 0.5 * mode.wavevector[axis] * spacing[axis];
+            if half == 0.0 { 1.0 } else { half.sin() / half }
+        };
+        let spread = (sinc(0) * sinc(1)).powi(2 * ORDER as i32);
+        compliance * (-(mode.wavenumber() * width).powi(2)).exp() * share / spread
+    })
+}
+
+/// The compliance of the mode with these numbers, or of the opposite one.
+fn mode_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
+    let grid = response.grid();
+    let index = grid.index_of(number).or_else(|| grid.index_of(number.map(|number| -number)));
+    index.map_or(0.0, |index| response.compliance()[index])
+}
+
+/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place` between 0 and 1.
+fn spline(place: f64) -> [f64; ORDER] {
+    // De Boor's recurrence for equidistant knots.
+    let mut values = [0.0; ORDER];
+    values[0] = 1.0;
+    for degree in 1..ORDER {
+        for k in (0..=degree).rev() {
+            let [own, before] = [values[k], if k > 0 { values[k - 1] } else { 0.0 }];
+            let behind = (degree - k) as f64;
+            values[k] = ((place + behind) * before + (1.0 - place + k as f64) * own) / degree as f64;
+        }
+    }
+    values
+}
