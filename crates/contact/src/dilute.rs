@@ -85,6 +85,17 @@ enum Known {
     Formerly,
 }
 
+impl Known {
+    /// The number in a checkpoint.
+    fn number(self) -> u32 {
+        match self {
+            Self::Roughly => 0,
+            Self::Nothing => 1,
+            Self::Wholly | Self::Formerly => 2,
+        }
+    }
+}
+
 /// Watches for all processes, which search for themselves: they stop together.
 struct Together<'a, W> {
     share: &'a Share,
@@ -264,23 +275,23 @@ impl<'a> Dilute<'a> {
         gathered(share, &here.flatten().copied().collect::<Vec<_>>())
     }
 
-    /// The vectors for the present blocks. Behind their points come some, up to a whole stretch, that are far from contact.
+    /// Allocates the vectors for the present blocks.
     fn allocate(&mut self) {
-        let Contact { scaled, share, .. } = self.contact;
-        self.linear = self.at_points(&scaled.clearance()[share.own()]);
-        let far = 2.0 * self.linear.iter().fold(scaled.mean_clearance(), |far, c| c.max(far));
-        let variables = self.linear.len().next_multiple_of(STRETCH);
-        self.linear.resize(variables, far);
-        self.linear.iter_mut().for_each(|c| *c -= self.approach);
+        self.lower(0.0);
+        let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
         self.pressure = vec![0.0; variables];
         self.image = vec![0.0; variables];
     }
 
-    /// Lowers the surface.
+    /// Lowers the surface. Behind the points of the blocks come some, up to a whole stretch, that are far from contact.
     fn lower(&mut self, by: f64) {
         self.approach += by;
-        self.linear.iter_mut().for_each(|c| *c -= by);
+        let Contact { scaled, share, .. } = self.contact;
+        self.linear = self.at_points(&scaled.clearance()[share.own()]);
+        let far = 2.0 * self.linear.iter().fold(scaled.mean_clearance(), |far, c| c.max(far));
+        self.linear.resize(self.linear.len().next_multiple_of(STRETCH), far);
+        self.linear.iter_mut().for_each(|c| *c -= self.approach);
     }
 
     /// Computes the displacement of the whole surface, if it is not known.
@@ -463,13 +474,12 @@ impl Preconditioned for Dilute<'_> {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         visitor.count(self.transforms.counter());
         visitor.count(&mut self.images);
-        let mut wholly = self.known == Known::Wholly;
-        visitor.flag(&mut wholly);
-        self.known = match (wholly, self.known) {
-            (true, Known::Wholly) => Known::Wholly,
-            (true, _) => Known::Formerly,
-            (false, known) => known,
-        };
+        let before = self.known.number();
+        let mut number = before;
+        visitor.small(&mut number);
+        if number != before {
+            self.known = [Known::Roughly, Known::Nothing, Known::Formerly][number.min(2) as usize];
+        }
     }
 }
 

@@ -6,7 +6,8 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Solver {
     /// The fastest robust method: for a hard wall [`PreconditionedCg`](Self::PreconditionedCg), followed by
-    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations and again by the former after 5000 more; for a law with a potential [`Newton`](Self::Newton).
+    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations and again by the former after 5000 more; if little touches, the former on few
+    /// points first (theory.md, section 7.5); for a law with a potential [`Newton`](Self::Newton).
     #[default]
     Auto,
     /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).

@@ -108,6 +108,30 @@ fn the_automatic_solver_continues_after_its_change_of_method() {
 }
 
 #[test]
+fn a_search_on_few_points_continues_bit_for_bit() {
+    let contact = contact(256, Height::Infinite);
+    for load in [Load::MeanPressure(1e-4), Load::Approach(0.2 * contact.surface().mean_clearance())] {
+        let solve = |keeper: &mut Keeper| {
+            let budget = Budget { tolerance: 1e-9, max_iterations: 1_000_000 };
+            contact.equilibrate(load.into(), Solver::Auto, &budget, None, keeper).unwrap()
+        };
+        let mut whole = Keeper::default();
+        let expected = solve(&mut whole);
+        assert!(expected.effort.transform_pairs < 15.0, "{load:?}: {:?}", expected.effort);
+        for at in 0..whole.calls {
+            let mut first = Keeper { at: Some(at), ..Keeper::default() };
+            solve(&mut first);
+            first.kept.rewind();
+            let mut second = Keeper { kept: first.kept, resumes: true, ..Keeper::default() };
+            let resumed = solve(&mut second);
+            assert_eq!(resumed.effort, expected.effort, "{load:?}, checkpoint {at}");
+            assert!(same(&resumed, &expected), "{load:?}, checkpoint {at}");
+            assert!(second.kept.is_at_end() && second.calls == whole.calls - at, "{load:?}, {at}");
+        }
+    }
+}
+
+#[test]
 fn all_components_continue_bit_for_bit() {
     let grid = Grid::square(15, 1.0).unwrap();
     let heights = contact(24, Height::Infinite).surface().clearance()[..225].to_vec();

@@ -3,6 +3,8 @@
 mod blocks;
 mod stencil;
 
+use std::f64::consts::{FRAC_2_SQRT_PI, TAU};
+
 use gfmd_field::{Grid, Rows, Transform, Workspace};
 use rayon::prelude::*;
 
@@ -16,10 +18,11 @@ use crate::rounded::power_of_two;
 /// Compliance and approximate stiffness between few points of a periodic grid, in single precision: for contacts so small that
 /// transforms of the whole surface would mostly move zeros.
 ///
-/// The compliance is split by wavelength, as Ewald (1921) split Coulomb's sum: `G = G (1 − e^{−q² s²}) + G e^{−q² s²}`. The first
-/// part decays within a few s, and is summed over pairs of points. The second part has no waves shorter than some s, and is
-/// computed on a grid of [`COARSENING`] times the spacing, to which pressures are spread, and from which displacements are
-/// interpolated, by B-splines (Essmann et al. 1995). Images are accurate to some 1e-5 of the largest ones.
+/// The compliance is split as Ewald (1921) split Coulomb's sum, with a length s of a few points. The part `g erf(q s)/q`, with g that
+/// of `G = g/q` for the shortest waves, decays in space as `erfc(r/2s)/r`, and is summed over pairs of points. The rest,
+/// `g erfc(q s)/q` on a half-space, has no waves shorter than some s: it is computed on a grid of [`COARSENING`] times the spacing, to
+/// which pressures are spread, and from which displacements are interpolated, by B-splines (Essmann et al. 1995). Images are
+/// accurate to some 1e-4 of the largest ones.
 ///
 /// The points come in [`Blocks`] of [`LANES`] neighbours in a row.
 #[derive(Debug)]
@@ -54,12 +57,15 @@ const REACH: usize = 24;
 /// The distance in points up to which points stiffen each other.
 const STIFF: usize = 6;
 
+/// The largest relative difference from a half-space, of the shortest waves of the coarse grid.
+const DEEP: f64 = 1e-3;
+
 /// The least number of points of a cell in which the response to a point has decayed.
 const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
     /// Splits the response, with the given compliance of the uniform mode in length/stress. `None` if the grid is no rectangle of
-    /// whole blocks and coarse cells, or small.
+    /// whole blocks and coarse cells, or small, and on layers that are not thicker than a few points.
     pub fn of(response: &NormalResponse, uniform: f64) -> Option<Self> {
         let grid = response.grid();
         let [nx, ny] = grid.points();
@@ -73,13 +79,27 @@ impl Scattered {
         if !nx.is_multiple_of(COARSENING) || !ny.is_multiple_of(LANES) || wide > 1.5 * narrow {
             return None;
         }
+        let coarse = Grid::new([nx / COARSENING, ny / COARSENING], grid.lengths()).ok()?;
+        // Short waves see a half-space: their compliance times wavenumber does not depend on the wavelength.
+        let slope = |x: usize, y: usize| {
+            let number = [x, y].map(|number| -(number as i64));
+            let q = [0, 1].map(|axis| TAU * number[axis] as f64 / grid.lengths()[axis]);
+            q[0].hypot(q[1]) * compliance_of(response, number)
+        };
+        let [rows_of, columns_of] = coarse.points();
+        let shortest = slope(nx / 2, ny / 2);
+        let is_deep = |slope: f64| (slope / shortest - 1.0).abs() < DEEP;
+        if !(is_deep(slope(rows_of / 2, 0)) && is_deep(slope(0, columns_of / 2))) {
+            return None;
+        }
         let unit = power_of_two(1.0 / response.stiffness_range()[0]);
         let width = COARSENING as f64 * (wide * narrow).sqrt();
-        let short = |q: f64, g: f64| -(-(q * width).powi(2)).exp_m1() * g / unit;
-        let near = Stencil::new(response, [rows, columns], REACH, short).ok()?;
+        let short = |q: f64| {
+            if q > 0.0 { shortest * libm::erf(q * width) / q } else { shortest * FRAC_2_SQRT_PI * width }
+        };
+        let near = Stencil::new(response, [rows, columns], REACH, |q, _| short(q) / unit).ok()?;
         let stiff = Stencil::new(response, [rows, columns], STIFF, |_, g| if g > 0.0 { unit / g } else { 0.0 }).ok()?;
-        let coarse = Grid::new([nx / COARSENING, ny / COARSENING], grid.lengths()).ok()?;
-        let smooth = smooth(response, &coarse, uniform, width).map(|g| (g / unit) as f32).collect();
+        let smooth = smooth(response, &coarse, uniform, short).map(|g| (g / unit) as f32).collect();
         let weights = std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
         Some(Self { coarse: Transform::new(coarse), smooth, near, stiff, weights, unit })
     }
@@ -200,25 +220,29 @@ pub struct ScatteredMemory {
     lines: Vec<[f32; SPREAD]>,
 }
 
-/// The compliance of the long waves for pressures that are spread and displacements that are interpolated, laid out as the modes
-/// of the coarse grid.
-fn smooth(response: &NormalResponse, coarse: &Grid, uniform: f64, width: f64) -> impl Iterator<Item = f64> {
-    let fine = response.grid();
-    let share = coarse.len() as f64 / fine.len() as f64;
+/// The compliance less that of `short` waves, for pressures that are spread and displacements that are interpolated, laid out as the
+/// modes of the coarse grid.
+fn smooth(
+    response: &NormalResponse,
+    coarse: &Grid,
+    uniform: f64,
+    short: impl Fn(f64) -> f64,
+) -> impl Iterator<Item = f64> {
+    let share = coarse.len() as f64 / response.grid().len() as f64;
     let spacing = coarse.spacing();
     coarse.modes().map(move |mode| {
-        let compliance = if mode.is_uniform() { uniform } else { mode_of(response, mode.number) };
+        let compliance = if mode.is_uniform() { uniform } else { compliance_of(response, mode.number) };
         let sinc = |axis: usize| {
             let half = 0.5 * mode.wavevector[axis] * spacing[axis];
             if half == 0.0 { 1.0 } else { half.sin() / half }
         };
         let spread = (sinc(0) * sinc(1)).powi(2 * ORDER as i32);
-        compliance * (-(mode.wavenumber() * width).powi(2)).exp() * share / spread
+        (compliance - short(mode.wavenumber())) * share / spread
     })
 }
 
 /// The compliance of the mode with these numbers, or of the opposite one.
-fn mode_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
+fn compliance_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
     let grid = response.grid();
     let index = grid.index_of(number).or_else(|| grid.index_of(number.map(|number| -number)));
     index.map_or(0.0, |index| response.compliance()[index])
@@ -237,4 +261,110 @@ fn spline(place: f64) -> [f64; ORDER] {
         }
     }
     values
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_green::{Body, Material};
+
+    use super::*;
+
+    fn response(points: [usize; 2], lengths: [f64; 2], height: Option<f64>) -> NormalResponse {
+        let material = Material::from_contact_modulus(2.0, 0.3).unwrap();
+        let body = height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap());
+        NormalResponse::new(Grid::new(points, lengths).unwrap(), &body)
+    }
+
+    /// Every seventh block, and some that are neighbours, among them those at the edges.
+    fn places(grid: &Grid) -> Vec<usize> {
+        let all = grid.len() / LANES;
+        (0..all).filter(|place| place % 7 == 0 || place % 97 < 9 || *place < 20 || place + 20 > all).collect()
+    }
+
+    #[test]
+    fn images_are_those_of_transforms_of_the_whole_surface() {
+        for (points, lengths, height) in [
+            ([128, 128], [1.0, 1.0], None),
+            ([120, 232], [1.0, 2.0], None),
+            ([256, 128], [2.2, 1.0], Some(0.1)),
+            ([128, 128], [1.0, 1.0], Some(0.15)),
+        ] {
+            let response = response(points, lengths, height);
+            let (grid, uniform) = (*response.grid(), response.uniform_compliance());
+            let scattered = Scattered::of(&response, uniform).unwrap();
+            let blocks = Blocks::new(&scattered, &grid, places(&grid));
+            let noise = |i: usize| ((i as f64 + 1.0) * 0.618_034).fract();
+            // Among them some that are zero.
+            let values: Vec<f32> = (0..LANES * blocks.len()).map(|i| (noise(i) as f32 - 0.3).max(0.0)).collect();
+            let mut pressure = vec![0.0; grid.len()];
+            for (place, values) in blocks.places().iter().zip(values.chunks(LANES)) {
+                for (p, value) in pressure[place * LANES..].iter_mut().zip(values) {
+                    *p = f64::from(*value);
+                }
+            }
+            let mut kernel = response.compliance().to_vec();
+            kernel[0] = uniform;
+            let transform = Transform::new(grid);
+            let mut exact = vec![0.0; grid.len()];
+            transform.convolve(&kernel, &pressure, &mut exact, &mut transform.workspace()).unwrap();
+            let largest = exact.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
+            let mut image = vec![f32::NAN; values.len()];
+            scattered.compliance(&blocks, &values, &mut scattered.memory(), &mut image);
+            for (place, image) in blocks.places().iter().zip(image.chunks(LANES)) {
+                for (exact, image) in exact[place * LANES..].iter().zip(image) {
+                    let error = f64::from(*image) * scattered.unit() - exact;
+                    assert!(error.abs() < 3e-4 * largest, "{points:?} {height:?} {place}: {error} of {largest}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_stiffness_is_symmetric_and_positive() {
+        let response = response([128, 128], [1.0, 1.0], None);
+        let scattered = Scattered::of(&response, 0.0).unwrap();
+        let blocks = Blocks::new(&scattered, response.grid(), places(response.grid()));
+        let field = |seed: f32| (0..LANES * blocks.len()).map(|i| (seed * i as f32).sin()).collect::<Vec<f32>>();
+        let image = |field: &[f32]| {
+            let mut out = vec![f32::NAN; field.len()];
+            scattered.stiffness(&blocks, field, &mut out);
+            out
+        };
+        let dot = |a: &[f32], b: &[f32]| gfmd_vector::dot(a, b);
+        for seed in [0.1, 0.7, 2.0] {
+            let (a, b) = (field(seed), field(1.3 * seed));
+            let (k_a, k_b) = (image(&a), image(&b));
+            assert!((dot(&a, &k_b) - dot(&b, &k_a)).abs() < 1e-5 * dot(&a, &k_a));
+            assert!(dot(&a, &k_a) > 0.0);
+        }
+    }
+
+    #[test]
+    fn grids_without_whole_blocks_and_thin_layers_are_left_to_transforms() {
+        for (points, lengths) in [
+            ([64, 64], [1.0, 1.0]),
+            ([1, 4096], [1.0, 1.0]),
+            ([4096, 1], [1.0, 1.0]),
+            ([130, 128], [1.0, 1.0]),
+            ([128, 132], [1.0, 1.0]),
+            ([128, 128], [1.0, 2.0]),
+            ([251, 251], [1.0, 1.0]),
+        ] {
+            assert!(Scattered::of(&response(points, lengths, None), 0.0).is_none(), "{points:?}");
+        }
+        let thin = response([128, 128], [1.0, 1.0], Some(0.01));
+        assert!(Scattered::of(&thin, thin.uniform_compliance()).is_none());
+    }
+
+    #[test]
+    fn splines_are_parts_of_one_and_keep_their_centre() {
+        for place in [0.0, 0.25, 0.5, 0.9] {
+            let values = spline(place);
+            let [sum, centre] = [0, 1].map(|power| {
+                let terms = values.iter().enumerate();
+                terms.map(|(k, w)| w * (k as f64 + 1.0 - ORDER as f64 / 2.0).powi(power)).sum::<f64>()
+            });
+            assert!((sum - 1.0).abs() < 1e-14 && (centre - place).abs() < 1e-14, "{place}: {sum} {centre}");
+        }
+    }
 }

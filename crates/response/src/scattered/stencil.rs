@@ -1,7 +1,7 @@
 use gfmd_field::{Grid, GridError, Transform};
 
 use super::LANES;
-use super::mode_of;
+use super::compliance_of;
 use crate::NormalResponse;
 use crate::elastic::fits;
 
@@ -30,7 +30,7 @@ impl Stencil {
         let lengths = [0, 1].map(|axis| grid.lengths()[axis] / times[axis] as f64);
         let cell = Grid::new(points, lengths)?;
         let modes = cell.modes().map(|mode| {
-            let compliance = mode_of(response, [0, 1].map(|axis| mode.number[axis] * times[axis] as i64));
+            let compliance = compliance_of(response, [0, 1].map(|axis| mode.number[axis] * times[axis] as i64));
             (of(mode.wavenumber(), compliance) / cell.len() as f64).into()
         });
         let modes: Vec<_> = modes.collect();
