@@ -20,7 +20,7 @@ use gfmd_green::{Body, Material};
 use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 
-const GRADIENTS: [Solver; 3] = [Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
+const GRADIENTS: [Solver; 4] = [Solver::Auto, Solver::PreconditionedCg, Solver::ProjectedCg, Solver::PolonskyKeer];
 const DYNAMICS: [Solver; 5] =
     [Solver::VerletCritical, Solver::Verlet, Solver::Fire, Solver::Fire2, Solver::AugmentedLagrangian];
 
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut sizes, mut solvers) = (Vec::new(), Vec::new());
     for argument in std::env::args().skip(1) {
         let named =
-            GRADIENTS.iter().chain(&DYNAMICS).chain(&[Solver::Auto]).find(|solver| format!("{solver:?}") == argument);
+            GRADIENTS.iter().chain(&DYNAMICS).find(|solver| format!("{solver:?}") == argument);
         match (argument.as_str(), named) {
             ("dynamics", _) => solvers.extend(DYNAMICS),
             (_, Some(solver)) => solvers.push(*solver),
