@@ -32,7 +32,7 @@ class Path(Record):
             hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
         hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
         adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
-            (length), `process_zone_points`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+            (length), `process_zone_points`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
