@@ -1,10 +1,11 @@
 """Contacts on a patch that does not repeat, with friction, on slabs, or with a law of adhesion, solved densely: writes free_contacts.json beside itself.
 
-Independent of gfmd: numpy, scipy and the scripts beside this one. Run: python3 free_contacts.py
+Independent of gfmd: numpy, scipy, mpmath and the scripts beside this one. Run: python3 free_contacts.py
 
 The compliance between two cells is an integral over the loaded one in polar coordinates about the displaced point, in which every kernel of Boussinesq and
 Cerruti is f(angle)/r: the integral of f times the length of the chord. What a slab adds is an integral over wavenumbers (4000 Gauss nodes) of its closed form
-less that of the half-space, averaged over the cell by 7 x 7 Gauss nodes. Friction: the Newton method of friction_contacts.py. Slabs: the active sets of
+less that of the half-space, averaged over the cell by 7 x 7 Gauss nodes. With all components, what layers add are integrals over wavenumbers (500 Gauss nodes) of
+boundary-value problems with 40 digits (layered_bodies.py). Friction: the Newton method of friction_contacts.py. Slabs: the active sets of
 bounded_contacts.py. Laws: Newton's method for u with dense stiffness and an active set at the wall; the energy is convex, since the least eigenvalue of the
 stiffness exceeds the steepness of the law; a load by a search for its approach.
 """
@@ -14,10 +15,11 @@ import os
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import j0
+from scipy.special import j0, j1, jn
 
 import bounded_contacts
 import friction_contacts
+from layered_bodies import Wave
 
 PI = np.pi
 
@@ -74,6 +76,52 @@ def tangential_matrix(points, lengths, young, nu):
         blocks[k][l] = block
         blocks[l][k] = block.T
     return np.block(blocks)
+
+
+def layered_matrix(points, lengths, layers, base):
+    """As tangential_matrix, of layers [E, nu, height or None] from the top."""
+    (nx, ny), (lx, ly) = points, lengths
+    a, b = lx / nx, ly / ny
+    young, nu, height = layers[0]
+    mu = young / (2 * (1 + nu))
+
+    def blocks(body, q):
+        """Half the sum and the difference of the compliance along and across the wave, coupling, normal; times q."""
+        wave = Wave(body, q)
+        (along, _), (coupling, normal) = wave.sagittal()
+        along, coupling, normal, across = [float(value) * q for value in (along, coupling, normal, wave.transverse())]
+        return np.array([(along + across) / 2, (along - across) / 2, coupling, normal])
+
+    half_space = blocks(([(young, nu, None)], None), 1.0)
+    closed = [(2 - nu) / (2 * mu), -nu / (2 * mu), -(1 - 2 * nu) / (2 * mu), (1 - nu) / mu]
+    assert np.allclose(half_space, closed, rtol=1e-12, atol=1e-14), (half_space, closed)
+    t, w = np.polynomial.legendre.leggauss(500)
+    last = 30.0 / height
+    q, weight = 0.5 * last * (t + 1), 0.5 * last * w
+    terms = np.array([(blocks((layers, base), one) - half_space) * factor for one, factor in zip(q, weight)]).T / (2 * PI)
+    g, gw = np.polynomial.legendre.leggauss(7)
+
+    def added(m, n):
+        """Integrals over the loaded cell: the point lies m, n cells from its centre."""
+        x, y = np.meshgrid(m * a + 0.5 * a * g, n * b + 0.5 * b * g, indexing="ij")
+        r, angle = np.hypot(x, y), np.arctan2(y, x)
+        z = r[..., None] * q
+        mean, split, coupling, normal = (j0(z) @ terms[0], jn(2, z) @ terms[1], -(j1(z) @ terms[2]), j0(z) @ terms[3])
+        kernels = {
+            (0, 0): mean - split * np.cos(2 * angle), (1, 1): mean + split * np.cos(2 * angle), (2, 2): normal,
+            (0, 1): -split * np.sin(2 * angle), (0, 2): coupling * np.cos(angle), (1, 2): coupling * np.sin(angle),
+        }
+        return {key: a * b / 4 * (gw[:, None] * gw * kernel).sum() for key, kernel in kernels.items()}
+
+    table = {(m, n): added(m, n) for m in range(1 - nx, nx) for n in range(1 - ny, ny)}
+    i, j = np.divmod(np.arange(nx * ny), ny)
+    di, dj = i[:, None] - i, j[:, None] - j
+    more = [[None] * 3 for _ in range(3)]
+    for key in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]:
+        block = np.array([[table[m, n][key] for m, n in zip(*row)] for row in zip(di, dj)])
+        more[key[0]][key[1]] = block
+        more[key[1]][key[0]] = block.T
+    return tangential_matrix(points, lengths, young, nu) + np.block(more)
 
 
 def slab_matrix(points, lengths, nu, height, base):
@@ -163,12 +211,16 @@ def main():
     result = {"conventions": "peaks point at the body; arrays row by row, x first; shear on the elastic surface [component, x, y]; made by free_contacts.py"}
 
     cases = []
-    for name, nu, mu, heights, lengths, path in [
-        ("rough", 0.3, 0.4, bounded_contacts.rough((12, 11), 13), (1.0, 1.1), [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))]),
-        ("sphere", 0.1, 0.3, friction_contacts.sphere(13), (1.0, 1.0), [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))]),
+    for name, layers, base, mu, heights, lengths, path in [
+        ("rough", [(1.0, 0.3, None)], None, 0.4, bounded_contacts.rough((12, 11), 13), (1.0, 1.1), [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))]),
+        ("sphere", [(1.0, 0.1, None)], None, 0.3, friction_contacts.sphere(13), (1.0, 1.0), [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))]),
+        ("rough on a slab", [(1.0, 0.3, 0.2)], "bonded", 0.4, bounded_contacts.rough((12, 11), 13), (1.0, 1.1),
+         [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))]),
+        ("sphere on a coating", [(4.0, 0.25, 0.15), (1.0, 0.4, None)], None, 0.3, friction_contacts.sphere(13), (1.0, 1.0),
+         [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))]),
     ]:
-        young = 1.0
-        G = tangential_matrix(heights.shape, lengths, young, nu)
+        (young, nu, height), *below = layers
+        G = tangential_matrix(heights.shape, lengths, young, nu) if height is None else layered_matrix(heights.shape, lengths, layers, base)
         clearance = (heights.max() - heights).ravel()
         states, before = [], None
         for mean, lateral in path:
@@ -177,7 +229,7 @@ def main():
                 "mean_pressure": mean, "lateral": list(lateral), "approach": before["delta"], "contact_nodes": before["touch"],
                 "sticking_nodes": before["stick"], "pressure": rounded(before["p"]), "shear": rounded(before["tau"].ravel()),
             })
-        cases.append({"name": name, "young": young, "poisson": nu, "points": list(heights.shape), "lengths": list(lengths), "coefficient": mu,
+        cases.append({"name": name, "layers": [list(layer) for layer in layers], "base": base, "points": list(heights.shape), "lengths": list(lengths), "coefficient": mu,
                       "heights": heights.ravel().tolist(), "states": states})
     result["friction"] = cases
 

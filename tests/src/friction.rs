@@ -39,7 +39,8 @@ pub(crate) fn body(case: &Value) -> Result<Body, ValidationError> {
         let material = Material::from_young(young.unwrap_or(f64::NAN), poisson.unwrap_or(f64::NAN))?;
         match height {
             Some(height) => layers.push((material, height)),
-            None => return Ok(Body::half_space(material)),
+            None if layers.is_empty() => return Ok(Body::half_space(material)),
+            None => return Ok(Body::stack(&layers, Base::Elastic(Body::half_space(material).into()))?),
         }
     }
     let base: Base = base.with(None)?;

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::bounded::{compare, numbers, surface};
 use crate::check::Worst;
-use crate::friction::follow;
+use crate::friction::{self, follow};
 use crate::{Check, Reference, ValidationError};
 
 const DENSE: &str = "dense Newton solutions, chord integrals of kernels";
@@ -19,10 +19,8 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     let mut checks = Vec::new();
     for case in cases("friction") {
         let (grid, heights) = surface(case)?;
-        let [young, poisson, coefficient] = ["young", "poisson", "coefficient"].map(|key| number(&case[key]));
-        let body = Body::half_space(Material::from_young(young, poisson)?);
-        let limit = Limit::Coulomb(coefficient);
-        let contact = FrictionalContact::bounded(Boundary::Free, &body, &grid, &heights, limit)?;
+        let limit = Limit::Coulomb(number(&case["coefficient"]));
+        let contact = FrictionalContact::bounded(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
         let name = format!("friction on a patch, {}", case["name"].as_str().unwrap_or_default());
         checks.push(follow(&contact, case, name, DENSE)?);
     }

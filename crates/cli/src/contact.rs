@@ -8,6 +8,7 @@ mod page;
 mod report;
 mod series;
 mod shared;
+mod slopes;
 mod statistics;
 mod table;
 mod threshold;
@@ -57,6 +58,7 @@ pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
 use series::{First, Series};
+pub use slopes::Slopes;
 pub use together::Together;
 use vtk::VtkFile;
 

@@ -70,7 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     shear_strength: Option<f64>,
-    /// The surroundings of the surface; free: a patch behind a hard wall, without friction
+    /// The surroundings of the surface; free: a patch that does not repeat
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(serialize_with = "by_name", skip_serializing_if = "is_periodic")]
     boundary: Boundary,

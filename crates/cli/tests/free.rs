@@ -65,6 +65,8 @@ fn paths_on_a_patch_lose_energy_and_slip() {
     let lateral = "--p-star 0.05 --lateral 0,0.002,-0.002 --steps 2";
     let report = is_sound(folder, &format!("path {SURFACE} --friction 0.3 {lateral}"));
     assert!(number(&report["dissipated"]) > 0.0, "{}", report["dissipated"]);
+    let slab = format!("path {SURFACE} --friction 0.3 {lateral} --height 0.2 --young 1 --poisson 0.3");
+    assert!(number(&is_sound(folder, &slab)["dissipated"]) > 0.0);
     // Within slip everywhere, shear is friction times load.
     let report = is_sound(folder, &format!("path {SURFACE} --friction 0.3 --p-star 0.05 --lateral 0,0.2 --steps 4"));
     let last = report["steps"].as_array().unwrap().last().unwrap();
@@ -98,6 +100,7 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
             "contact --height 1e-4",
             "--boundary free: the height of the top layer is 0.0001; with free boundaries it must be at least",
         ),
+        ("path --friction 0.3 --height 0.2 --base sliding", "--boundary free: the base is sliding"),
         ("path --dim 2 --friction 0.3", "--boundary free: the grid is a profile"),
         (
             "path --law exponential --param gamma=1e-4,range=4e-3 --lateral 0,0.1",

@@ -270,6 +270,8 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         ("range", range),
         ("process_zone", zone),
         ("process_zone_points", 64.0 * zone),
+        // √(6.25 / 64 / 2).
+        ("wang_zhou_muser", 0.220_970_9),
         ("tabor", (gamma * gamma / curvature / 4.0 / range.powi(3)).cbrt()),
         ("pastewka_robbins", sticky / 1.029_2),
     ] {
@@ -282,6 +284,7 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
     );
     let told = String::from_utf8(told.stderr).unwrap();
     assert!(told.contains("process zone of 16.08 grid steps (resolved)") && told.contains("Tabor number"), "{told}");
+    assert!(told.contains("Wang-Zhou-Müser 0.22 (below 0.5: resolved)"), "{told}");
     for command in ["contact", "path"] {
         let coarse = format!("{command} {} --displacement 0.002 -q", flags(1e-4));
         let output = gfmd(folder.path(), &coarse.split_whitespace().collect::<Vec<_>>());

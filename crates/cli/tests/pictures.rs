@@ -64,7 +64,10 @@ fn the_page_has_the_figures_of_the_command() {
             &["repulsion and attraction", "gap", "section through both surfaces"],
         ),
         ("contact --n 32 --p-star 0.05 --fields pressure", &[]),
-        (&format!("path --n 64 {law} --pressure 0.005 --steps 2"), &["repulsion and attraction", "gap"]),
+        (
+            &format!("path --n 64 {law} --pressure 0.005 --steps 2"),
+            &["repulsion and attraction", "gap", "section through both surfaces"],
+        ),
         (
             "contact --n 32 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.05",
             &[

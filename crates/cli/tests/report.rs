@@ -84,7 +84,8 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     assert_eq!(make(folder, "report p.h5 --out path.html -q"), Some(0));
     let made = page(folder, "path.html");
     check_page(&made);
-    assert_eq!(outline(&made), (all.to_vec(), 5, 2));
+    assert_eq!(outline(&made), (all.to_vec(), 6, 2));
+    assert!(made.contains("Section along"));
 
     let sweep = json(folder, &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);
     assert_eq!(make(folder, "report s.h5 -q"), Some(0));

@@ -5,22 +5,38 @@ use gfmd_measure::{Patches, Surroundings};
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
-use crate::graph::Graph;
+use crate::numbering::{CLOSED, Numbering};
 
-/// The number of a cell that takes no part.
-const CLOSED: u32 = u32::MAX;
+/// Cells of a part. Sums are formed for each part first, so that they do not depend on the number of threads.
+const PART: usize = 1 << 12;
 
 /// A face of a cell.
 struct Face {
-    /// The cell on the other side; none at the edge of a field that ends.
-    beside: Option<usize>,
+    /// The number of the cell on the other side; none at the edge of a field that ends.
+    beside: Option<u32>,
     /// Conductance: flow over the difference of the potential.
     conductance: f64,
     /// Distance from the cell's point to that on the other side, or to the edge.
     distance: f64,
 }
 
+/// The neighbours of a cell.
+pub(crate) struct Links {
+    /// Their numbers, with the conductances of the faces.
+    beside: [(u32, f64); 4],
+    count: usize,
+    /// The conductance to the edges of the field.
+    pub(crate) outside: f64,
+}
+
+impl Links {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.beside[..self.count].iter().map(|(number, conductance)| (*number as usize, *conductance))
+    }
+}
+
 /// What flows with a potential.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Balance {
     /// Mean flux along x and y.
     pub(crate) flux: [f64; 2],
@@ -29,6 +45,18 @@ pub(crate) struct Balance {
     /// What is missing in the balance of a cell over the mean flow through a face, the deviation of the flow through a section from their
     /// mean, and of the power from the flux: the largest of all, relative.
     pub(crate) residual: f64,
+    /// What flows into each cell, if all is not in balance.
+    pub(crate) missing: Vec<f64>,
+}
+
+/// What flows in a part of the cells.
+struct Sums {
+    flux: [f64; 2],
+    power: f64,
+    /// Flows through sections, from the first one that a cell of the part touches.
+    sections: Vec<f64>,
+    first: usize,
+    missing: Vec<f64>,
 }
 
 /// The deviation of the potential from its mean gradient at a cell, as the sum of a number and a small one.
@@ -43,9 +71,14 @@ impl Potential {
         *self = Self([sum, low - (sum - high)]);
     }
 
-    /// The difference to another potential, and `drop`.
+    /// The difference to another potential, and `drop`, which may cancel each other.
     fn over(self, Self([high, low]): Self, drop: f64) -> f64 {
-        ((self.0[0] - high) + drop) + (self.0[1] - low)
+        let Self([here, rest]) = self;
+        let difference = here - high;
+        // What is lost by its rounding (Knuth).
+        let part = difference - here;
+        let lost = (here - (difference - part)) - (high + part);
+        (difference + drop) + ((rest - low) + lost)
     }
 }
 
@@ -56,10 +89,10 @@ pub(crate) struct Cells<'a> {
     surroundings: Surroundings,
     /// The axis of the gradient.
     axis: usize,
-    /// The number of each cell that belongs to a patch through which something flows.
-    numbers: Vec<u32>,
-    /// These cells.
-    open: Vec<u32>,
+    /// The cells through which something flows.
+    numbering: &'a Numbering,
+    /// Width of a face along x and along y over the distance of the cells.
+    shape: [f64; 2],
 }
 
 impl<'a> Cells<'a> {
@@ -67,18 +100,11 @@ impl<'a> Cells<'a> {
         grid: &Grid,
         conductivity: &'a [f64],
         surroundings: Surroundings,
-        patches: &Patches,
+        numbering: &'a Numbering,
         axis: usize,
     ) -> Self {
-        let mut numbers = vec![CLOSED; conductivity.len()];
-        let mut open = Vec::new();
-        for (cell, label) in patches.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
-            if patches.patches[*label as usize - 1].percolates[axis] {
-                numbers[cell] = open.len() as u32;
-                open.push(cell as u32);
-            }
-        }
-        Self { grid: *grid, conductivity, surroundings, axis, numbers, open }
+        let [dx, dy] = grid.spacing();
+        Self { grid: *grid, conductivity, surroundings, axis, numbering, shape: [dy / dx, dx / dy] }
     }
 
     /// The width of a face across the gradient.
@@ -94,22 +120,23 @@ impl<'a> Cells<'a> {
         self.axis
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.open.len()
+    pub(crate) fn numbering(&self) -> &Numbering {
+        self.numbering
     }
 
-    /// The face of `cell` along `axis`, on its far side or on its near one; none if nothing passes.
-    fn face(&self, cell: usize, axis: usize, far: bool) -> Option<Face> {
+    pub(crate) fn len(&self) -> usize {
+        self.numbering.len()
+    }
+
+    /// The face of a cell along `axis`, on its far side or on its near one; none if nothing passes.
+    fn face(&self, cell: usize, index: usize, axis: usize, far: bool) -> Option<Face> {
         let (points, spacing) = (self.grid.points(), self.grid.spacing());
         let (n, stride) = if axis == 0 { (points[0], points[1]) } else { (points[1], 1) };
-        let index = cell / stride % n;
         let at_edge = if far { index + 1 == n } else { index == 0 };
-        let width = spacing[1 - axis];
-        let here = self.conductivity[cell];
+        let (here, distance) = (self.conductivity[cell], spacing[axis]);
         if at_edge && self.surroundings == Surroundings::Ends {
             // The reservoirs lie at the edges along the gradient.
-            let distance = 0.5 * spacing[axis];
-            let face = Face { beside: None, conductance: here * width / distance, distance };
+            let face = Face { beside: None, conductance: 2.0 * here * self.shape[axis], distance: 0.5 * distance };
             return (axis == self.axis).then_some(face);
         }
         let beside = match (far, at_edge) {
@@ -118,62 +145,61 @@ impl<'a> Cells<'a> {
             (false, false) => cell - stride,
             (false, true) => cell + n * stride - stride,
         };
-        let there = self.conductivity[beside];
-        if self.numbers[beside] == CLOSED || beside == cell {
+        let number = self.numbering.numbers[beside];
+        if number == CLOSED || beside == cell {
             return None;
         }
-        let distance = spacing[axis];
-        Some(Face { beside: Some(beside), conductance: mean(here, there) * width / distance, distance })
+        let conductance = mean(here, self.conductivity[beside]) * self.shape[axis];
+        Some(Face { beside: Some(number), conductance, distance })
     }
 
     fn faces(&self, cell: usize) -> impl Iterator<Item = (usize, bool, Face)> + '_ {
+        let columns = self.grid.points()[1];
+        let place = [cell / columns, cell % columns];
         let sides = [(0, false), (0, true), (1, false), (1, true)];
-        sides.into_iter().filter_map(move |(axis, far)| self.face(cell, axis, far).map(|face| (axis, far, face)))
+        sides
+            .into_iter()
+            .filter_map(move |(axis, far)| self.face(cell, place[axis], axis, far).map(|face| (axis, far, face)))
     }
 
-    /// The graph of the cells: what flows out of each is A p less the [source](Self::source).
-    pub(crate) fn graph(&self) -> Graph {
-        Graph::new(self.len(), |number, row| {
-            let mut outside = 0.0;
-            for (_, _, face) in self.faces(self.open[number] as usize) {
-                match face.beside {
-                    Some(beside) => row.push((self.numbers[beside], face.conductance)),
-                    None => outside += face.conductance,
+    /// The neighbours of the cell with this number.
+    pub(crate) fn links(&self, number: usize) -> Links {
+        let mut links = Links { beside: [(0, 0.0); 4], count: 0, outside: 0.0 };
+        for (_, _, face) in self.faces(self.numbering.open[number] as usize) {
+            match face.beside {
+                Some(beside) => {
+                    links.beside[links.count] = (beside, face.conductance);
+                    links.count += 1;
                 }
+                None => links.outside += face.conductance,
             }
-            outside
-        })
+        }
+        links
     }
 
     /// What flows out of a cell through one of its faces.
     fn out(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
-        let beside = face.beside.map_or(Potential::default(), |beside| potential[self.numbers[beside] as usize]);
+        let beside = face.beside.map_or(Potential::default(), |beside| potential[beside as usize]);
         let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
         face.conductance * potential[number].over(beside, drop)
     }
 
-    /// What flows into each cell, if all is not in balance.
-    pub(crate) fn missing(&self, potential: &[Potential]) -> Vec<f64> {
-        let of = |(number, cell): (usize, &u32)| {
-            -self.faces(*cell as usize).map(|part| self.out(potential, number, &part)).sum::<f64>()
-        };
-        self.open.par_iter().enumerate().map(of).collect()
-    }
-
-    /// True if the other cells are the same, but for the gradient.
+    /// True if the equations of other cells are the same, but for the gradient.
     pub(crate) fn has_equations_of(&self, other: &Self) -> bool {
-        self.surroundings == Surroundings::Repeats && self.open == other.open
+        self.surroundings == Surroundings::Repeats && std::ptr::eq(self.numbering, other.numbering)
     }
 
-    /// What flows with a potential, from each cell's faces anew.
-    pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
-        let (lengths, points) = (self.grid.lengths(), self.grid.points());
+    /// What flows in the part of cells with the numbers from `start`.
+    fn sums(&self, potential: &[Potential], start: usize, cells: &[u32]) -> Sums {
+        let points = self.grid.points();
         let stride = if self.axis == 0 { points[1] } else { 1 };
-        let (mut flux, mut power) = ([0.0; 2], 0.0);
-        let mut sections = vec![0.0; points[self.axis] + 1];
-        let mut missing = 0.0;
-        for (number, cell) in self.open.iter().enumerate() {
-            let index = *cell as usize / stride % points[self.axis];
+        let index = |cell: u32| cell as usize / stride % points[self.axis];
+        let first = cells.iter().map(|cell| index(*cell)).min().unwrap_or(0);
+        let last = cells.iter().map(|cell| index(*cell)).max().unwrap_or(0);
+        let mut sums =
+            Sums { flux: [0.0; 2], power: 0.0, sections: vec![0.0; last - first + 2], first, missing: Vec::new() };
+        for (number, cell) in (start..).zip(cells) {
+            let index = index(*cell) - first;
             let mut sum = 0.0;
             for part in self.faces(*cell as usize) {
                 let out = self.out(potential, number, &part);
@@ -181,15 +207,32 @@ impl<'a> Cells<'a> {
                 sum += out;
                 // Each inner face belongs to two cells, each with half of the way.
                 let share = if face.beside.is_some() { 0.5 } else { 1.0 };
-                flux[axis] += share * face.distance * if far { out } else { -out };
-                power += share * out * out / face.conductance;
+                sums.flux[axis] += share * face.distance * if far { out } else { -out };
+                sums.power += share * out * out / face.conductance;
                 match (axis == self.axis, far, face.beside) {
-                    (true, true, _) => sections[index + 1] += out,
-                    (true, false, None) => sections[0] -= out,
+                    (true, true, _) => sums.sections[index + 1] += out,
+                    (true, false, None) => sums.sections[index] -= out,
                     _ => {}
                 }
             }
-            missing = larger(missing, sum.abs());
+            sums.missing.push(-sum);
+        }
+        sums
+    }
+
+    /// What flows with a potential, from each cell's faces anew.
+    pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
+        let (lengths, points) = (self.grid.lengths(), self.grid.points());
+        let parts = self.numbering.open.par_chunks(PART).enumerate();
+        let parts: Vec<Sums> = parts.map(|(part, cells)| self.sums(potential, part * PART, cells)).collect();
+        let (mut flux, mut power) = ([0.0; 2], 0.0);
+        let mut sections = vec![0.0; points[self.axis] + 1];
+        let mut missing = Vec::with_capacity(self.len());
+        for part in parts {
+            flux = gfmd_vector::add(flux, part.flux);
+            power += part.power;
+            sections[part.first..].iter_mut().zip(part.sections).for_each(|(sum, section)| *sum += section);
+            missing.extend(part.missing);
         }
         if self.surroundings == Surroundings::Repeats {
             sections[0] = sections[points[self.axis]];
@@ -199,41 +242,49 @@ impl<'a> Cells<'a> {
         let through = flux[self.axis] * lengths[1 - self.axis];
         let of_power = (flux[self.axis] / power - 1.0).abs();
         let of_sections = sections.iter().map(|section| (section / through - 1.0).abs());
-        let residual = of_sections.fold(larger(missing / (flux[self.axis] * self.width()).abs(), of_power), larger);
-        Balance { flux, power, residual }
+        let of_cells = missing.iter().map(|missing| missing.abs()).fold(0.0, larger);
+        let of_cells = of_cells / (flux[self.axis] * self.width()).abs();
+        let residual = of_sections.fold(larger(of_cells, of_power), larger);
+        Balance { flux, power, residual, missing }
     }
 
-    /// The magnitude of the flux at every cell: flow per width, averaged over opposite faces.
+    /// The magnitude of the flux at every cell: flow per width, averaged over opposite faces; zero where nothing flows.
     pub(crate) fn flux(&self, potential: &[Potential]) -> Vec<f64> {
         let spacing = self.grid.spacing();
-        let mut magnitudes = vec![0.0; self.numbers.len()];
-        for (number, cell) in self.open.iter().enumerate() {
+        self.at_every_cell(|cell, number| {
             let mut flux = [0.0; 2];
-            for part in self.faces(*cell as usize) {
+            for part in self.faces(cell) {
                 let out = self.out(potential, number, &part) / spacing[1 - part.0];
                 flux[part.0] += 0.5 * if part.1 { out } else { -out };
             }
-            magnitudes[*cell as usize] = flux[0].hypot(flux[1]);
-        }
-        magnitudes
+            flux[0].hypot(flux[1])
+        })
     }
 
     /// The potential less its mean gradient at every cell, zero where nothing flows.
     pub(crate) fn spread(&self, potential: &[Potential]) -> Vec<f64> {
-        let of = |number: &u32| potential.get(*number as usize).map_or(0.0, |Potential([high, low])| high + low);
-        self.numbers.iter().map(of).collect()
+        self.at_every_cell(|_, number| {
+            let Potential([high, low]) = potential[number];
+            high + low
+        })
+    }
+
+    /// A value for every cell, from its place and its number; zero where nothing flows.
+    fn at_every_cell(&self, value: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f64> {
+        let of = |(cell, number): (usize, &u32)| if *number == CLOSED { 0.0 } else { value(cell, *number as usize) };
+        self.numbering.numbers.par_iter().enumerate().with_min_len(PART).map(of).collect()
     }
 }
 
 /// The larger of two numbers, NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
 /// The harmonic mean, which is that of two layers in series.
 fn mean(a: f64, b: f64) -> f64 {
-    let least = a.min(b);
-    if least > 0.0 { 2.0 * least / (1.0 + least / a.max(b)) } else { 0.0 }
+    let (less, more) = (a.min(b), a.max(b));
+    if less > 0.0 { less * (2.0 * more / (more + less)) } else { 0.0 }
 }
 
 /// The patches of cells that conduct.

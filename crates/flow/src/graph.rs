@@ -1,90 +1,90 @@
-//! Weighted graphs, and passes over vectors with several columns.
+//! Weighted graphs.
 
 use rayon::prelude::*;
 
-/// Rows of a part of a vector. Sums are formed for each part first, so that they do not depend on the number of threads.
-const PART: usize = 1 << 14;
+/// Nodes of a part of a graph. Sums are formed for each part first, so that they do not depend on the number of threads.
+const PART: usize = 1 << 12;
 
 /// A graph with weights on its edges, and conductances of its nodes to a reservoir.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Graph {
-    /// The edges of node i are `starts[i]..starts[i + 1]`.
-    starts: Vec<usize>,
+    parts: Vec<Part>,
+    nodes: usize,
+}
+
+/// Consecutive nodes of a graph.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    /// The edges of the node i of the part are `starts[i]..starts[i + 1]`.
+    starts: Vec<u32>,
     ends: Vec<u32>,
     weights: Vec<f64>,
     /// The weight of each node to the reservoir.
-    pub(crate) outside: Vec<f64>,
+    outside: Vec<f64>,
 }
 
 impl Graph {
-    /// The graph of nodes that `edges` gives one by one, for each node its neighbours with weights (a neighbour may occur
-    /// twice), and its weight to the reservoir.
-    pub(crate) fn new(nodes: usize, mut edges: impl FnMut(usize, &mut Vec<(u32, f64)>) -> f64) -> Self {
-        let mut graph = Self { starts: vec![0], ..Self::default() };
-        let mut row = Vec::new();
-        for node in 0..nodes {
-            row.clear();
-            let outside = edges(node, &mut row);
-            graph.outside.push(outside);
-            graph.ends.extend(row.iter().map(|edge| edge.0));
-            graph.weights.extend(row.iter().map(|edge| edge.1));
-            graph.starts.push(graph.ends.len());
-        }
-        graph
+    /// The graph of nodes that `edges` gives one by one, for each node its neighbours with weights, and its weight to the reservoir.
+    pub(crate) fn new(nodes: usize, edges: impl Fn(usize, &mut Vec<(u32, f64)>) -> f64 + Sync) -> Self {
+        let made = |part: usize| {
+            let mut made = Part { starts: vec![0], ..Part::default() };
+            let mut row = Vec::new();
+            for node in part * PART..((part + 1) * PART).min(nodes) {
+                row.clear();
+                made.outside.push(edges(node, &mut row));
+                made.ends.extend(row.iter().map(|edge| edge.0));
+                made.weights.extend(row.iter().map(|edge| edge.1));
+                made.starts.push(made.ends.len() as u32);
+            }
+            made
+        };
+        Self { parts: (0..nodes.div_ceil(PART)).into_par_iter().map(made).collect(), nodes }
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.outside.len()
+        self.nodes
     }
 
+    /// The neighbours of a node, and the weights of the edges to them.
     pub(crate) fn row(&self, node: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.starts[node]..self.starts[node + 1];
+        self.parts[node / PART].row(node % PART)
+    }
+
+    /// The weight of a node to the reservoir.
+    pub(crate) fn outside(&self, node: usize) -> f64 {
+        self.parts[node / PART].outside[node % PART]
+    }
+
+    /// `out` ← A x, which is what flows out of each node: of differences, which are exact where x varies little. Returns the products
+    /// of the columns of x and A x.
+    pub(crate) fn apply<const N: usize>(&self, x: &[[f64; N]], out: &mut [[f64; N]]) -> [f64; N] {
+        let of_part = |(place, (part, rows)): (usize, (&Part, &mut [[f64; N]]))| {
+            let mut products = [0.0; N];
+            for (node, out) in rows.iter_mut().enumerate() {
+                let here = x[place * PART + node];
+                let mut sums = here.map(|x| part.outside[node] * x);
+                for (end, weight) in part.row(node) {
+                    let there = &x[end];
+                    (0..N).for_each(|k| sums[k] += weight * (here[k] - there[k]));
+                }
+                (0..N).for_each(|k| products[k] += here[k] * sums[k]);
+                *out = sums;
+            }
+            products
+        };
+        let parts = self.parts.par_iter().zip(out.par_chunks_mut(PART)).enumerate();
+        total(parts.map(of_part).collect())
+    }
+}
+
+impl Part {
+    fn row(&self, node: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.starts[node] as usize..self.starts[node + 1] as usize;
         self.ends[range.clone()].iter().map(|end| *end as usize).zip(self.weights[range].iter().copied())
     }
-
-    /// `out` ← A x, which is what flows out of each node: of differences, which are exact where x varies little.
-    pub(crate) fn apply<const N: usize>(&self, x: &[[f64; N]], out: &mut [[f64; N]]) {
-        out.par_chunks_mut(PART).enumerate().for_each(|(part, rows)| {
-            for (node, out) in (part * PART..).zip(rows) {
-                let here = x[node];
-                *out = here.map(|x| self.outside[node] * x);
-                for (end, weight) in self.row(node) {
-                    let there = &x[end];
-                    (0..N).for_each(|k| out[k] += weight * (here[k] - there[k]));
-                }
-            }
-        });
-    }
 }
 
-/// The products of the columns of two vectors.
-pub(crate) fn dot<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> [f64; N] {
-    let of_part = |(a, b): (&[[f64; N]], &[[f64; N]])| {
-        let mut sums = [0.0; N];
-        for (a, b) in a.iter().zip(b) {
-            (0..N).for_each(|k| sums[k] += a[k] * b[k]);
-        }
-        sums
-    };
-    let parts: Vec<[f64; N]> = a.par_chunks(PART).zip(b.par_chunks(PART)).map(of_part).collect();
+/// The sum of those of parts, in their order.
+pub(crate) fn total<const N: usize>(parts: Vec<[f64; N]>) -> [f64; N] {
     parts.into_iter().fold([0.0; N], |sum, part| std::array::from_fn(|k| sum[k] + part[k]))
-}
-
-/// Changes the rows of `a`, each with that of `b`.
-pub(crate) fn zip<const N: usize>(
-    a: &mut [[f64; N]],
-    b: &[[f64; N]],
-    change: impl Fn(&mut [f64; N], &[f64; N]) + Sync,
-) {
-    a.par_chunks_mut(PART)
-        .zip(b.par_chunks(PART))
-        .for_each(|(a, b)| a.iter_mut().zip(b).for_each(|(a, b)| change(a, b)));
-}
-
-/// The largest magnitude in a column; NaN if there is one.
-pub(crate) fn largest<const N: usize>(a: &[[f64; N]], column: usize) -> f64 {
-    a.iter().fold(0.0, |largest, row| {
-        let value = row[column].abs();
-        if value > largest || value.is_nan() { value } else { largest }
-    })
 }

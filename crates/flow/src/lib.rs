@@ -3,7 +3,7 @@
 //! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The equation is
 //! balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face between two cells is
 //! the harmonic mean of their k, which is exact for layers in series and side by side (theory.md, section 9.1). Conjugate
-//! gradients are preconditioned by an approximate elimination of the cells, whose quality depends neither on the shape of channels and
+//! gradients are preconditioned by an approximate elimination of the cells, block by block in all threads, whose quality depends neither on the shape of channels and
 //! dams nor on their contrast.
 //!
 //! ```
@@ -26,6 +26,11 @@ mod cells;
 mod elimination;
 mod flow;
 mod graph;
+mod halved;
+mod numbering;
+mod queue;
+mod remaining;
+mod search;
 
 pub use flow::{Flow, FlowError, Path, TOLERANCE, flow};
 pub use gfmd_measure::Surroundings;

@@ -33,9 +33,11 @@ pub enum GreenError {
     /// A half-space or a pair of bodies, pressed on both faces.
     #[error("the body is {0}; a body that is pressed on both faces must be a slab or a stack of layers")]
     Plate(&'static str),
-    /// Shear of a patch with free boundaries on a body of finite height.
-    #[error("the height is {0}; with free boundaries and shear it must be inf, a half-space")]
-    FreeShear(f64),
+    /// Shear of a patch with free boundaries on a body that slides on its base.
+    #[error(
+        "the base is sliding, which does not hold the body sideways; with free boundaries and shear it must be bonded or half-space"
+    )]
+    FreeSliding,
     /// A profile with free boundaries on a body of finite height.
     #[error("the height is {0}; for a profile with free boundaries it must be inf, a half-space")]
     FreeProfile(f64),

@@ -74,7 +74,7 @@ impl FrictionalContact {
     /// away, and a mean pressure is the force over Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a body other than a half-space, or a profile.
+    /// As [`new`](Self::new); and with free boundaries a profile, or a body that nothing holds sideways, or whose layers are too thin.
     pub fn bounded(
         boundary: Boundary,
         body: &Body,

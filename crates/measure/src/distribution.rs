@@ -29,9 +29,55 @@ impl Distribution {
     }
 }
 
+/// Geometric middles and densities of bins of equal width on a logarithmic scale, `bins` in each of so many decades up to the largest
+/// value, from the lowest. A density is the share of the `values` in a bin, of `all`, over the width of the bin. Smaller values are not
+/// counted; without positive values there are no bins.
+pub fn density_over_decades(
+    values: impl Iterator<Item = f64> + Clone,
+    all: usize,
+    decades: usize,
+    bins: usize,
+) -> Vec<[f64; 2]> {
+    let largest = values.clone().fold(0.0, f64::max);
+    if largest <= 0.0 {
+        return Vec::new();
+    }
+    let mut counts = vec![0_u64; decades * bins];
+    let below = |value: f64| (largest / value).log10() * bins as f64;
+    for value in values.filter(|value| *value > 0.0) {
+        if let Some(count) = counts.get_mut(below(value).max(0.0) as usize) {
+            *count += 1;
+        }
+    }
+    let at = |bin: f64| largest * 10_f64.powf(-bin / bins as f64);
+    let density = |(bin, count): (usize, u64)| {
+        let bin = bin as f64;
+        [at(bin + 0.5), count as f64 / (all as f64 * (at(bin) - at(bin + 1.0)))]
+    };
+    counts.into_iter().enumerate().rev().map(density).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bins_over_decades_have_the_density_of_a_power() {
+        // x = u² of a uniform u has the density 1/(2√x).
+        let n = 1_000_000;
+        let values = (0..n).map(|i| ((i as f64 + 0.5) / n as f64).powi(2));
+        let found = density_over_decades(values, n, 4, 5);
+        assert_eq!(found.len(), 20);
+        assert!(found.is_sorted_by(|a, b| a[0] < b[0]));
+        for [x, density] in found {
+            // The mean over a bin falls short of the density at its geometric middle by (ln 10/5)²/32.
+            assert!((density * 2.0 * x.sqrt() - 1.0).abs() < 0.01, "{x} {density}");
+        }
+        let found = density_over_decades([0.0, 100.0, 10.5, 1e-9, -1.0].into_iter(), 4, 2, 1);
+        assert_eq!(found.len(), 2);
+        assert!((found[1][1] - 0.5 / 90.0).abs() < 1e-15 && found[0][1] == 0.0);
+        assert!(density_over_decades([0.0, -1.0].into_iter(), 2, 2, 1).is_empty());
+    }
 
     #[test]
     fn shares_add_up_and_the_largest_value_has_a_bin() {

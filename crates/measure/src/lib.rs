@@ -31,7 +31,7 @@ mod summary;
 pub mod theory;
 
 pub use area::{ContactArea, contact_area};
-pub use distribution::Distribution;
+pub use distribution::{Distribution, density_over_decades};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use patches::{Patch, Patches, Surroundings};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};

@@ -47,8 +47,8 @@ pub struct Map<'a> {
     /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
     /// bar then has a triangle there.
     pub range: Option<[f64; 2]>,
-    /// True if the colour bar has numbers. False: colours tell values apart and mean nothing else.
-    pub numbers: bool,
+    /// True if there is a colour bar. False: colours tell values apart and mean nothing else.
+    pub bar: bool,
     /// Width of the figure in points.
     pub width: f64,
 }
@@ -99,8 +99,8 @@ impl<'a> Map<'a> {
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
         let (scale, colours) = (Scale::default(), Colours::default());
-        let (below, range, numbers) = (None, None, true);
-        Self { values, shape, size, x, y, label, scale, colours, below, range, numbers, width: COLUMN }
+        let (below, range, bar) = (None, None, true);
+        Self { values, shape, size, x, y, label, scale, colours, below, range, bar, width: COLUMN }
     }
 
     fn is_coloured(&self, value: f64) -> bool {
@@ -171,8 +171,9 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let (range, beyond) = colour_range(map)?;
     let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
     let mut bar_ticks = Ticks::new(map.scale, range, 5.0)?;
-    if !map.numbers {
+    if !map.bar {
         bar_ticks.major.clear();
+        bar_ticks.factor.clear();
     }
     let bar_labels = bar_ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
     let below_label = map.below.as_ref().map_or(0.0, |below| Text::new(&below.label, TICK).width());
@@ -192,7 +193,10 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let frame = Frame { left, top, width, height, x, y };
     let mut svg = String::new();
     draw_axes(&mut svg, &frame, Some(&Axis::linear(&map.x)), Some(&y_label));
-    draw_bar(&mut svg, map, &frame, &bar_ticks, beyond);
+    if map.bar {
+        draw_bar(&mut svg, map, &frame, &bar_ticks, beyond);
+    }
+    draw_beside(&mut svg, map, &frame, &bar_ticks, beyond);
     let picture = paint(map, &bar_ticks, [left, top, width, height]);
     let bottom = top + height + GAP + TICK + GAP + 1.1 * LABEL + EDGE;
     Ok(Drawing { width: map.width, height: bottom, pictures: vec![picture], elements: svg })
@@ -335,9 +339,17 @@ fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [
     if !ticks.factor.is_empty() {
         Text::new(&ticks.factor, TICK).write(svg, left, frame.top - GAP - 1.0, Anchor::Start, 0.0, &ink);
     }
+}
+
+/// The label of the map, and the swatch of its class.
+fn draw_beside(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
+    let ink = hex(INK);
+    let left = frame.left + frame.width + 3.0 * GAP;
+    let [below, above] = beyond.map(point);
+    let middle = frame.top + 0.5 * (frame.height + above - below - swatch(map));
     let widest = ticks.major.iter().map(|(_, label)| Text::new(label, TICK).width()).fold(0.0, f64::max);
-    let beside = right + GAP + widest + GAP + 0.8 * LABEL;
-    Text::new(&map.label, LABEL).write(svg, beside, 0.5 * (top + bottom), Anchor::Middle, -90.0, &ink);
+    let beside = if map.bar { left + BAR + 2.0 * GAP + widest } else { left };
+    Text::new(&map.label, LABEL).write(svg, beside + 0.8 * LABEL, middle, Anchor::Middle, -90.0, &ink);
     if let Some(below) = &map.below {
         let [x, y, side] = [left, frame.top + frame.height - 0.8 * BAR, 0.8 * BAR].map(number);
         let colour = hex(below.colour());

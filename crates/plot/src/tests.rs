@@ -305,6 +305,20 @@ fn elements_of_a_page_have_ids_of_their_own() {
     );
 }
 
+/// Colours that tell values apart have no scale; the class has its swatch.
+#[test]
+fn a_map_without_a_bar_has_its_label_and_its_class() {
+    let values: Vec<f64> = (0..16).map(|i| f64::from(i % 5)).collect();
+    let below = Some(Below::pale(0.0, "no contact"));
+    let with = Map { below, ..Map::new(&values, [4, 4], [1.0, 1.0], "patches") };
+    let without = Map { bar: false, ..with.clone() };
+    let [with, without] = [with, without].map(|map| map.svg().unwrap());
+    assert_eq!([&with, &without].map(|svg| svg.matches("linearGradient id").count()), [1, 0]);
+    assert_eq!(with.matches("<rect").count(), without.matches("<rect").count() + 1);
+    let width = |svg: &str| svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next()).map(str::to_owned);
+    assert_eq!(width(&with), width(&without));
+}
+
 #[test]
 fn maps_side_by_side_keep_their_bars_apart() {
     let values = bumps(16, 16);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clap::ValueEnum as _;
-use gfmd_cli::contact::{Together, Unknown};
+use gfmd_cli::contact::{Slopes, Together, Unknown};
 use gfmd_cli::elastic::{BodyArgs, body_flags};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
@@ -72,6 +72,8 @@ pub(crate) struct Problem {
     scales: Scales,
     /// E* times the rms gradient, as the program multiplies them.
     unit_pressure: f64,
+    /// Slopes that are not small.
+    slopes: Option<Slopes>,
 }
 
 /// A hardness, one or that of each point.
@@ -172,6 +174,11 @@ impl Problem {
         Ok((State { rest }, record, failure, raised))
     }
 
+    /// The warning of slopes that are not small, with the largest pressure of the loads; `None` if they are.
+    fn slopes(&self, largest: f64) -> Option<String> {
+        self.slopes.map(|slopes| slopes.told(largest / self.scales.contact_modulus))
+    }
+
     /// The state of a contact with these fields, to start from.
     fn recall(
         &self,
@@ -268,6 +275,7 @@ impl Problem {
             lower: lower_flag,
         };
         together.check()?;
+        let possible = Together { finite_slope: true, lower: None, ..together }.check().is_ok();
         let body = body.body()?;
         if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), &body) {
             return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
@@ -307,6 +315,8 @@ impl Problem {
             }
         }
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
-        Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient })
+        let steepest = || Statistics::of(&heights.to_owned(), &grid).map_or(f64::NAN, |found| found.max_slope);
+        let slopes = Slopes::of(rms_gradient, steepest, finite_slope, possible);
+        Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient, slopes })
     }
 }

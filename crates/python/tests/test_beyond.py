@@ -1,6 +1,7 @@
 """Contacts with finite slopes, of a slab between two surfaces, and with an attraction on a coarse grid."""
 
 import pickle
+import warnings
 
 import gfmd
 import numpy as np
@@ -132,6 +133,20 @@ def test_a_grid_much_too_coarse_for_an_attraction_is_refused_before_the_solve():
         c = gfmd.contact(SMALL, gfmd.Body(), p_star=0.05, law=NARROW, coarse=True)
     assert 0.0 < c.adhesion.process_zone_points < 0.1 and c.adhesion.work == 1e-4 and c.adhesion.pastewka_robbins > 0.0
     assert gfmd.contact(SMALL, gfmd.Body(), p_star=0.05).adhesion is None
+
+
+def test_slopes_that_are_not_small_are_told_once_with_the_largest_pressure():
+    steep = gfmd.self_affine(n=16, eps_f_inv=4, rms_gradient=0.5, seed=3)
+    with pytest.warns(UserWarning, match="the rms gradient is 0.50, .*; finite_slope includes the slopes") as told:
+        cs = gfmd.contacts(steep, gfmd.Body(), p_star=[0.05, 0.2])
+    assert len(told) == 1 and f"the largest pressure {max(cs.max_pressure):.2f} E*" in str(told[0].message)
+    with pytest.warns(UserWarning, match="strains are still taken as small"):
+        gfmd.contact(steep, gfmd.Body(), p_star=0.05, finite_slope=True)
+    with pytest.warns(UserWarning, match="is of this size$"):
+        gfmd.contact(steep, gfmd.Body(), p_star=0.05, boundary="free")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gfmd.contact(gfmd.self_affine(n=16, eps_f_inv=4, rms_gradient=0.19, seed=3), gfmd.Body(), p_star=0.05)
 
 
 def test_a_longer_range_first_pulls_the_surfaces_together():

@@ -8,7 +8,7 @@ use crate::patch_table::Parity::{Even, Odd};
 use crate::patch_table::PatchTable;
 use crate::{Components, Hermitian, Operator, Workspace};
 
-/// The compliance of a patch of a half-space that does not repeat, for all components of its surface: the counterpart of
+/// The compliance of a patch that does not repeat, for all components of its surface: the counterpart of
 /// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). It is built once and shared between problems and threads.
 #[derive(Debug)]
 pub struct FreeFullCompliance {
@@ -24,7 +24,7 @@ impl FreeFullCompliance {
     /// Tabulates the compliance of `body` on the grid of the `patch`, a surface.
     ///
     /// # Errors
-    /// A body other than a half-space; a line; a patch with more points than memory can address when it is doubled.
+    /// As [`patch_matrix`]; a patch with more points than memory can address when it is doubled.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
         let table = PatchTable::new(&patch, patch_matrix(body, &patch)?)?;
         let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]

@@ -127,7 +127,7 @@ pub(super) fn measured(
         let mut drawn = field(grid, &values, &format!("{} patches, told apart by colour", found.patches.len()), unit);
         if let Drawn::Map(map) = &mut drawn {
             map.below = Some(Below::pale(0.0, "no contact"));
-            (map.range, map.numbers) = (Some([0.0, 1.0]), false);
+            (map.range, map.bar) = (Some([0.0, 1.0]), false);
         }
         files.extend(drawn.save(&named(prefix, "patches"))?);
     }
@@ -148,9 +148,9 @@ pub(super) fn measured(
             let name = if hue == 0 { "Persson" } else { "" };
             pressures.push(Series { mark: Mark::Dashes, ..Series::line(name, hue, theory) });
         }
-        let bins = found.gap.middles.iter().zip(&found.gap.densities).filter(|(_, density)| **density > 0.0);
         let height = report.rms_height;
-        gaps.push(Series::line(&label(load), hue, bins.map(|(gap, density)| (gap / height, density * height))));
+        let bins = found.gap_decades.iter().filter(|[_, density]| *density > 0.0);
+        gaps.push(Series::line(&label(load), hue, bins.map(|[gap, density]| (gap / height, density * height))));
     }
     let chart = |x: Axis, y: Axis, series| Chart::new(vec![Panel { x, y, series, ..Panel::default() }]);
     pressures.retain(|series: &Series| !series.points.is_empty());
@@ -158,7 +158,7 @@ pub(super) fn measured(
     files.extend(of_pressure.save(&named(prefix, "pressures"))?);
     gaps.retain(|series: &Series| !series.points.is_empty());
     if !gaps.is_empty() {
-        let of_gap = chart(Axis::linear("gap / *h*_{rms}"), Axis::log("density × *h*_{rms}"), gaps);
+        let of_gap = chart(Axis::log("gap / *h*_{rms}"), Axis::log("density × *h*_{rms}"), gaps);
         files.extend(of_gap.save(&named(prefix, "gaps"))?);
     }
     let spectra = chosen.iter().enumerate().filter_map(|(hue, &load)| {

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::slopes::Slopes;
 use super::threshold::Threshold;
 use super::{Args, Unknown};
 use crate::base::BaseArgs;
@@ -66,29 +67,14 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
-const SMALL_SLOPES: f64 = 0.2;
-
 impl Report {
     /// Warns of slopes and strains that are not small.
     pub(super) fn warn_of_slopes(&self, args: &Args, session: &Session) {
         let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
-        if *rms_gradient <= SMALL_SLOPES {
-            return;
-        }
+        let possible = args.check_finite_slope().is_ok();
+        let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, args.finite_slope, possible) else { return };
         let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
-        let hint = match args.check_finite_slope() {
-            _ if args.finite_slope => "; strains are still taken as small",
-            Ok(()) => "; --finite-slope includes the slopes",
-            Err(_) => "",
-        };
-        session.warn(
-            "large-slope",
-            format!(
-                "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
-                 linear theory neglects is of this size{hint}"
-            ),
-        );
+        session.warn(Slopes::CODE, slopes.told(strain));
     }
 }
 

@@ -4,7 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Transform};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_flow::{Flow, FlowError, flow};
-use gfmd_measure::{Distribution, Patches, Surroundings};
+use gfmd_measure::{Distribution, Patches, Surroundings, density_over_decades};
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
@@ -15,12 +15,20 @@ use crate::source::Surface;
 /// Number of bins of a distribution.
 const BINS: usize = 100;
 
+/// Decades of a distribution on a logarithmic scale, below the largest value.
+const DECADES: usize = 6;
+
+/// Its number of bins in a decade.
+const BINS_PER_DECADE: usize = 10;
+
 /// The arrays of one load.
 pub(super) struct Measured {
     /// Area, perimeter, force and centre of each patch, in the order of their first points.
     patches: Vec<[f64; 5]>,
     pub(super) pressure: Distribution,
     pub(super) gap: Distribution,
+    /// Gaps and densities, in bins of equal width on a logarithmic scale.
+    pub(super) gap_decades: Vec<[f64; 2]>,
     /// Of periodic fields only.
     spectra: Option<Spectra>,
 }
@@ -73,11 +81,12 @@ impl Measured {
             let [x, y] = patch.centre;
             [patch.points as f64 * dx * dy, perimeter, force * dx * dy, x * dx, y * dy]
         });
-        let apart = gap.iter().zip(pressure).filter(|(_, p)| **p <= 0.0).map(|(gap, _)| *gap);
+        let apart = || gap.iter().zip(pressure).filter(|(_, p)| **p <= 0.0).map(|(gap, _)| *gap);
         Ok(Self {
             patches: rows.collect(),
             pressure: Distribution::of(pressure.iter().copied(), points, BINS),
-            gap: Distribution::of(apart, points, BINS),
+            gap: Distribution::of(apart(), points, BINS),
+            gap_decades: density_over_decades(apart(), points, DECADES, BINS_PER_DECADE),
             spectra: (surface.boundary == Boundary::Periodic).then(|| spectra(grid, pressure)).transpose()?,
         })
     }

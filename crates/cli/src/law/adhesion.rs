@@ -22,6 +22,8 @@ pub struct Adhesion {
     pub process_zone: f64,
     /// Process zone over the grid step.
     pub process_zone_points: f64,
+    /// The criterion of Wang, Zhou and Müser, √(steepness × grid step / E*): below 0.5 the grid resolves the attraction.
+    pub wang_zhou_muser: f64,
     /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tabor: Option<f64>,
@@ -35,6 +37,9 @@ pub(super) const LEAST_POINTS: f64 = 0.1;
 
 /// Grid steps in the process zone that resolve it.
 const RESOLVED: f64 = 2.0;
+
+/// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the attraction.
+const WANG_ZHOU_MUSER: f64 = 0.5;
 
 impl Adhesion {
     /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None` without an
@@ -58,6 +63,7 @@ impl Adhesion {
             range,
             process_zone,
             process_zone_points: process_zone / spacing,
+            wang_zhou_muser: (steepness * spacing / contact_modulus).sqrt(),
             tabor: finite(((length / range).powi(2) / (curvature * range)).cbrt()),
             pastewka_robbins: finite(slope * squeezed / (PI * (3.0_f64 / 16.0).powf(2.0 / 3.0))),
         };
@@ -83,9 +89,12 @@ impl Adhesion {
 
 impl fmt::Display for Adhesion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { range, process_zone_points: points, tabor, pastewka_robbins, .. } = *self;
+        let Self { range, process_zone_points: points, wang_zhou_muser, tabor, pastewka_robbins, .. } = *self;
         let resolved = if points >= RESOLVED { "resolved" } else { "not resolved: 2 or more are" };
         write!(f, "adhesion: range {range:.3e}; process zone of {points:.2} grid steps ({resolved})")?;
+        let words =
+            if wang_zhou_muser < WANG_ZHOU_MUSER { "below 0.5: resolved" } else { "not resolved: below 0.5 is" };
+        write!(f, "; Wang-Zhou-Müser {wang_zhou_muser:.2} ({words})")?;
         if let Some(tabor) = tabor {
             let limit = match tabor {
                 ..0.1 => "long range, as DMT",

@@ -119,6 +119,7 @@ impl StateCheck<'_> {
                 let problem = self.prepared.wall(refuse)?;
                 let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
                 comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), 0.0);
+                self.displacement(waypoint, &state, comparison)?;
                 let mut record = state.record(&problem.reading(&state), &Step::default(), args.tol);
                 record.p_star = record.mean_pressure / self.stress();
                 self.scalars(&record, comparison, stored);
@@ -131,6 +132,7 @@ impl StateCheck<'_> {
                 let state = interface.certify(&gap, &stored_pressure, drive).map_err(refuse)?;
                 let pressure: Vec<f64> = state.pressure().iter().copied().collect();
                 comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
+                self.displacement(waypoint, &state, comparison)?;
                 let reading = interface.reading(&state);
                 let mut record = state.record(&reading, &Step::default(), args.tol);
                 record.p_star = reading.mean_pressure / self.stress();
@@ -139,6 +141,13 @@ impl StateCheck<'_> {
             }
             action => self.tractions(waypoint, &gap, action, comparison, stored),
         }
+    }
+
+    /// Compares the displacement with that of a state.
+    fn displacement(&self, waypoint: usize, state: &impl Fields, comparison: &mut Comparison) -> Result<(), Failure> {
+        let found: Vec<f64> = state.displacement_z().iter().copied().collect();
+        comparison.values("/fields/displacement_z", &flat(&self.field("displacement_z", waypoint)?), &found, 0.0);
+        Ok(())
     }
 
     /// Compares the scalars that follow from a state.
@@ -197,12 +206,11 @@ impl StateCheck<'_> {
         let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found: Vec<f64> =
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
-        let shift = (found.iter().sum::<f64>() - gap.sum()) / points as f64;
-        let worst = found.iter().zip(gap).map(|(found, gap)| (found - shift - gap).abs());
         let height = surface.heights.std(0.0).max(f64::MIN_POSITIVE);
-        let worst = worst
-            .fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst });
-        comparison.at_most("/fields/gap", worst / height, 100.0 * args.tol);
+        let stored_displacement = flat(&self.field("displacement_z", waypoint)?);
+        comparison.at_most("/fields/gap", apart(&found, &flat(gap)) / height, 100.0 * args.tol);
+        let worst = apart(&displacement[lateral..], &stored_displacement) / height;
+        comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
         comparison.at_most("/fields/gap (penetration)", -gap.iter().copied().fold(0.0, f64::min) / height, args.tol);
         comparison.number("/path/mean_pressure", stored("mean_pressure"), pressure.mean().unwrap_or(f64::NAN), 0.0);
         comparison.number("/path/mean_gap", stored("mean_gap"), gap.mean().unwrap_or(f64::NAN), height);
@@ -227,6 +235,14 @@ impl StateCheck<'_> {
             comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.tol);
         }
     }
+}
+
+/// The largest distance of two fields, each less its mean. NaN if there is one.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
+    let shift = mean(a) - mean(b);
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b - shift).abs());
+    distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
 }
 
 fn flat(field: &Array2<f64>) -> Vec<f64> {

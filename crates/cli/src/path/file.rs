@@ -19,6 +19,9 @@ pub(super) struct PathFile<'a> {
     is_plastic: bool,
 }
 
+/// The fields that every state has.
+const NORMAL: [&str; 3] = ["pressure", "gap", "displacement_z"];
+
 /// The plastic depth, beside the pressure.
 const PLASTIC_DEPTH: &str = "plastic_depth";
 
@@ -44,12 +47,13 @@ impl<'a> PathFile<'a> {
         let fields = [
             ("pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
             ("gap", unit, "distance between the surfaces"),
+            ("displacement_z", unit, "normal displacement of the elastic surface, negative downwards"),
             ("shear_x", "stress", "shear traction on the elastic surface along x"),
             ("shear_y", "stress", "shear traction on the elastic surface along y"),
         ];
         let is_plastic = prepared.is_plastic();
         let depth = (PLASTIC_DEPTH, unit, "depth by which the surfaces were pressed into each other so far");
-        let fields = fields.into_iter().take(2 + shears.len()).chain(is_plastic.then_some(depth));
+        let fields = fields.into_iter().take(NORMAL.len() + shears.len()).chain(is_plastic.then_some(depth));
         for (name, units, long_name) in fields {
             archive
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
@@ -61,7 +65,11 @@ impl<'a> PathFile<'a> {
     /// The fields of a state that the file has at a waypoint, in its order.
     pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
         let shears = state.traction().into_iter().flat_map(|traction| traction.outer_iter().take(self.shears.len()));
-        let normal = [contiguous(&state.pressure()).into_owned(), contiguous(&state.gap()).into_owned()];
+        let normal = [
+            contiguous(&state.pressure()).into_owned(),
+            contiguous(&state.gap()).into_owned(),
+            contiguous(&state.displacement_z()).into_owned(),
+        ];
         let depth = state.plastic_depth().map(|depth| contiguous(depth).into_owned());
         let shears = shears.map(|shear| contiguous(&shear).into_owned());
         normal.into_iter().chain(shears).chain(depth).map(Into::into).collect()
@@ -69,7 +77,7 @@ impl<'a> PathFile<'a> {
 
     pub(super) fn write(&mut self, waypoint: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         let depth = self.is_plastic.then_some(&PLASTIC_DEPTH);
-        for (name, field) in ["pressure", "gap"].iter().chain(self.shears).chain(depth).zip(fields) {
+        for (name, field) in NORMAL.iter().chain(self.shears).chain(depth).zip(fields) {
             self.archive.write_slab(&format!("/fields/{name}"), waypoint, field)?;
         }
         Ok(())

@@ -1,25 +1,33 @@
-//! What layers add to the compliance of a patch of a half-space: c(r) = 1/(2π) ∫ (q G(q) − 2/E*) J₀(q r) dq.
+//! What layers add to the compliance of a patch of a half-space: integrals of their compliance less that of the half-space, times
+//! a Bessel function, over all wavenumbers (theory.md, section 3.1).
 
 use std::f64::consts::{PI, TAU};
 
 use gfmd_field::Grid;
 use rayon::prelude::*;
 
-use crate::{Base, Body, GreenError, Height};
+use crate::{Base, Blocks, Body, GreenError, Height};
 
-/// The mean over a cell of what layers add to the displacement by a point force, tabulated by distance.
+/// Functions of the distance from a point force, tabulated: what layers add to the displacement by it.
 ///
-/// The integrand vanishes as e^(−2 q h) beyond the inverse of the thinnest top layer's height h, and c is smooth over distances
-/// of 2 h. Quadrature and interpolation are those of Gauss and of Chebyshev on pieces, exact to about 1e-13 of c(0).
-pub(super) struct Correction {
+/// The integrands vanish as e^(−2 q h) beyond the inverse of the thinnest top layer's height h, and the functions are smooth over
+/// distances of 2 h. Quadrature and interpolation are those of Gauss and of Chebyshev on pieces, exact to about 1e-13 of the largest
+/// value.
+struct Radial<const M: usize> {
     /// Length of a piece of the table.
     piece: f64,
-    /// Chebyshev coefficients of c on each piece.
-    pieces: Vec<[f64; ORDER]>,
+    /// Chebyshev coefficients on each piece.
+    pieces: Vec<[[f64; M]; ORDER]>,
     sides: [f64; 2],
     /// Quadrature over a cell, along each side of length 1.
     nodes: Vec<[f64; 2]>,
 }
+
+/// What layers add to the displacement by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*) J₀(q r) dq over it.
+pub(super) struct Correction(Radial<1>);
+
+/// What layers add to the [matrix](super::PatchMatrix) of a half-space, but zz.
+pub(super) struct MatrixCorrection(Radial<3>);
 
 /// Number of coefficients of a piece, and of nodes of an interval of the quadrature over q.
 const ORDER: usize = 16;
@@ -37,12 +45,73 @@ const LAST: f64 = 24.0;
 const HALVINGS: i32 = 40;
 
 impl Correction {
-    /// The correction for a body with layers, on distances up to half of the periodic `cell` in which the patch lies; `None` for
-    /// a half-space, or two of them.
+    /// The correction for a body with layers; `None` for a half-space, or two of them.
     ///
     /// # Errors
     /// A plate, which nothing holds; a line; layers that are too thin for the patch or for its cells.
     pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
+        let half_space = 2.0 / body.contact_modulus();
+        let density = |q: f64| [(q * body.normal_compliance(q) - half_space) / TAU];
+        Ok(Radial::of(body, grid, density, |x| [libm::j0(x)])?.map(Self))
+    }
+
+    /// ∫∫ c dA over a cell whose centre lies at `at` relative to the point.
+    pub(super) fn integral(&self, at: [f64; 2]) -> f64 {
+        let [integral] = self.0.integral(at, |_, c| c);
+        integral
+    }
+}
+
+impl MatrixCorrection {
+    /// The correction for a body with layers; `None` for a half-space, or two of them.
+    ///
+    /// # Errors
+    /// As [`Correction::of`], and a base on which the body slides.
+    pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
+        let bodies = || [Some(body), body.second()].into_iter().flatten();
+        bodies().try_for_each(held)?;
+        // Each block is a constant over q.
+        let mut half_spaces = bodies().map(|body| Body::half_space(*body.material()));
+        let Some(first) = half_spaces.next() else { return Ok(None) };
+        let half_space = half_spaces.next().map_or(first.clone(), |second| first.against(second));
+        let parts = |Blocks { longitudinal, transverse, coupling, .. }: Blocks| {
+            [0.5 * (longitudinal + transverse), -coupling[0], 0.5 * (longitudinal - transverse)]
+        };
+        let without = parts(half_space.compliance_blocks(1.0));
+        let density = |q: f64| {
+            let found = parts(body.compliance_blocks(q));
+            std::array::from_fn(|k| (q * found[k] - without[k]) / TAU)
+        };
+        Ok(Radial::of(body, grid, density, bessel)?.map(Self))
+    }
+
+    /// The entries xx, yy, xy, xz, yz: integrals over a cell whose centre lies at `at` relative to the point.
+    pub(super) fn integral(&self, at: [f64; 2]) -> [f64; 5] {
+        self.0.integral(at, |[x, y], [mean, coupled, split]| {
+            let r = x.hypot(y);
+            let [c, s] = if r > 0.0 { [x / r, y / r] } else { [1.0, 0.0] };
+            let [twice_c, twice_s] = [c * c - s * s, 2.0 * c * s];
+            [mean - split * twice_c, mean + split * twice_c, -split * twice_s, coupled * c, coupled * s]
+        })
+    }
+}
+
+/// J₀, J₁, J₂.
+fn bessel(x: f64) -> [f64; 3] {
+    let [zeroth, first] = [libm::j0(x), libm::j1(x)];
+    // The recurrence loses digits near zero.
+    [zeroth, first, if x < 2.0 { libm::jn(2, x) } else { 2.0 / x * first - zeroth }]
+}
+
+impl<const M: usize> Radial<M> {
+    /// The integrals of `density(q)`, entry by entry times `bessel(q r)`, over q, on the distances in the periodic cell in which the
+    /// patch lies; `None` without layers.
+    fn of(
+        body: &Body,
+        grid: &Grid,
+        density: impl Fn(f64) -> [f64; M] + Sync,
+        bessel: fn(f64) -> [f64; M],
+    ) -> Result<Option<Self>, GreenError> {
         let bodies = [Some(body), body.second()].into_iter().flatten();
         let mut thicknesses = Vec::new();
         for body in bodies {
@@ -61,11 +130,11 @@ impl Correction {
         if thinnest < least {
             return Err(GreenError::ThinLayer { found: thinnest, least });
         }
-        let spectrum = Spectrum::of(body, thinnest, all, farthest);
+        let spectrum = Spectrum::of(density, thinnest, all, farthest);
         let count = (farthest / thinnest).ceil().max(1.0) as usize;
         let piece = farthest / count as f64;
-        let pieces =
-            (0..count).into_par_iter().map(|k| chebyshev(k as f64 * piece, piece, &|r| spectrum.at(r))).collect();
+        let on_piece = |k: usize| chebyshev(k as f64 * piece, piece, &|r| spectrum.at(r, bessel));
+        let pieces = (0..count).into_par_iter().map(on_piece).collect();
         let nodes = legendre(match widest {
             ..=0.25 => 5,
             ..=1.0 => 8,
@@ -74,21 +143,37 @@ impl Correction {
         Ok(Some(Self { piece, pieces, sides, nodes }))
     }
 
-    /// ∫∫ c dA over a cell whose centre lies at `at` relative to the point.
-    pub(super) fn integral(&self, at: [f64; 2]) -> f64 {
+    /// ∫∫ `of(place, functions)` dA over a cell whose centre lies at `at` relative to the point.
+    fn integral<const K: usize>(&self, at: [f64; 2], of: impl Fn([f64; 2], [f64; M]) -> [f64; K]) -> [f64; K] {
         let Self { sides: [a, b], nodes, .. } = self;
-        let along = |x: f64| -> f64 { nodes.iter().map(|[t, w]| w * self.at(x.hypot(at[1] + t * b))).sum() };
-        a * b * nodes.iter().map(|[t, w]| w * along(at[0] + t * a)).sum::<f64>()
+        let mut sums = [0.0; K];
+        for ([s, v], [t, w]) in nodes.iter().flat_map(|along| nodes.iter().map(move |across| (along, across))) {
+            let place = [at[0] + s * a, at[1] + t * b];
+            let values = of(place, self.at(place[0].hypot(place[1])));
+            (0..K).for_each(|k| sums[k] += v * w * values[k]);
+        }
+        sums.map(|sum| a * b * sum)
     }
 
-    /// c(r), by Clenshaw's recurrence.
-    fn at(&self, r: f64) -> f64 {
+    /// The functions at the distance r, by Clenshaw's recurrence.
+    fn at(&self, r: f64) -> [f64; M] {
         let index = ((r / self.piece) as usize).min(self.pieces.len() - 1);
         let x = 2.0 * (r / self.piece - index as f64) - 1.0;
-        let step = |[now, last]: [f64; 2], c: &f64| [2.0 * x * now - last + c, now];
         let [first, rest @ ..] = &self.pieces[index];
-        let [now, last] = rest.iter().rev().fold([0.0; 2], step);
-        x * now - last + first
+        std::array::from_fn(|k| {
+            let step = |[now, last]: [f64; 2], c: &[f64; M]| [2.0 * x * now - last + c[k], now];
+            let [now, last] = rest.iter().rev().fold([0.0; 2], step);
+            x * now - last + first[k]
+        })
+    }
+}
+
+/// Checks that something holds the body sideways.
+fn held(body: &Body) -> Result<(), GreenError> {
+    match (body.height(), body.base()) {
+        (Height::Finite(_), Base::Sliding) => Err(GreenError::FreeSliding),
+        (Height::Finite(_), Base::Elastic(below)) => held(below),
+        _ => Ok(()),
     }
 }
 
@@ -102,15 +187,14 @@ fn thickness(body: &Body) -> Result<Option<[f64; 2]>, GreenError> {
     }
 }
 
-/// The integrand of c at the nodes of its quadrature, without the Bessel function.
-struct Spectrum {
-    /// q, and the weight times (q G(q) − 2/E*)/2π.
-    terms: Vec<[f64; 2]>,
+/// The integrands at the nodes of their quadrature, without the Bessel functions.
+struct Spectrum<const M: usize> {
+    /// q, and the integrands times the weight.
+    terms: Vec<(f64, [f64; M])>,
 }
 
-impl Spectrum {
-    fn of(body: &Body, thinnest: f64, all: f64, farthest: f64) -> Self {
-        let half_space = 2.0 / body.contact_modulus();
+impl<const M: usize> Spectrum<M> {
+    fn of(density: impl Fn(f64) -> [f64; M] + Sync, thinnest: f64, all: f64, farthest: f64) -> Self {
         let last = LAST / thinnest;
         // An interval is short beside the waves of the Bessel function and the changes of the layers.
         let count = (last * (farthest / 4.0).max(all)).ceil();
@@ -124,22 +208,27 @@ impl Spectrum {
             nodes.iter().map(move |[t, w]| [middle + t * width, w * width])
         });
         let terms: Vec<[f64; 2]> = terms.collect();
-        let of = |[q, weight]: [f64; 2]| [q, weight * (q * body.normal_compliance(q) - half_space) / TAU];
+        let of = |[q, weight]: [f64; 2]| (q, density(q).map(|density| weight * density));
         Self { terms: terms.into_par_iter().map(of).collect() }
     }
 
-    fn at(&self, r: f64) -> f64 {
-        self.terms.iter().map(|[q, term]| term * libm::j0(q * r)).sum()
+    fn at(&self, r: f64, bessel: fn(f64) -> [f64; M]) -> [f64; M] {
+        self.terms.iter().fold([0.0; M], |sums, (q, term)| {
+            let waves = bessel(q * r);
+            std::array::from_fn(|k| sums[k] + term[k] * waves[k])
+        })
     }
 }
 
-/// The Chebyshev coefficients of `f` on the interval from `start` of this `length`.
-fn chebyshev(start: f64, length: f64, f: &dyn Fn(f64) -> f64) -> [f64; ORDER] {
+/// The Chebyshev coefficients of the entries of `f` on the interval from `start` of this `length`.
+fn chebyshev<const M: usize>(start: f64, length: f64, f: &dyn Fn(f64) -> [f64; M]) -> [[f64; M]; ORDER] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / ORDER as f64;
-    let values: [f64; ORDER] = std::array::from_fn(|k| f(start + 0.5 * length * (1.0 + angle(k).cos())));
+    let values: [[f64; M]; ORDER] = std::array::from_fn(|k| f(start + 0.5 * length * (1.0 + angle(k).cos())));
     std::array::from_fn(|m| {
-        let sum: f64 = values.iter().enumerate().map(|(k, value)| value * (m as f64 * angle(k)).cos()).sum();
-        sum * if m == 0 { 1.0 } else { 2.0 } / ORDER as f64
+        std::array::from_fn(|entry| {
+            let terms = values.iter().enumerate().map(|(k, value)| value[entry] * (m as f64 * angle(k)).cos());
+            terms.sum::<f64>() * if m == 0 { 1.0 } else { 2.0 } / ORDER as f64
+        })
     })
 }
 
@@ -170,7 +259,7 @@ fn legendre(count: usize) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Material, patch_compliance};
+    use crate::{Material, PatchMatrix, patch_compliance, patch_matrix};
 
     fn material(modulus: f64, poisson: f64) -> Material {
         Material::from_contact_modulus(modulus, poisson).unwrap()
@@ -217,6 +306,46 @@ mod tests {
         }
     }
 
+    /// The sum over all cells is the response to a uniform traction; entries that are odd add up to nothing.
+    #[test]
+    fn cells_of_a_slab_add_up_to_its_uniform_shear() {
+        for (poisson, height) in [(0.0, 0.05), (0.3, 0.02), (0.45, 0.03)] {
+            let body = Body::slab(material(1.3, poisson), height).unwrap();
+            let matrix = patch_matrix(&body, &Grid::new([48, 40], [1.0, 0.9]).unwrap()).unwrap();
+            let cells = (-47..48_isize).flat_map(|i| (-39..40_isize).map(move |j| [i, j].map(isize::unsigned_abs)));
+            let entries = cells.map(matrix).map(|PatchMatrix { xx, yy, zz, .. }| [xx, yy, zz]);
+            let sums = entries.fold([0.0; 3], |sums, one| std::array::from_fn(|k| sums[k] + one[k]));
+            let [lateral, normal] = body.level_compliance();
+            for (sum, uniform) in sums.into_iter().zip([lateral, lateral, normal]) {
+                assert!((sum / uniform - 1.0).abs() < 1e-9, "{poisson} {height}: {sums:?} {uniform}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_matrix_of_a_layer_of_the_material_of_its_base_is_that_of_a_half_space() {
+        let grid = Grid::new([20, 24], [1.0, 0.7]).unwrap();
+        let (own, other) = (material(0.8, 0.2), material(2.0, 0.4));
+        let entries = |matrix: PatchMatrix| {
+            let PatchMatrix { xx, yy, zz, xy, xz, yz } = matrix;
+            [xx, yy, zz, xy, xz, yz]
+        };
+        let layer = || Body::slab(own, 0.06).unwrap().bonded_to(Body::half_space(own)).unwrap();
+        for (found, wanted) in [
+            (layer(), Body::half_space(own)),
+            (layer().against(Body::half_space(other)), Body::half_space(own).against(Body::half_space(other))),
+            (Body::half_space(other).against(layer()), Body::half_space(other).against(Body::half_space(own))),
+        ] {
+            let [found, wanted] = [found, wanted].map(|body| patch_matrix(&body, &grid).unwrap());
+            let largest = wanted([0, 0]).xx;
+            for cell in [[0, 0], [0, 1], [3, 2], [19, 0], [19, 23]] {
+                for (found, wanted) in entries(found(cell)).into_iter().zip(entries(wanted(cell))) {
+                    assert!((found - wanted).abs() < 1e-11 * largest, "{cell:?}: {found} {wanted}");
+                }
+            }
+        }
+    }
+
     /// Far away, a coated body is its base.
     #[test]
     fn far_from_the_force_a_coating_does_not_matter() {
@@ -239,6 +368,12 @@ mod tests {
         assert!(matches!(refused(&slab(1e-3)), Some(GreenError::ThinLayer { .. })));
         let line = Grid::line(32, 1.0).unwrap();
         assert_eq!(patch_compliance(&slab(0.1), &line).err(), Some(GreenError::FreeProfile(0.1)));
+        let sheared = |body: &Body| patch_matrix(body, &grid).err();
+        let slides = slab(0.1).on(Base::Sliding).unwrap();
+        assert_eq!(sheared(&slides), Some(GreenError::FreeSliding));
+        assert_eq!(sheared(&slab(0.2).bonded_to(slides).unwrap()), Some(GreenError::FreeSliding));
+        assert_eq!(sheared(&slab(0.1).on(Base::Free).unwrap()), Some(GreenError::FreePlate));
+        assert!(matches!(sheared(&slab(1e-3)), Some(GreenError::ThinLayer { .. })));
         let below = Body::half_space(material(1.0, 0.3)).against(slab(0.1).on(Base::Free).unwrap());
         assert_eq!(refused(&below), Some(GreenError::FreePlate));
     }

@@ -230,8 +230,8 @@ class Contact(Record):
     def adhesion(self) -> Optional[Record]:
         """The attraction on this surface and grid in numbers; None without one.
 
-        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `tabor` and
-        `pastewka_robbins` (docs/laws/adhesion.md).
+        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `wang_zhou_muser`,
+        `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
         """
         if self.law.name == "hard-wall":
             return None

@@ -26,13 +26,13 @@ class Path(Record):
             (the approach), `lateral` [step, 2], `mean_gap` (length), `area_fraction`, `stick_fraction`, `elastic_energy`,
             `interface_energy`, `dissipated`, `dissipated_error` (stress * length), `passed_instability`,
             `lowest_curvature`, `extra_solves`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
-        pressure, gap: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
+        pressure, gap, displacement_z: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
         shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
         plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
             hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
         hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
         adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
-            (length), `process_zone_points`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+            (length), `process_zone_points`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
@@ -49,6 +49,7 @@ class Path(Record):
     steps: Record
     pressure: Array
     gap: Array
+    displacement_z: Array
     shear_x: Array
     shear_y: Array
     plastic_depth: Array
@@ -108,7 +109,7 @@ class Path(Record):
         from . import _show
 
         variables = {name: (("step", "axis")[: values.ndim], values) for name, values in self.steps.items()}
-        for name in ("pressure", "gap", "shear_x", "shear_y", "plastic_depth"):
+        for name in ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"):
             if name in self:
                 variables[name] = (("waypoint", "x", "y"), self[name])
         return _show.needed("xarray", "to_xarray").Dataset(variables, _show.coordinates(self.surface))
@@ -207,7 +208,7 @@ def path(
             words += flags(hardness=os.path.join(folder, "hardness.npy"))
         words = [*_command.surface_flags(made, folder), *_command.body_flags(elastic), *words, f"--out={file}"]
         values, failure = _command.run("path", words, threads)
-        fields = _command.fields(file, ("pressure", "gap", "shear_x", "shear_y", "plastic_depth"))
+        fields = _command.fields(file, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)

@@ -13,7 +13,7 @@ from ._body import Body, Law, as_body, as_law
 from ._check import flag, integer, number, numbers, word
 from ._command import body_flags
 from ._contact import LATERAL, LOWER, Contact, Contacts, Settings
-from ._errors import InputError, Interrupted, NotConverged
+from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
 from ._record import Record, Residual, parsed, without_null
 from ._surface import Surface, as_hardness, as_lower, as_surface
@@ -125,6 +125,12 @@ class _Setup:
         progress.piece()
         return contact
 
+    def tell(self, done: list[Contact]) -> None:
+        """Warns of slopes that are not small."""
+        told = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
+        if told is not None:
+            warned(told)
+
     def solved(self, problem: Any, control: str, value: float, start: Any, progress: Progress) -> Contact:
         state, record, failure, raised = problem.solve(control, value, self.tolerance, self.max_iterations, start, self.threads, progress.tick)
         values = parsed(record)
@@ -225,7 +231,9 @@ def contact(
     )  # fmt: skip
     setup.check(control, value)
     with Progress("contact") as progress:
-        return setup.solve(control, value, setup.first(control, value, progress), progress)
+        done = setup.solve(control, value, setup.first(control, value, progress), progress)
+    setup.tell([done])
+    return done
 
 
 def contacts(
@@ -289,4 +297,5 @@ def contacts(
             except KeyboardInterrupt as error:  # between two solves
                 raise Interrupted(f"load {index}: interrupted", Contacts(done)) from error
             state = done[-1]._state
+    setup.tell(done)
     return Contacts(done)

@@ -1,0 +1,36 @@
+//! What is said about slopes that are not small, by the program and by Python.
+
+/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
+const SMALL: f64 = 0.2;
+
+/// Slopes that are not small.
+#[derive(Clone, Copy, Debug)]
+pub struct Slopes {
+    rms_gradient: f64,
+    max_slope: f64,
+    hint: &'static str,
+}
+
+impl Slopes {
+    /// The code of the warning.
+    pub const CODE: &str = "large-slope";
+
+    /// Slopes, if they are not small. `finite` says whether finite slopes are included, and `possible` whether they can be.
+    pub fn of(rms_gradient: f64, max_slope: impl FnOnce() -> f64, finite: bool, possible: bool) -> Option<Self> {
+        let hint = match (finite, possible) {
+            (true, _) => "; strains are still taken as small",
+            (false, true) => "; --finite-slope includes the slopes",
+            (false, false) => "",
+        };
+        (rms_gradient > SMALL).then(|| Self { rms_gradient, max_slope: max_slope(), hint })
+    }
+
+    /// The warning, with the largest pressure over E*.
+    pub fn told(&self, strain: f64) -> String {
+        let Self { rms_gradient, max_slope, hint } = self;
+        format!(
+            "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
+             linear theory neglects is of this size{hint}"
+        )
+    }
+}

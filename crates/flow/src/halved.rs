@@ -1,0 +1,94 @@
+//! The equations without the cells of one colour of a chequerboard, which are eliminated exactly: none is beside another one.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::cells::{Cells, Links};
+use crate::graph::Graph;
+
+/// Rows of a part of a vector.
+const PART: usize = 1 << 12;
+
+impl Cells<'_> {
+    /// The graph of the other cells. A cell that is gone leaves an edge between any two of its neighbours, as conductances in a star.
+    pub(crate) fn graph(&self) -> Graph {
+        let kept = self.numbering().kept();
+        Graph::new(kept, |number, row| {
+            let links = self.links(number);
+            let mut outside = links.outside;
+            for (beside, weight) in links.iter() {
+                if beside < kept {
+                    row.push((beside as u32, weight));
+                    continue;
+                }
+                let gone = self.links(beside);
+                let sum = gone.sum();
+                outside += series(weight, gone.outside, sum);
+                let others = gone.iter().filter(|(other, _)| *other != number);
+                row.extend(others.map(|(other, to_other)| (other as u32, series(weight, to_other, sum))));
+            }
+            row.sort_unstable_by_key(|(end, _)| *end);
+            row.dedup_by(|again, kept| {
+                let same = again.0 == kept.0;
+                if same {
+                    kept.1 += again.1;
+                }
+                same
+            });
+            outside
+        })
+    }
+
+    /// What flows into the cells of the graph if `missing` flows into all cells, and the power that those which are gone take up.
+    pub(crate) fn fold<const N: usize>(&self, missing: &[Vec<f64>; N], out: &mut [[f64; N]]) -> [f64; N] {
+        let kept = self.numbering().kept();
+        let of = |number: usize| -> [f64; N] { std::array::from_fn(|k| missing[k][number]) };
+        out.par_chunks_mut(PART).enumerate().for_each(|(part, rows)| {
+            for (number, out) in (part * PART..).zip(rows) {
+                *out = of(number);
+                for (beside, weight) in self.links(number).iter().filter(|(beside, _)| *beside >= kept) {
+                    let share = weight / self.links(beside).sum();
+                    let flow = of(beside);
+                    (0..N).for_each(|k| out[k] += share * flow[k]);
+                }
+            }
+        });
+        let taken = |number: usize| {
+            let sum = self.links(number).sum();
+            of(number).map(|flow| if sum > 0.0 { flow * flow / sum } else { 0.0 })
+        };
+        let leaf =
+            |range: Range<usize>| range.fold([0.0; N], |sum, number| gfmd_vector::add(sum, taken(kept + number)));
+        gfmd_vector::reduce(self.len() - kept, &leaf, &gfmd_vector::add)
+    }
+
+    /// The corrections of all cells from those of the graph.
+    pub(crate) fn expand<const N: usize>(&self, missing: &[Vec<f64>; N], corrections: &[[f64; N]]) -> Vec<[f64; N]> {
+        let kept = self.numbering().kept();
+        let of = |number: usize| {
+            if number < kept {
+                return corrections[number];
+            }
+            let links = self.links(number);
+            let mut sums: [f64; N] = std::array::from_fn(|k| missing[k][number]);
+            for (beside, weight) in links.iter() {
+                (0..N).for_each(|k| sums[k] += weight * corrections[beside][k]);
+            }
+            let sum = links.sum();
+            sums.map(|value| if sum > 0.0 { value / sum } else { 0.0 })
+        };
+        (0..self.len()).into_par_iter().with_min_len(PART).map(of).collect()
+    }
+}
+
+impl Links {
+    fn sum(&self) -> f64 {
+        self.iter().fold(self.outside, |sum, (_, weight)| sum + weight)
+    }
+}
+
+/// The conductance between two neighbours of a cell with these weights.
+fn series(a: f64, b: f64, sum: f64) -> f64 {
+    a.min(b) * (a.max(b) / sum)
+}

@@ -1,0 +1,112 @@
+//! The numbers of the cells through which something flows: cells that are worked on together lie together.
+
+use std::ops::Range;
+
+use gfmd_field::Grid;
+use gfmd_measure::{Patches, Surroundings};
+
+/// The number of a cell that takes no part.
+pub(crate) const CLOSED: u32 = u32::MAX;
+
+/// Cells along a side of a block, about. What is worked on of a block fits the second-level cache.
+const BLOCK: usize = 96;
+
+/// The open cells in three groups: those inside of blocks, block by block, those on borders, by which blocks are separated, and
+/// the cells of one colour of a chequerboard, none of which has another one beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Numbering {
+    /// The number of each cell, or [`CLOSED`].
+    pub(crate) numbers: Vec<u32>,
+    /// The cell with each number.
+    pub(crate) open: Vec<u32>,
+    /// The first number of each block, and of the borders.
+    blocks: Vec<usize>,
+    /// The first number of the chequerboard's colour.
+    halves: usize,
+}
+
+impl Numbering {
+    /// Numbers the cells of these patches.
+    pub(crate) fn new(grid: &Grid, surroundings: Surroundings, patches: &Patches, chosen: &[bool]) -> Self {
+        let points = grid.points();
+        let [rows, columns] = points.map(|n| Axis::new(n, surroundings));
+        let blocks = rows.blocks * columns.blocks;
+        let class = |cell: usize, label: u32| {
+            let [i, j] = [cell / points[1], cell % points[1]];
+            (label > 0 && chosen[label as usize - 1]).then(|| {
+                let block = rows.block(i) * columns.blocks + columns.block(j);
+                match () {
+                    () if (i + j) % 2 == 0 && rows.alternates(i) && columns.alternates(j) => blocks + 1 + block,
+                    () if rows.is_border(i) || columns.is_border(j) => blocks,
+                    () => block,
+                }
+            })
+        };
+        let classes = || patches.labels.iter().enumerate().map(|(cell, label)| class(cell, *label));
+        let mut starts = vec![0; 2 * blocks + 2];
+        classes().flatten().for_each(|class| starts[class + 1] += 1);
+        (1..starts.len()).for_each(|k| starts[k] += starts[k - 1]);
+        let mut next = starts.clone();
+        let (mut numbers, mut open) = (vec![CLOSED; grid.len()], vec![0; starts[2 * blocks + 1]]);
+        for (cell, class) in classes().enumerate() {
+            let Some(class) = class else { continue };
+            numbers[cell] = next[class] as u32;
+            open[next[class]] = cell as u32;
+            next[class] += 1;
+        }
+        let halves = starts[blocks + 1];
+        starts.truncate(blocks + 1);
+        Self { numbers, open, blocks: starts, halves }
+    }
+
+    /// Number of cells.
+    pub(crate) fn len(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Number of cells without those of the chequerboard's colour, which come last.
+    pub(crate) fn kept(&self) -> usize {
+        self.halves
+    }
+
+    /// The cells inside of each block.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.blocks.windows(2).map(|ends| ends[0]..ends[1])
+    }
+
+    /// The first number on the borders.
+    pub(crate) fn border(&self) -> usize {
+        self.blocks.last().copied().unwrap_or(0)
+    }
+}
+
+/// The division of an axis.
+struct Axis {
+    points: usize,
+    blocks: usize,
+    repeats: bool,
+}
+
+impl Axis {
+    fn new(points: usize, surroundings: Surroundings) -> Self {
+        Self { points, blocks: (points / BLOCK).max(1), repeats: surroundings == Surroundings::Repeats }
+    }
+
+    fn block(&self, index: usize) -> usize {
+        index * self.blocks / self.points
+    }
+
+    /// True if another block begins within two cells: without the cells of one colour, others are neighbours at that distance.
+    fn is_border(&self, index: usize) -> bool {
+        let block = self.block(index);
+        (1..=2).any(|step| match index + step {
+            next if next < self.points => self.block(next) != block,
+            next => self.repeats && self.block(next % self.points) != block,
+        })
+    }
+
+    /// False at the seam of an odd number of cells, where a chequerboard does not go on.
+    fn alternates(&self, index: usize) -> bool {
+        !self.repeats || self.points.is_multiple_of(2) || index + 1 < self.points
+    }
+}

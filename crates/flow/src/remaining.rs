@@ -1,0 +1,156 @@
+//! The graph that is left of one while its nodes are eliminated.
+
+use crate::queue::Queue;
+
+/// No edge, no node.
+const NONE: u32 = u32::MAX;
+
+/// Edges into which one is divided, and are kept between two nodes: each is sampled for itself.
+const COPIES: usize = 2;
+
+/// One direction of an edge, in the list of the node from which it is seen. A weight of zero: the edge is gone.
+#[derive(Clone, Copy)]
+struct Edge {
+    end: u32,
+    /// The next in the list.
+    next: u32,
+    weight: f64,
+}
+
+/// A neighbour of a node that is eliminated, and the edges to it.
+pub(crate) struct Neighbour {
+    pub(crate) node: u32,
+    edges: [u32; COPIES],
+    copies: usize,
+    pub(crate) weight: f64,
+    /// The sum of the weights up to this one.
+    sum: f64,
+}
+
+/// An edge between two nodes that are not eliminated.
+pub(crate) type Kept = (u32, u32, f64);
+
+/// The graph that is left. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are not eliminated.
+pub(crate) struct Remaining {
+    edges: Vec<Edge>,
+    firsts: Vec<u32>,
+    degrees: Vec<u32>,
+    own: usize,
+    /// The edges between nodes that are not eliminated.
+    pub(crate) kept: Vec<Kept>,
+    /// Number of samples taken.
+    samples: u64,
+}
+
+impl Remaining {
+    /// Nodes without edges, of which the first `own` are eliminated. `seed` is that of the samples.
+    pub(crate) fn new(own: usize, nodes: usize, seed: u64) -> Self {
+        let (firsts, degrees) = (vec![NONE; nodes], vec![0; nodes]);
+        Self { edges: Vec::new(), firsts, degrees, own, kept: Vec::new(), samples: seed << 40 }
+    }
+
+    /// Adds an edge.
+    pub(crate) fn join(&mut self, a: usize, b: usize, weight: f64) {
+        let weight = weight / COPIES as f64;
+        if weight > 0.0 {
+            for (here, there) in [[(a, b), (b, a)]; COPIES].into_iter().flatten() {
+                let edge = Edge { end: there as u32, next: self.firsts[here], weight };
+                self.firsts[here] = self.edges.len() as u32;
+                self.edges.push(edge);
+                self.degrees[here] += 1;
+            }
+        }
+    }
+
+    /// The nodes that are eliminated, by their number of edges.
+    pub(crate) fn queue(&self) -> Queue {
+        Queue::new(self.degrees[..self.own].to_vec())
+    }
+
+    /// The neighbours of a node, the most weakly connected first.
+    pub(crate) fn collect(&mut self, node: usize, around: &mut Vec<Neighbour>, queue: &mut Queue) {
+        around.clear();
+        let mut next = self.firsts[node];
+        while next != NONE {
+            let Edge { end, next: after, weight } = self.edges[next as usize];
+            if weight > 0.0 {
+                around.push(Neighbour { node: end, edges: [next; COPIES], copies: 1, weight, sum: 0.0 });
+            }
+            next = after;
+        }
+        around.sort_unstable_by_key(|neighbour| (neighbour.node, neighbour.edges[0]));
+        around.dedup_by(|again, kept| {
+            let same = again.node == kept.node;
+            if same {
+                kept.weight += again.weight;
+                if kept.copies < COPIES {
+                    kept.edges[kept.copies] = again.edges[0];
+                    kept.copies += 1;
+                } else {
+                    self.remove(again.edges[0], kept.node, queue);
+                }
+            }
+            same
+        });
+        around.sort_unstable_by(|a, b| a.weight.total_cmp(&b.weight).then(a.node.cmp(&b.node)));
+        let mut sum = 0.0;
+        for neighbour in around {
+            sum += neighbour.weight;
+            neighbour.sum = sum;
+        }
+    }
+
+    /// Removes the direction of an edge that its other end, `there`, sees.
+    fn remove(&mut self, edge: u32, there: u32, queue: &mut Queue) {
+        self.edges[edge as usize ^ 1].weight = 0.0;
+        self.count(there, -1, queue);
+    }
+
+    fn count(&self, node: u32, change: i32, queue: &mut Queue) {
+        if (node as usize) < self.own {
+            queue.add(node as usize, change);
+        }
+    }
+
+    /// Eliminates the node with these neighbours; returns its weight.
+    pub(crate) fn eliminate(&mut self, around: &[Neighbour], queue: &mut Queue) -> f64 {
+        let Some((last, others)) = around.split_last() else { return 0.0 };
+        for (place, neighbour) in others.iter().enumerate() {
+            let (later, left) = (&around[place + 1..], last.sum - neighbour.sum);
+            let weight = neighbour.weight * (left / last.sum) / neighbour.copies as f64;
+            let first = self.draw();
+            for copy in 0..neighbour.copies {
+                // One of the later neighbours, by weight; the copies are spread evenly.
+                let drawn = neighbour.sum + (first + copy as f64) / neighbour.copies as f64 * left;
+                let other = &later[later.partition_point(|other| other.sum < drawn).min(later.len() - 1)];
+                self.turn(neighbour.edges[copy], neighbour.node, other.node, weight, queue);
+            }
+        }
+        (0..last.copies).for_each(|copy| self.remove(last.edges[copy], last.node, queue));
+        last.sum
+    }
+
+    /// Makes an edge from an eliminated node to `node` one between `node` and `other`.
+    fn turn(&mut self, edge: u32, node: u32, other: u32, weight: f64, queue: &mut Queue) {
+        let own = |node: u32| (node as usize) < self.own;
+        if !own(node) && !own(other) {
+            self.kept.push((node, other, weight));
+            self.edges[edge as usize ^ 1].weight = 0.0;
+            return;
+        }
+        let reverse = &mut self.edges[edge as usize ^ 1];
+        (reverse.end, reverse.weight) = (other, weight);
+        self.edges[edge as usize] = Edge { end: node, next: self.firsts[other as usize], weight };
+        self.firsts[other as usize] = edge;
+        self.count(other, 1, queue);
+    }
+
+    /// The next of a fixed sequence of numbers between 0 and 1 (Steele, Lea and Flood 2014).
+    fn draw(&mut self) -> f64 {
+        self.samples += 1;
+        let mut bits = self.samples.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
