@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use clap::Args;
 use gfmd_body::{BaseField, Interior};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::array;
 use crate::failure::Failure;
+use crate::rows;
 
 /// Flags of a base that moves.
 #[derive(Args, Clone, Debug, Default, Serialize)]
@@ -30,9 +31,9 @@ pub struct BaseArgs {
 #[derive(Clone, Debug)]
 pub struct MovedBase {
     kind: Kind,
-    /// `[x, y, component]`.
+    /// `[x, y, component]`; of several processes the first one has it.
     field: ArrayD<f64>,
-    /// u_z of the unloaded surface.
+    /// u_z of the unloaded surface, of the rows of this process.
     pub lift: Array2<f64>,
 }
 
@@ -52,6 +53,11 @@ const STORED: [(Kind, &str, &str); 2] = [
 impl BaseArgs {
     /// The keys of these flags in a configuration.
     pub(crate) const NAMES: [&'static str; 2] = ["base_displacement", "base_traction"];
+
+    /// True if there is a base that moves.
+    pub(crate) fn is_given(&self) -> bool {
+        self.base_displacement.is_some() || self.base_traction.is_some()
+    }
 
     /// Reads the field for a body whose surface has this `grid`.
     ///
@@ -111,11 +117,17 @@ impl MovedBase {
         }
     }
 
-    /// Writes the group `/base` of a file.
+    /// Writes the group `/base` of a file; `archive` is that of the process that writes.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2], unit: &str) -> Result<(), Failure> {
+    pub(crate) fn write(
+        &self,
+        mut archive: Option<&mut Archive>,
+        share: &Share,
+        axes: [&Dimension; 2],
+        unit: &str,
+    ) -> Result<(), Failure> {
         let [x, y] = axes;
         let component =
             Dimension::index("component", self.field.len_of(Axis(2)), "component: x, y, z, of a profile x, z");
@@ -125,11 +137,22 @@ impl MovedBase {
         };
         let path = STORED.iter().find(|(kind, ..)| *kind == self.kind).map_or("", |(.., path)| path);
         let values: Vec<f64> = self.field.iter().copied().collect();
-        archive.write(path, &Variable { dimensions: &[x, y, &component], units, long_name }, &values)?;
+        let whole = archive.as_mut().map_or(Ok(()), |archive| {
+            archive.write(path, &Variable { dimensions: &[x, y, &component], units, long_name }, &values)
+        });
         let long_name = "normal displacement of the surface by the base alone, contained in displacement_z";
-        let lift: Vec<f64> = self.lift.iter().copied().collect();
-        archive.write("/base/lift", &Variable { dimensions: &[x, y], units: unit, long_name }, &lift)?;
-        Ok(())
+        let variable = Variable { dimensions: &[x, y], units: unit, long_name };
+        let written = rows::write_all(share, self.lift.view(), archive, "/base/lift", &variable);
+        whole?;
+        written
+    }
+
+    /// The base that the first process has read, with the rows of each; the others give `None`.
+    pub(crate) fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
+        let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
+        let nothing =
+            || Self { kind: Kind::Displacement, field: ArrayD::zeros(IxDyn(&[0, 0, 0])), lift: Array2::zeros([0, 0]) };
+        Self { lift, ..base.unwrap_or_else(nothing) }
     }
 }
 

@@ -15,6 +15,7 @@ mod threshold;
 mod together;
 mod vtk;
 mod watching;
+mod whole;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -205,9 +206,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if session.ranks().is_none() {
         return Prepared::new(args, session)?.run(args, session);
     }
-    let args = args.shared(session)?;
+    args.check_shared()?;
     // A file that one process cannot read or write ends all of them.
-    session.agree(Prepared::new(&args, session))?.run(&args, session)
+    session.agree(Prepared::new(args, session))?.run(args, session)
 }
 
 /// The input of the command, checked before the first solve.
@@ -297,26 +298,26 @@ impl Prepared {
             (_, Boundary::Periodic) => Held::LAW,
             (_, Boundary::Free) => Held::LAW_FREE,
         };
-        fields.times(session.local()).check("the grid", surface.grid.points())?;
+        session.agree(fields.check_shared("the grid", surface.grid.points(), session.processes()))?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
-        let base = args.base.read(&body, &surface.grid)?;
-        let hardness = args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?;
+        let (base, hardness) = args.read_fields(&body, &surface, session)?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&args.control.displacement).map(Load::Approach))
             .collect();
-        let output =
-            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        let vtk = args.vtk.as_deref().map(VtkFile::claim).transpose()?;
+        let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
+        let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
         Ok(Self { surface, body, base, lower, law, hardness, controls, output, vtk })
     }
 
-    /// The variance of the pressure in full contact, from the spectrum of the heights; by the gradient with free boundaries.
-    fn pressure_variance(&self, unknown: Unknown) -> f64 {
-        let Surface { grid, heights, boundary, .. } = &self.surface;
+    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
+    /// free boundaries.
+    fn pressure_variance(&self, surface: &Surface, unknown: Unknown) -> f64 {
+        let Surface { grid, heights, boundary, .. } = surface;
         let modulus = self.body.contact_modulus();
-        let by_gradient = 0.25 * (modulus * self.surface.rms_gradient()).powi(2);
+        let by_gradient = 0.25 * (modulus * surface.rms_gradient()).powi(2);
         let Ok(spectrum) = PowerSpectrum::of(heights, grid) else { return by_gradient };
         if *boundary == Boundary::Free {
             return by_gradient;
@@ -369,15 +370,13 @@ impl Prepared {
                 let contact = FullContact::new(body, grid, heights).map_err(refuse)?.with_dynamics(dynamics);
                 return self.press(&contact, contact.surface(), args, None, session);
             }
-            let contact = match args.components {
-                Unknown::Held => Contact::held_sideways(body, grid, heights),
-                _ => Contact::bounded(args.boundary, body, grid, heights),
+            let share = &self.surface.share;
+            let contact = match (args.components, args.boundary) {
+                (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
+                (_, Boundary::Periodic) => Contact::over(share, body, grid, heights),
+                (_, Boundary::Free) => Contact::bounded(Boundary::Free, body, grid, heights),
             };
             let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
-            let contact = match session.ranks() {
-                Some(ranks) => contact.over(Arc::clone(ranks)).map_err(refuse)?,
-                None => contact,
-            };
             return self.press(&contact, contact.surface(), args, None, session);
         }
         let interface =
@@ -494,7 +493,7 @@ impl Prepared {
             (false, Some(kept)) => kept.remove(),
             _ => {}
         }
-        report.peak_bytes = peak_bytes();
+        report.peak_bytes = session.largest(peak_bytes());
         let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&written));
         Ok(Outcome { report, failure })

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use clap::{Args, ValueEnum};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_surface::{
     Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, RollOffShape,
     SelfAffine, SurfaceError,
@@ -13,7 +13,8 @@ use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
 use crate::failure::{Failure, check_size};
-use crate::memory::Held;
+use crate::memory::{Held, Processes};
+use crate::session::whole;
 
 /// The default number of points along one side.
 const POINTS: usize = 256;
@@ -117,8 +118,16 @@ impl GeneratorArgs {
     /// # Errors
     /// Numbers that make no grid, lengths that make no cell, more points than fit into memory.
     pub fn grid(&self, length: &[f64]) -> Result<Grid, Failure> {
+        self.grid_shared(length, Processes::ALONE)
+    }
+
+    /// As [`grid`](Self::grid), whose points several processes share.
+    ///
+    /// # Errors
+    /// As [`grid`](Self::grid).
+    pub(crate) fn grid_shared(&self, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
         let [nx, ny] = self.points()?;
-        Held::SURFACE.check("--n", [nx, ny])?;
+        Held::SURFACE.check_shared("--n", [nx, ny], processes)?;
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),
@@ -135,6 +144,29 @@ impl GeneratorArgs {
     /// # Errors
     /// A flag out of its range, flags that do not go together.
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
+        self.check_normalisation()?;
+        match self.method {
+            Method::Psd => self.heights_shared(grid, &whole(grid)),
+            Method::Sra => self.subdivided(grid, Displaced::AllPoints),
+            Method::Rmd => self.subdivided(grid, Displaced::Midpoints),
+        }
+    }
+
+    /// True if several processes make their own rows by [`heights_shared`](Self::heights_shared).
+    pub(crate) fn is_shared(&self) -> bool {
+        self.method == Method::Psd
+    }
+
+    /// The heights of `--method psd`, the rows that are the `share` of this process.
+    ///
+    /// # Errors
+    /// As [`heights`](Self::heights), on all processes.
+    pub(crate) fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Failure> {
+        self.check_normalisation()?;
+        self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| flagged(&error))
+    }
+
+    fn check_normalisation(&self) -> Result<(), Failure> {
         let (flag, size) = match self.normalisation() {
             Normalisation::RmsGradient(gradient) => ("--rms-gradient", gradient),
             Normalisation::RmsHeight(height) => ("--rms-height", height),
@@ -142,11 +174,7 @@ impl GeneratorArgs {
         if size.is_finite() && size > 0.0 {
             check_size(flag, size)?;
         }
-        match self.method {
-            Method::Psd => self.spectrum(grid)?.heights(grid, self.seed).map_err(|error| flagged(&error)),
-            Method::Sra => self.subdivided(grid, Displaced::AllPoints),
-            Method::Rmd => self.subdivided(grid, Displaced::Midpoints),
-        }
+        Ok(())
     }
 
     /// The number of points along x and y.

@@ -4,13 +4,14 @@ use std::fmt;
 use std::str::FromStr;
 
 use gfmd_contact::Hardness;
-use gfmd_field::Grid;
-use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous};
+use gfmd_field::{Grid, Share};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
 use ndarray::{Array2, Ix2};
 use serde::Serialize;
 
 use crate::array;
 use crate::failure::Failure;
+use crate::rows;
 
 /// The flag as it is given.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,6 +73,19 @@ impl GivenHardness {
     }
 }
 
+/// The rows of a hardness that the first process has, at each; of a field `None` at the others.
+pub(crate) fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Hardness {
+    match share.first(
+        hardness.as_ref().map(|hardness| if let Hardness::Uniform(value) = hardness { *value } else { f64::NAN }),
+    ) {
+        Some(uniform) if !uniform.is_nan() => uniform.into(),
+        _ => {
+            let whole = if let Some(Hardness::Field(field)) = &hardness { Some(field) } else { None };
+            rows::handed_out(share, whole, grid.points()[1]).into()
+        }
+    }
+}
+
 /// The words that name a hardness that is a field among the input of a run; none for others.
 pub(crate) fn identity(hardness: Option<&Hardness>) -> String {
     match hardness {
@@ -80,15 +94,20 @@ pub(crate) fn identity(hardness: Option<&Hardness>) -> String {
     }
 }
 
-/// Writes a hardness that is a field beside the surface of a file.
+/// Writes a hardness that is a field, of which each process has its rows, beside the surface of a file.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub(crate) fn write(hardness: Option<&Hardness>, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
+pub(crate) fn write(
+    hardness: Option<&Hardness>,
+    archive: Option<&mut Archive>,
+    share: &Share,
+    axes: [&Dimension; 2],
+) -> Result<(), Failure> {
     let Some(Hardness::Field(field)) = hardness else { return Ok(()) };
     let variable =
         Variable { dimensions: &axes, units: "stress", long_name: "largest pressure that the surfaces carry" };
-    Ok(archive.write(STORED, &variable, &contiguous(field))?)
+    rows::write_all(share, field.view(), archive, STORED, &variable)
 }
 
 /// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another shape.

@@ -45,6 +45,7 @@ pub mod progress;
 pub mod punch;
 pub mod report;
 pub mod resume;
+mod rows;
 pub mod scan;
 pub mod session;
 pub mod solver;

@@ -6,6 +6,21 @@ use crate::failure::Failure;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held(u64);
 
+/// The number of fields that are under way between processes, rounded up.
+const LETTERS: u64 = 1;
+
+/// The number of processes that share a grid, on this machine and in all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Processes {
+    pub(crate) here: usize,
+    pub(crate) all: usize,
+}
+
+impl Processes {
+    /// One process.
+    pub(crate) const ALONE: Self = Self { here: 1, all: 1 };
+}
+
 impl Held {
     /// The synthesis of a surface: heights, half spectrum, workspace of the transform.
     pub const SURFACE: Self = Self(5);
@@ -40,12 +55,6 @@ impl Held {
     /// The relaxation of a free surface.
     pub const DAMPING: Self = Self(40);
 
-    /// For so many processes on this machine, each of which holds all.
-    #[must_use]
-    pub fn times(self, processes: usize) -> Self {
-        Self(self.0.saturating_mul(processes as u64))
-    }
-
     /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
     pub fn bytes(self, points: [usize; 2]) -> u64 {
         points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))
@@ -56,8 +65,22 @@ impl Held {
     /// # Errors
     /// A need of more memory than is available.
     pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        let [nx, ny] = points;
-        check(name, &format!("{nx} x {ny} points"), self.bytes(points))
+        self.check_shared(name, points, Processes::ALONE)
+    }
+
+    /// As [`check`](Self::check), for what the processes of this machine hold together.
+    ///
+    /// # Errors
+    /// A need of more memory than is available.
+    pub(crate) fn check_shared(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+        let ([nx, ny], Processes { here, all }) = (points, processes);
+        let (held, whose) = if all > 1 {
+            (Self(self.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
+        } else {
+            (self, String::new())
+        };
+        let needed = u128::from(held.bytes(points)) * here as u128 / all.max(1) as u128;
+        check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX))
     }
 }
 
@@ -142,6 +165,11 @@ mod tests {
                 assert!(available_bytes().is_none() || fields.check("--n", points).is_err());
             }
         }
+        let shared = Processes { here: 2, all: 4 };
+        let refused =
+            Held::HARD_WALL.check_shared("the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
+        let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
+        assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
         for count in [1 << 40, u64::MAX] {
             assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
         }

@@ -90,6 +90,14 @@ pub(crate) fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result
     })
 }
 
+/// The numbers that the first process gives, of which all know how many they are.
+pub(crate) fn of_first<const N: usize>(ranks: &dyn Ranks, own: [u64; N]) -> [u64; N] {
+    let (is_first, mut all) = (ranks.rank() == 0, [0; N]);
+    let lengths: Vec<usize> = (0..ranks.size()).map(|rank| if rank == 0 { N } else { 0 }).collect();
+    ranks.gather(if is_first { &own } else { &[] }, &mut all, &lengths);
+    all
+}
+
 /// The text of each process.
 fn texts(ranks: &dyn Ranks, own: &str) -> Vec<String> {
     let mut lengths = vec![0; ranks.size()];
@@ -125,6 +133,8 @@ mod tests {
         assert!(found.iter().all(|found| *found == Err((2, "of process 1".into()))), "{found:?}");
         let found = Rehearsal::of(3, |ranks| agree(&*ranks, Ok(ranks.rank())).ok());
         assert_eq!(found, [Some(0), Some(1), Some(2)]);
+        let numbers = Rehearsal::of(3, |ranks| of_first(&*ranks, [7 + ranks.rank() as u64, 2]));
+        assert_eq!(numbers, [[7, 2]; 3]);
         let words = Rehearsal::of(2, |ranks| texts(&*ranks, ["", "κ"][ranks.rank()]));
         assert!(words.iter().all(|words| *words == ["", "κ"]));
     }

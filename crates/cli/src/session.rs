@@ -6,6 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use gfmd_contact::{Contact, Refusal};
+use gfmd_field::{Grid, Share};
 use gfmd_files::{Provenance, Warning, Warnings};
 use gfmd_mpi::World;
 use gfmd_vector::Ranks;
@@ -13,6 +15,7 @@ use serde::Serialize;
 use tracing::level_filters::LevelFilter;
 
 use crate::failure::Failure;
+use crate::memory::Processes;
 use crate::processes;
 use crate::source::Surface;
 
@@ -110,9 +113,29 @@ impl Session {
         self.ranks.as_ref()
     }
 
-    /// The number of processes on this machine that run the command together, as far as their launcher tells.
-    pub fn local(&self) -> usize {
-        if self.ranks.is_some() { processes::on_this_machine() } else { 1 }
+    /// The processes that run this command together, on this machine as far as their launcher tells.
+    pub(crate) fn processes(&self) -> Processes {
+        let Some(ranks) = &self.ranks else { return Processes::ALONE };
+        Processes { here: processes::on_this_machine().min(ranks.size()), all: ranks.size() }
+    }
+
+    /// The rows of a grid that this process has, all of them if it is alone.
+    ///
+    /// # Errors
+    /// More processes than can share the rows.
+    pub(crate) fn share(&self, grid: &Grid) -> Result<Share, Refusal> {
+        match &self.ranks {
+            Some(ranks) => Contact::share(Arc::clone(ranks), grid),
+            None => Ok(whole(grid)),
+        }
+    }
+
+    /// The largest of the numbers of all processes.
+    pub(crate) fn largest(&self, own: u64) -> u64 {
+        let Some(ranks) = &self.ranks else { return own };
+        let mut all = vec![0; ranks.size()];
+        ranks.gather(&[own], &mut all, &vec![1; ranks.size()]);
+        all.into_iter().max().unwrap_or(own)
     }
 
     /// True if this process prints, writes and draws: it is alone, or the first one.
@@ -206,6 +229,12 @@ impl Session {
             warnings: self.warnings.clone(),
         }
     }
+}
+
+/// All rows of a grid, for one process.
+pub fn whole(grid: &Grid) -> Share {
+    let [rows, columns] = grid.rows();
+    Share::whole(rows, columns)
 }
 
 impl fmt::Debug for Session {

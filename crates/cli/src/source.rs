@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
 use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, composite_inside};
 use ndarray::Array2;
@@ -16,7 +16,8 @@ use crate::elastic::sides;
 use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
 use crate::scan::{Prepared, Scan};
-use crate::session::Session;
+use crate::session::{Session, whole};
+use crate::{processes, rows};
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -81,10 +82,12 @@ pub enum Detrend {
 /// Heights ready for a contact.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Heights `[x, y]`, peaks towards the body.
+    /// Heights `[x, y]`, peaks towards the body, of the rows of this process.
     pub heights: Array2<f64>,
     /// The grid of the heights on the cell.
     pub grid: Grid,
+    /// The rows of this process, all of them if it is alone.
+    pub share: Share,
     /// Unit of heights and lengths, if known.
     pub unit: Option<String>,
     /// Statistics of the heights.
@@ -93,7 +96,7 @@ pub struct Surface {
     pub boundary: Boundary,
     /// The origin of the heights and the operations on them.
     pub description: String,
-    /// What the file says, if the heights come from one.
+    /// What the file says, if the heights come from one; of several processes the first one has this, and what follows.
     pub scan: Option<Scan>,
     /// The file that the heights were read from, and its SHA-256.
     pub origin: Option<(String, String)>,
@@ -144,7 +147,7 @@ impl Surface {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
-        self.write_as(archive, "/surface", "height of the rigid surface, peaks towards the elastic body", axes)
+        self.write_as(archive, GROUP, LONG_NAME, axes)
     }
 
     /// Writes the surface as a group of a file; the heights have the name `long_name`.
@@ -160,10 +163,31 @@ impl Surface {
     ) -> Result<(), Failure> {
         let height = Variable { dimensions: &axes, units: self.unit(), long_name };
         archive.write(&format!("{group}/height"), &height, &contiguous(&self.heights))?;
+        self.write_about(archive, group, self.checksum())
+    }
+
+    /// As [`write`](Self::write), if several processes have the rows of the heights; `archive` is that of the first one.
+    ///
+    /// # Errors
+    /// At the first process, a file that cannot be written.
+    pub(crate) fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
+        let height = Variable { dimensions: &axes, units: self.unit(), long_name: LONG_NAME };
+        let path = format!("{GROUP}/height");
+        let defined = archive.as_mut().map_or(Ok(()), |archive| archive.define_rows(&path, &height));
+        let mut sum = Checksum::default();
+        let see = |values: &[f64]| values.iter().for_each(|height| sum.bytes(&height.to_le_bytes()));
+        let written = rows::write(&self.share, self.heights.view(), archive.as_deref_mut(), (&path, None), see);
+        defined?;
+        written?;
+        archive.map_or(Ok(()), |archive| self.write_about(archive, GROUP, sum.text()))
+    }
+
+    /// Writes the attributes of a group; `checksum` is that of the heights.
+    fn write_about(&self, archive: &mut Archive, group: &str, checksum: String) -> Result<(), Failure> {
         archive.attribute(group, "description", self.description.as_str())?;
         archive.attribute(group, "rms_gradient", self.rms_gradient())?;
         archive.attribute(group, "boundary", self.boundary.name())?;
-        archive.attribute(group, "height_sha256", self.checksum())?;
+        archive.attribute(group, "height_sha256", checksum)?;
         let [length_x, length_y] = self.grid.lengths();
         archive.attribute(group, "length_x", length_x)?;
         archive.attribute(group, "length_y", length_y)?;
@@ -179,7 +203,31 @@ impl Surface {
         }
         self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
+
+    /// The surface with the whole heights at the first process, `None` at the others.
+    pub(crate) fn gathered(&self) -> Option<Self> {
+        let heights = rows::gathered(&self.share, self.heights.view())?;
+        let Self { grid, statistics, boundary, .. } = *self;
+        Some(Self {
+            heights,
+            grid,
+            share: whole(&grid),
+            unit: self.unit.clone(),
+            statistics,
+            boundary,
+            description: self.description.clone(),
+            scan: self.scan.clone(),
+            origin: self.origin.clone(),
+            second: self.second.clone(),
+        })
+    }
 }
+
+/// The group of the surface in a file.
+const GROUP: &str = "/surface";
+
+/// What its heights are.
+const LONG_NAME: &str = "height of the rigid surface, peaks towards the elastic body";
 
 /// The ratio of the steps across the periodic seam to those inside above which a warning is given.
 const ROUGH_SEAM: f64 = 2.0;
@@ -229,6 +277,62 @@ impl SourceArgs {
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
         }
+        let Made { heights, grid, share, mut description, scan, origin, second } = self.made(boundary, session)?;
+        let name = self.name();
+        self.check_sizes(&grid, &heights, &share)?;
+        let statistics = Statistics::over(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
+        if (scan.is_some() || second.is_some()) && boundary == Boundary::Periodic {
+            let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
+            description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
+            if ratio > ROUGH_SEAM {
+                let text = format!(
+                    "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
+                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
+                    statistics.moments.rms_gradient(),
+                    statistics.rms_gradient_inside
+                );
+                session.warn("rough-seam", text);
+            }
+        }
+        let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
+        let unit = scans.into_iter().find_map(|scan| scan.unit.clone());
+        Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
+    }
+
+    /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one makes or
+    /// reads all, and hands them out.
+    fn made(&self, boundary: Boundary, session: &Session) -> Result<Made, Failure> {
+        let Some(ranks) = session.ranks() else { return self.whole(boundary) };
+        let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
+        if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
+            // Another machine may have less memory.
+            let grid = session.agree(self.generator.grid_shared(&self.length, session.processes()))?;
+            let share = shared(&grid)?;
+            return Ok(Made::generated(self.generator.heights_shared(&grid, &share)?, grid, share, &self.generator));
+        }
+        let made = if session.is_first() { self.whole(boundary).map(Some) } else { Ok(None) };
+        let mut made = session.agree(made)?;
+        let words = made.as_ref().map_or([0; 4], |made| {
+            let ([nx, ny], [x, y]) = (made.grid.points(), made.grid.lengths());
+            [nx as u64, ny as u64, x.to_bits(), y.to_bits()]
+        });
+        let [nx, ny, x, y] = processes::of_first(&**ranks, words);
+        let (points, lengths) = ([nx as usize, ny as usize], [f64::from_bits(x), f64::from_bits(y)]);
+        let grid = Grid::new(points, lengths).map_err(|error| Failure::input("--length", error))?;
+        let share = shared(&grid)?;
+        let heights = rows::handed_out(&share, made.as_ref().map(|made| &made.heights), points[1]);
+        if let Some(made) = &mut made {
+            // Before the own rows are worked on.
+            made.heights = Array2::zeros([0, 0]);
+        }
+        Ok(match made {
+            Some(made) => Made { heights, share, ..made },
+            None => Made::generated(heights, grid, share, &self.generator),
+        })
+    }
+
+    /// All heights.
+    fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
         let (mut heights, mut grid, mut description, scan) = match &self.surface {
             Some(file) => {
                 let Prepared { heights, grid, description, scan } = self.prepare(file, None)?;
@@ -249,26 +353,8 @@ impl SourceArgs {
             }
             None => None,
         };
-        let name = self.name();
-        self.check_sizes(&grid, &heights)?;
-        let statistics = Statistics::of(&heights, &grid).map_err(|error| Failure::input(&name, error))?;
-        if (self.surface.is_some() || second.is_some()) && boundary == Boundary::Periodic {
-            let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
-            description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
-            if ratio > ROUGH_SEAM {
-                let text = format!(
-                    "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
-                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
-                    statistics.moments.rms_gradient(),
-                    statistics.rms_gradient_inside
-                );
-                session.warn("rough-seam", text);
-            }
-        }
-        let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
-        let unit = scans.into_iter().find_map(|scan| scan.unit.clone());
         let origin = self.surface.as_deref().map(origin).transpose()?;
-        Ok(Surface { heights, grid, unit, statistics, boundary, description, scan, origin, second })
+        Ok(Made { heights, grid, share: whole(&grid), description, scan, origin, second })
     }
 
     /// Reads the second surface, which has the cell and the points of the first.
@@ -296,10 +382,12 @@ impl SourceArgs {
     }
 
     /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
-    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>, share: &Share) -> Result<(), Failure> {
         sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
         let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
-        let all_equal = heights.iter().all(|height| *height == heights[[0, 0]]);
+        let largest = share.each(largest).into_iter().fold(0.0, f64::max);
+        let first = share.first(heights.first().copied());
+        let all_equal = !share.any(heights.iter().any(|height| Some(*height) != first));
         if all_equal || !largest.is_finite() {
             return Ok(()); // judged by what uses the heights
         }
@@ -313,6 +401,24 @@ impl SourceArgs {
         }
         let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
         Err(Failure::input(flag, reason + ", which another unit of length makes it"))
+    }
+}
+
+/// Heights of the rows of this process, and where they come from.
+struct Made {
+    heights: Array2<f64>,
+    grid: Grid,
+    share: Share,
+    description: String,
+    scan: Option<Scan>,
+    origin: Option<(String, String)>,
+    second: Option<Second>,
+}
+
+impl Made {
+    fn generated(heights: Array2<f64>, grid: Grid, share: Share, generator: &GeneratorArgs) -> Self {
+        let (scan, origin, second) = (None, None, None);
+        Self { heights, grid, share, description: generator.to_string(), scan, origin, second }
     }
 }
 

@@ -16,7 +16,7 @@ impl Compliance {
     pub(crate) fn of(contact: &Contact) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeTransforms::of(free)),
-            None => Self::Periodic(NormalTransforms::over(&contact.response, &contact.share)),
+            None => Self::Periodic(NormalTransforms::of(&contact.response)),
         }
     }
 
@@ -79,7 +79,7 @@ impl Rounded {
     pub(crate) fn of(contact: &Contact, uniform: Option<[f64; 2]>) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeRounded::of(free)),
-            None => Self::Periodic(RoundedTransforms::over(&contact.response, uniform, &contact.share)),
+            None => Self::Periodic(RoundedTransforms::of(&contact.response, uniform)),
         }
     }
 

@@ -42,7 +42,7 @@ impl Contact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::new, body, grid, heights)
+        Self::over(&whole(grid), body, grid, heights)
     }
 
     /// As [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3, restricted lateral
@@ -51,22 +51,55 @@ impl Contact {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn held_sideways(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::held_sideways, body, grid, heights)
+        Self::held_sideways_over(&whole(grid), body, grid, heights)
     }
 
-    fn responding(
-        response: fn(Grid, &Body) -> NormalResponse,
+    /// The rows of a grid that this one of several processes solves for ([`over`](Self::over)).
+    ///
+    /// # Errors
+    /// More processes than can share the rows.
+    pub fn share(ranks: Arc<dyn Ranks>, grid: &Grid) -> Result<Share, Refusal> {
+        Ok(Share::among(ranks, grid.rows(), PullPush::shared_levels(grid.rows()))?)
+    }
+
+    /// As [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each holds its rows only, of all fields that it
+    /// gives (heights, hardness, start) and gets; all make the same calls. Fields and numbers have the bits of one process. The methods
+    /// are [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of any process may stop the search; its checkpoints
+    /// have the rows of one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), on all processes.
+    pub fn over(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        Self::responding(NormalResponse::over, share, body, grid, heights)
+    }
+
+    /// As [`over`](Self::over), without lateral displacement of the surface.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), on all processes.
+    pub fn held_sideways_over(
+        share: &Share,
         body: &Body,
         grid: &Grid,
         heights: &ArrayRef2<f64>,
     ) -> Result<Self, Refusal> {
-        let surface = Self::rough(grid, heights)?;
+        Self::responding(NormalResponse::held_sideways_over, share, body, grid, heights)
+    }
+
+    fn responding(
+        response: fn(Grid, &Body, &Share) -> NormalResponse,
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
+        let surface = Self::rough(share, grid, heights)?;
         let units = Units::of(body, &surface)?;
         let contact = Self {
-            response: response(units.grid(grid), &units.body(body)).into(),
+            response: response(units.grid(grid), &units.body(body), share).into(),
             free: None,
             hardness: None,
-            share: whole(grid),
+            share: share.clone(),
             dynamics: Dynamics::default(),
             scaled: units.surface(&surface),
             surface,
@@ -100,27 +133,11 @@ impl Contact {
     /// Heights of another shape than the grid, not finite, or all equal.
     pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
-        let surface = Self::rough(response.grid(), heights)?;
+        let share = response.share().clone();
+        let surface = Self::rough(&share, response.grid(), heights)?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
         let (free, hardness, dynamics, units) = (None, None, Dynamics::default(), Units::ONE);
-        let share = whole(response.grid());
         Ok(Self { response, free, hardness, share, dynamics, scaled, surface, contact_modulus, units })
-    }
-
-    /// This contact, solved by several processes, each of which holds the whole contact and makes the same calls: of the solver's
-    /// fields each has its rows only, and the solution, the same on all, has the bits of one process. The methods are
-    /// [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of any process may stop the search; its checkpoints have
-    /// the rows of one.
-    ///
-    /// # Errors
-    /// More processes than can share the rows; free boundaries.
-    pub fn over(self, ranks: Arc<dyn Ranks>) -> Result<Self, Refusal> {
-        if ranks.size() > 1 && self.free.is_some() {
-            return Err(Refusal::SharedPatch);
-        }
-        let grid = *self.surface.grid();
-        let share = Share::among(ranks, grid.rows(), PullPush::shared_levels(grid.rows()))?;
-        Ok(Self { share, ..self })
     }
 
     /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the start of
@@ -136,7 +153,7 @@ impl Contact {
     /// # Errors
     /// A hardness that is not positive and finite, or has another shape than the heights.
     pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
-        let hardness = Some(hardness.into().in_units(self.surface.grid().points(), &self.units)?);
+        let hardness = Some(hardness.into().in_units(&self.surface, &self.units)?);
         Ok(Self { hardness, ..self })
     }
 
@@ -165,8 +182,8 @@ impl Contact {
         self.hardness.clone().unwrap_or(Upper::All(f64::INFINITY))
     }
 
-    fn rough(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
-        let surface = RigidSurface::new(grid, heights)?;
+    fn rough(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
+        let surface = RigidSurface::over(share, grid, heights)?;
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 
@@ -217,15 +234,13 @@ impl Contact {
         solution.out_of(&self.units, &self.surface, self.contact_modulus)
     }
 
-    /// As [`certify`](Self::certify), for a pressure with the size of the grid, all in [`units`](Self::units).
+    /// As [`certify`](Self::certify), for a pressure with the rows of this process, all in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
         let response = &self.response;
-        let n = pressure.len();
         let mut compliance = Compliance::of(self);
-        let mut displacement = vec![0.0; self.share.own().len()];
-        compliance.apply(response.compliance(), &pressure[self.share.own()], &mut displacement);
-        let mut displacement = self.whole(displacement);
-        let uniform = self.uniform_compliance() * gfmd_vector::total(&pressure) / n as f64;
+        let mut displacement = vec![0.0; pressure.len()];
+        compliance.apply(response.compliance(), &pressure, &mut displacement);
+        let uniform = self.uniform_compliance() * self.share.total_of(&pressure) / self.share.total() as f64;
         // u_z = −G p.
         for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
         let length_scale = self.scaled.length_scale(load);
@@ -233,11 +248,6 @@ impl Contact {
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs();
         solution
-    }
-
-    /// The field of all processes, of which this one has `own` rows.
-    pub(crate) fn whole(&self, own: Vec<f64>) -> Vec<f64> {
-        if self.share.is_whole() { own } else { self.share.gather(&own, self.share.columns()) }
     }
 
     /// The compliance of the uniform mode that [`Compliance`] does not contain.
@@ -259,7 +269,7 @@ impl Contact {
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }
             }
             Load::MeanPressure(found) => {
-                let hardness = self.upper().mean() * self.units.stress();
+                let hardness = self.upper().mean_over(&self.share) * self.units.stress();
                 if found < hardness {
                     return Units::check_pressure(found);
                 }
@@ -272,10 +282,12 @@ impl Contact {
     /// The start pressure in [`units`](Self::units), if it is valid.
     pub(crate) fn check_start(&self, start: ArrayView2<f64>) -> Result<Vec<f64>, Refusal> {
         self.check_size(start)?;
-        if let Some(((i, j), &value)) = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {
-            return Err(Refusal::StartPressure { index: [i, j], value });
+        let wrong = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0));
+        let first = if self.share.is_whole() { 0 } else { self.share.rows().start };
+        if let Some((index, value)) = self.share.first(wrong.map(|((i, j), value)| ([first + i, j], *value))) {
+            return Err(Refusal::StartPressure { index, value });
         }
-        if start.iter().all(|p| *p == 0.0) {
+        if !self.share.any(start.iter().any(|p| *p > 0.0)) {
             return Err(Refusal::StartApart);
         }
         let stress = self.units.stress();
@@ -283,12 +295,11 @@ impl Contact {
     }
 
     fn check_size(&self, pressure: ArrayView2<f64>) -> Result<(), Refusal> {
-        let grid = self.response.grid();
-        if <[usize; 2]>::from(pressure.dim()) == grid.points() {
-            Ok(())
-        } else {
-            Err(Refusal::Start { found: pressure.len(), expected: grid.len() })
+        let expected = self.surface.shape();
+        if self.share.any(<[usize; 2]>::from(pressure.dim()) != expected) {
+            return Err(Refusal::Start { found: pressure.len(), expected: expected.iter().product() });
         }
+        Ok(())
     }
 }
 

@@ -64,7 +64,7 @@ impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, share, .. } = contact;
         let mut compliance = Cow::from(response.compliance());
-        let clearance = &surface.clearance()[share.own()];
+        let clearance = surface.clearance();
         let linear = match load {
             Load::MeanPressure(_) => Cow::from(clearance),
             Load::Approach(approach) => clearance.iter().map(|c| c - approach).collect(),
@@ -72,7 +72,9 @@ impl<'a> Dual<'a> {
         let mut level = None;
         if let (Load::Approach(_), None) = (load, &contact.free) {
             let uniform = response.uniform_compliance();
-            compliance.to_mut()[0] = uniform;
+            if response.has_uniform() {
+                compliance.to_mut()[0] = uniform;
+            }
             let stiffness = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
             level = Some([uniform, stiffness]);
         }
@@ -82,11 +84,9 @@ impl<'a> Dual<'a> {
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
         let extension =
-            PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance()[periods * stride]).over(share);
-        let upper = match contact.upper() {
-            Upper::Each(bounds) if !share.is_whole() => Upper::Each(bounds[share.own()].into()),
-            upper => upper,
-        };
+            PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance_at(periods * stride))
+                .over(share);
+        let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());
         Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension }
@@ -242,12 +242,8 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Load::MeanPressure(mean) => Some(mean),
         Load::Approach(_) => None,
     };
-    let own = contact.share.own();
-    let mut pressure = match attempt.start.take() {
-        Some(start) if contact.share.is_whole() => start,
-        Some(start) => start[own].to_vec(),
-        None => vec![mean.unwrap_or(0.0); own.len()],
-    };
+    let own = contact.share.own().len();
+    let mut pressure = attempt.start.take().unwrap_or_else(|| vec![mean.unwrap_or(0.0); own]);
     let upper = dual.upper();
     pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.ceiling().at(i)));
     let x = &mut pressure;
@@ -282,7 +278,6 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
-    let pressure = contact.whole(pressure);
     Ok(Ended { pressure, effort: attempt.effort, ending: minimum.ending })
 }
 

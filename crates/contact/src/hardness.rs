@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_relax::Upper;
 use ndarray::Array2;
 
-use crate::{Refusal, Units};
+use crate::{Refusal, RigidSurface, Units};
 
 /// The largest pressure that the surfaces can carry, in stress, positive.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,30 +23,33 @@ impl Hardness {
         }
     }
 
-    /// The bounds of the pressure on a grid of so many `points`, in `units`.
-    pub(crate) fn in_units(&self, points: [usize; 2], units: &Units) -> Result<Upper, Refusal> {
-        let check = |found: f64| {
-            if !(found > 0.0 && found.is_finite()) {
-                return Err(Refusal::Hardness { found });
-            }
-            Units::check_pressure(found)
-        };
-        let stress = units.stress();
+    /// The bounds of the pressure on a surface, in `units`; of several processes each gives its rows.
+    pub(crate) fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<Upper, Refusal> {
+        let (stress, share) = (units.stress(), surface.share());
         match self {
             Self::Uniform(hardness) => {
                 check(*hardness)?;
                 Ok(Upper::All(hardness / stress))
             }
             Self::Field(field) => {
-                let found = field.dim().into();
-                if found != points {
-                    return Err(Refusal::HardnessShape { found, expected: points });
+                let (found, expected) = (field.dim().into(), surface.shape());
+                if share.any(found != expected) {
+                    return Err(Refusal::HardnessShape { found, expected });
                 }
-                field.iter().try_for_each(|hardness| check(*hardness))?;
+                let wrong = field.iter().copied().find(|hardness| check(*hardness).is_err());
+                share.first(wrong).map_or(Ok(()), check)?;
                 Ok(Upper::Each(field.iter().map(|hardness| hardness / stress).collect::<Arc<[f64]>>()))
             }
         }
     }
+}
+
+/// Checks that a hardness is positive and finite, and has all its digits.
+fn check(found: f64) -> Result<(), Refusal> {
+    if !(found > 0.0 && found.is_finite()) {
+        return Err(Refusal::Hardness { found });
+    }
+    Units::check_pressure(found)
 }
 
 impl From<f64> for Hardness {

@@ -140,9 +140,6 @@ pub enum Refusal {
     /// More processes than can share the grid.
     #[error(transparent)]
     Ranks(#[from] TooManyRanks),
-    /// Free boundaries over several processes.
-    #[error("a surface with free boundaries is solved by one process; with several it must repeat")]
-    SharedPatch,
     /// There is no contact, which friction needs.
     #[error("the {what} is {found}; it must be positive, since friction needs contact")]
     NotPressed {

@@ -1,16 +1,18 @@
 use std::sync::OnceLock;
 
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_response::unit_of;
-use gfmd_surface::{PowerSpectrum, Statistics};
+use gfmd_surface::{Moments, Statistics};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
 
-/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect.
+/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Of several processes
+/// each has its rows; the numbers are those of the whole surface.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
     grid: Grid,
+    share: Share,
     clearance: Vec<f64>,
     mean_clearance: f64,
     rms_height: f64,
@@ -37,29 +39,47 @@ impl RigidSurface {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or that differ by more than the largest number.
     pub fn new(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let (found, expected) = (heights.dim().into(), grid.points());
-        if found != expected {
+        let [rows, columns] = grid.rows();
+        Self::over(&Share::whole(rows, columns), grid, heights)
+    }
+
+    /// As [`new`](Self::new), of which this process has the rows that are its `share`; all make the same calls.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), on all processes.
+    pub fn over(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let (found, expected) = (heights.dim().into(), shape(share, grid));
+        if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
-        if let Some(hole) = heights.iter().position(|h| !h.is_finite()) {
+        let start = share.own().start;
+        let hole = heights.iter().position(|h| !h.is_finite()).map(|hole| {
             let index = [hole / expected[1], hole % expected[1]];
-            return Err(Refusal::Height { index, value: heights[index] });
+            (start + hole, heights[index])
+        });
+        if let Some((hole, value)) = share.first(hole) {
+            return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let highest_of = |own: f64| share.each(own).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let highest = highest_of(heights.iter().copied().fold(f64::NEG_INFINITY, f64::max));
         let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
-        let n = clearance.len() as f64;
-        let mean_clearance = gfmd_vector::total(&clearance) / n;
-        let highest = clearance.iter().copied().fold(0.0, f64::max);
+        let n = share.total() as f64;
+        let mean_clearance = share.total_of(&clearance) / n;
+        let highest = highest_of(clearance.iter().copied().fold(0.0, f64::max));
         // The squares of very large or small heights are no numbers. A power of two changes no digit.
         let unit = unit_of(highest);
-        let squares = gfmd_vector::sum(clearance.len(), &|range| {
-            clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum()
-        });
+        let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());
         let rms_height = (squares / n).sqrt() * unit;
         if !(rms_height.is_finite() && mean_clearance.is_finite()) {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
-        Ok(Self { grid: *grid, clearance, mean_clearance, rms_height, repeats: true, rms_gradient: OnceLock::new() })
+        let (share, rms_gradient) = (share.clone(), OnceLock::new());
+        let surface = Self { grid: *grid, share, clearance, mean_clearance, rms_height, repeats: true, rms_gradient };
+        if !surface.share.is_whole() {
+            // All processes take part in its transform, and later not all may ask.
+            surface.rms_gradient();
+        }
+        Ok(surface)
     }
 
     /// The surface as a patch that does not repeat. The step from its last to its first points is no part of it.
@@ -70,16 +90,17 @@ impl RigidSurface {
 
     /// The surface with `depth` added to its clearance. Its rms height and gradient stay.
     pub(crate) fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let (found, expected) = (depth.dim().into(), self.grid.points());
-        if found != expected {
+        let (share, found, expected) = (&self.share, depth.dim().into(), self.shape());
+        if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
         let clearance: Vec<f64> = self.clearance.iter().zip(depth).map(|(c, d)| c + d).collect();
-        if let Some(hole) = clearance.iter().position(|c| !c.is_finite()) {
-            return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value: clearance[hole] });
+        let start = share.own().start;
+        let hole = clearance.iter().position(|c| !c.is_finite()).map(|hole| (start + hole, clearance[hole]));
+        if let Some((hole, value)) = share.first(hole) {
+            return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
-        let n = clearance.len();
-        let mean_clearance = gfmd_vector::sum(n, &|range| clearance[range].iter().sum()) / n as f64;
+        let mean_clearance = share.sum(&|range| clearance[range].iter().sum()) / share.total() as f64;
         let rms_gradient = OnceLock::from(self.rms_gradient());
         Ok(Self { clearance, mean_clearance, rms_gradient, ..self.clone() })
     }
@@ -88,12 +109,27 @@ impl RigidSurface {
     pub(crate) fn in_units(&self, units: &Units) -> Self {
         Self {
             grid: units.grid(&self.grid),
+            share: self.share.clone(),
             clearance: self.clearance.iter().map(|c| c / units.length()).collect(),
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
             repeats: self.repeats,
-            rms_gradient: OnceLock::new(),
+            rms_gradient: if self.share.is_whole() {
+                OnceLock::new()
+            } else {
+                OnceLock::from(self.rms_gradient() / units.gradient())
+            },
         }
+    }
+
+    /// The rows that this process has, all of them if it is alone.
+    pub fn share(&self) -> &Share {
+        &self.share
+    }
+
+    /// The shape of the fields of this process.
+    pub(crate) fn shape(&self) -> [usize; 2] {
+        shape(&self.share, &self.grid)
     }
 
     /// The grid of the heights.
@@ -101,7 +137,7 @@ impl RigidSurface {
         &self.grid
     }
 
-    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row.
+    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row of this process.
     pub fn clearance(&self) -> &[f64] {
         &self.clearance
     }
@@ -168,17 +204,23 @@ impl RigidSurface {
     pub fn rms_gradient(&self) -> f64 {
         *self.rms_gradient.get_or_init(|| {
             let units = Units::of_surface(self);
-            let clearance = self.clearance.iter().map(|c| c / units.length()).collect();
-            let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };
+            let clearance: Vec<f64> = self.clearance.iter().map(|c| c / units.length()).collect();
             let grid = units.grid(&self.grid);
             let gradient = if self.repeats {
-                PowerSpectrum::of(&clearance, &grid).map(|spectrum| spectrum.moments().rms_gradient())
+                Moments::over(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
             } else {
+                let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };
                 Statistics::of(&clearance, &grid).map(|statistics| statistics.rms_gradient_inside)
             };
             gradient.unwrap_or(f64::NAN) * units.gradient()
         })
     }
+}
+
+/// The shape of the fields of a process on a grid.
+fn shape(share: &Share, grid: &Grid) -> [usize; 2] {
+    let [nx, ny] = grid.points();
+    [if share.is_whole() { nx } else { share.rows().len() }, ny]
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@ use std::sync::Arc;
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Ceiling, Upper};
-use gfmd_vector::{add, for_each, pass, reduce};
+use gfmd_vector::{Share, add, for_each};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
 use crate::{Effort, Fields, Load, RigidSurface, Units};
 
-/// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards.
+/// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Of several processes each has
+/// its rows of the fields; the numbers are those of the whole contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Contact pressure, ≥ 0, in stress; exactly 0 out of contact.
@@ -125,8 +126,8 @@ impl Fields for Solution {
     }
 
     fn summary_in(&self, scales: &Scales) -> Summary {
-        let Self { pressure, displacement, gap, mean_pressure, .. } = self;
-        Summary::of(pressure.view(), displacement.view(), gap.view(), *mean_pressure, scales)
+        let Self { pressure, displacement, gap, mean_pressure, surface, .. } = self;
+        Summary::over(surface.share(), [pressure, displacement, gap].map(|field| field.view()), *mean_pressure, scales)
     }
 }
 
@@ -172,8 +173,8 @@ impl Solution {
         }
     }
 
-    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the size of
-    /// the grid.
+    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the rows of this
+    /// process.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
@@ -183,10 +184,9 @@ impl Solution {
     ) -> Self {
         let Conditions { sinking, load, length_scale, hardness } = conditions;
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
-        let clearance = surface.clearance();
-        let n = pressure.len();
-        let [sum, touching] = reduce(
-            n,
+        let (clearance, share) = (surface.clearance(), surface.share());
+        let n = share.total();
+        let [sum, touching] = share.reduce(
             &|range| {
                 let each = range.map(|i| (pressure[i], upper.at(i)));
                 each.fold([0.0; 2], |sums, (p, upper)| add(sums, [p, f64::from((p > 0.0) & (p < upper))]))
@@ -204,9 +204,9 @@ impl Solution {
                     if (pressure[i] > 0.0) & (pressure[i] < upper.at(i)) { clearance[i] - displacement[i] } else { 0.0 }
                 };
                 if touching > 0.0 || hardness.is_none() {
-                    gfmd_vector::sum(n, &|range| range.map(room).sum()) / touching
+                    share.sum(&|range| range.map(room).sum()) / touching
                 } else {
-                    between(&pressure, upper, |i| clearance[i] - displacement[i])
+                    between(share, &pressure, upper, |i| clearance[i] - displacement[i])
                 }
             }
             Load::Approach(approach) => {
@@ -214,8 +214,8 @@ impl Solution {
                 approach
             }
         };
-        let mut gap = vec![0.0; n];
-        let mut sums = pass(
+        let mut gap = vec![0.0; pressure.len()];
+        let mut sums = share.pass(
             [&mut gap[..]],
             &|start, [gap]| {
                 let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
@@ -279,9 +279,9 @@ impl Plastic {
         hardness: Ceiling,
         length_scale: f64,
     ) -> (Self, (f64, f64)) {
-        let n = gap.len();
-        let mut depth = vec![0.0; n];
-        let (count, sum, saturation, p_gap, lowest) = pass(
+        let n = surface.share().total();
+        let mut depth = vec![0.0; gap.len()];
+        let (count, sum, saturation, p_gap, lowest) = surface.share().pass(
             (gap, &mut depth[..], pressure, hardness),
             &|_, (gap, depth, pressure, hardness)| {
                 let mut sums = (0.0, 0.0, 0.0, 0.0, f64::INFINITY);
@@ -309,11 +309,13 @@ impl Plastic {
 
 /// The middle between the largest room of the points at the hardness and the smallest of the others: the approach if no
 /// pressure lies between the bounds.
-fn between(pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
-    let [mut below, mut above] = [f64::NEG_INFINITY, f64::INFINITY];
-    for (i, p) in pressure.iter().enumerate() {
-        if *p >= upper.at(i) { below = below.max(room(i)) } else { above = above.min(room(i)) }
-    }
+fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
+    let none = [f64::NEG_INFINITY, f64::INFINITY];
+    let own = pressure.iter().enumerate().fold(none, |[below, above], (i, p)| {
+        if *p >= upper.at(i) { [below.max(room(i)), above] } else { [below, above.min(room(i))] }
+    });
+    let all = share.each(own).into_iter();
+    let [below, above] = all.fold(none, |[below, above], [low, high]| [below.max(low), above.min(high)]);
     match (below.is_finite(), above.is_finite()) {
         (true, true) => 0.5 * (below + above),
         (true, false) => below,
@@ -321,9 +323,9 @@ fn between(pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64
     }
 }
 
-/// Converts values, row by row, to a field on the grid of the surface.
+/// Converts values, row by row, to a field on the rows of this process.
 pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
-    Array2::from_shape_vec(surface.grid().points(), values).expect("every field has the size of the grid")
+    Array2::from_shape_vec(surface.shape(), values).expect("every field has the rows of this process")
 }
 
 /// The smaller of two numbers; NaN if either is NaN.

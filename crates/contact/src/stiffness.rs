@@ -42,9 +42,10 @@ impl Contact {
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
         let hardness = upper.ceiling();
-        let n = solution.pressure.len();
+        let n = self.share.total();
         let touches = |(i, p): (usize, &f64)| (*p > 0.0) & (*p < hardness.at(i));
-        let count = solution.pressure.iter().enumerate().filter(|point| touches(*point)).count();
+        let own = solution.pressure.iter().enumerate().filter(|point| touches(*point)).count();
+        let count: usize = self.share.each(own).into_iter().sum();
         let exact = |value| Ok(Stiffness { value, error: 0.0, effort: Effort::default() });
         if self.free.is_some() && self.surface().grid().is_line() {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
@@ -55,8 +56,7 @@ impl Contact {
         }
         let rows = solution.pressure.as_slice();
         let pressure = rows.map_or_else(|| solution.pressure.iter().copied().collect(), Cow::from);
-        let own = self.share.own();
-        let mut unit = Unit::new(self, &pressure[own.clone()], hardness.part(own), count);
+        let mut unit = Unit::new(self, &pressure, hardness, count);
         if !unit.dual.keeps_constants() {
             unit.keep_sums();
         }

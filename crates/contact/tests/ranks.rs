@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Equilibrium as _, Hardness, Load, Refusal, Solution, SolveError, Solver, Stiffness};
+use gfmd_contact::{
+    Contact, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solution, SolveError, Solver, Stiffness,
+};
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
 use gfmd_relax::{Budget, Progress, Watch};
 use gfmd_surface::SelfAffine;
-use gfmd_vector::Rehearsal;
-use ndarray::Array2;
+use gfmd_vector::{Ranks, Rehearsal};
+use ndarray::{Array2, s};
 use proptest::prelude::*;
 
 fn half_space() -> Body {
@@ -33,16 +35,69 @@ fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
     .unwrap()
 }
 
-/// The bits of everything that a contact yields.
-fn bits(state: &Solution, stiffness: &Stiffness) -> Vec<u64> {
-    let fields = [&state.pressure, &state.displacement, &state.gap];
-    let numbers = [state.mean_pressure, state.approach, stiffness.value, stiffness.error, state.residual.worst()];
-    let depth = state.plastic.iter().flat_map(|plastic| plastic.depth.iter());
-    let all = fields.into_iter().flatten().chain(&numbers).chain(depth).map(|x| x.to_bits());
-    all.chain([state.effort.iterations, stiffness.effort.iterations]).collect()
+/// A contact to be made by one process or by one of several, from its rows of the heights.
+#[derive(Clone)]
+struct Case {
+    grid: Grid,
+    body: Body,
+    heights: Array2<f64>,
+    hardness: Option<Hardness>,
 }
 
-fn solve(contact: &Contact, load: Load, solver: Solver) -> Vec<u64> {
+impl Case {
+    fn new(grid: Grid, body: &Body, seed: u64) -> Self {
+        Self { grid, body: body.clone(), heights: rough(&grid, seed), hardness: None }
+    }
+
+    fn alone(&self) -> Contact {
+        self.of(&Share::whole(self.grid.points()[0], self.grid.points()[1]))
+    }
+
+    fn over(&self, ranks: Arc<dyn Ranks>) -> Contact {
+        self.of(&Contact::share(ranks, &self.grid).unwrap())
+    }
+
+    fn of(&self, share: &Share) -> Contact {
+        let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
+        let contact = Contact::over(share, &self.body, &self.grid, &own(&self.heights)).unwrap();
+        match &self.hardness {
+            Some(Hardness::Field(field)) => contact.with_hardness(own(field)).unwrap(),
+            Some(hardness) => contact.with_hardness(hardness.clone()).unwrap(),
+            None => contact,
+        }
+    }
+}
+
+/// The bits of everything that a contact yields: numbers, and the own rows of fields.
+type Bits = (Vec<u64>, Vec<Vec<u64>>);
+
+fn bits(state: &Solution, stiffness: &Stiffness) -> Bits {
+    let summary = state.summary();
+    let numbers = [
+        state.mean_pressure,
+        state.approach,
+        state.residual.worst(),
+        stiffness.value,
+        stiffness.error,
+        summary.area_fraction_corrected,
+        summary.kappa_corrected,
+        summary.mean_gap,
+        summary.max_pressure,
+        summary.mean_pressure_in_contact,
+        summary.pressure_deviation_in_contact,
+        summary.pressure_moment_2,
+        summary.elastic_energy,
+    ];
+    let plastic = state.plastic.iter().flat_map(|plastic| [plastic.fraction, plastic.volume, plastic.saturation]);
+    let numbers = numbers.into_iter().chain(plastic).map(f64::to_bits);
+    let counts = [state.effort.iterations, stiffness.effort.iterations, summary.contact_nodes, summary.boundary_links];
+    let fields = [&state.pressure, &state.displacement, &state.gap];
+    let all = fields.into_iter().chain(state.plastic.iter().map(|plastic| &plastic.depth));
+    let of_field = |field: &Array2<f64>| field.iter().map(|x| x.to_bits()).collect();
+    (numbers.chain(counts).collect(), all.map(of_field).collect())
+}
+
+fn solve(contact: &Contact, load: Load, solver: Solver) -> [Bits; 2] {
     let state = contact.equilibrate(load.into(), solver, &Budget::default(), None, &mut ()).unwrap();
     let stiffness = contact.stiffness(&state).unwrap();
     // The second load starts from the first.
@@ -51,25 +106,28 @@ fn solve(contact: &Contact, load: Load, solver: Solver) -> Vec<u64> {
         Load::Approach(approach) => Load::Approach(1.2 * approach),
     };
     let next = contact.equilibrate(second.into(), solver, &Budget::default(), Some(&state), &mut ()).unwrap();
-    let mut all = bits(&state, &stiffness);
-    all.extend(bits(&next, &stiffness));
-    all
+    [bits(&state, &stiffness), bits(&next, &stiffness)]
 }
 
-fn compare(contact: &Contact, load: Load, solver: Solver, size: usize) {
-    let alone = solve(contact, load, solver);
-    let each = Rehearsal::of(size, |ranks| solve(&contact.clone().over(ranks).unwrap(), load, solver));
-    assert!(each.iter().all(|found| *found == alone), "{load:?} {solver:?} on {size}");
+fn compare(case: &Case, load: Load, solver: Solver, size: usize) {
+    let alone = solve(&case.alone(), load, solver);
+    let each = Rehearsal::of(size, |ranks| solve(&case.over(ranks), load, solver));
+    for (step, (numbers, fields)) in alone.iter().enumerate() {
+        assert!(each.iter().all(|found| found[step].0 == *numbers), "{load:?} {solver:?} on {size}");
+        for (place, field) in fields.iter().enumerate() {
+            let rows = each.iter().flat_map(|found| &found[step].1[place]);
+            assert!(rows.eq(field), "field {place}, {load:?} {solver:?} on {size}");
+        }
+    }
 }
 
 #[test]
 fn a_contact_over_ranks_has_the_bits_of_one_process() {
     for (points, lengths) in [([256, 256], [1.0, 1.0]), ([512, 1000], [1.0, 2.0]), ([1024, 512], [2.0, 1.0])] {
         let grid = Grid::new(points, lengths).unwrap();
-        let heights = rough(&grid, 1);
         for body in [half_space(), slab(0.1)] {
-            let contact = Contact::new(&body, &grid, &heights).unwrap();
-            let approach = 0.5 * contact.surface().mean_clearance();
+            let contact = Case::new(grid, &body, 1);
+            let approach = 0.5 * contact.alone().surface().mean_clearance();
             for size in [2, 3, 4, 7].into_iter().filter(|size| *size <= Share::most(points, 1)) {
                 compare(&contact, Load::MeanPressure(0.002), Solver::Auto, size);
                 // So little touches that the pressure is sought on few points.
@@ -84,7 +142,7 @@ fn a_contact_over_ranks_has_the_bits_of_one_process() {
 fn levels_that_are_shared_have_the_bits_of_one_process() {
     // Two levels with their own rows, the third gathered.
     let grid = Grid::square(2048, 1.0).unwrap();
-    let contact = Contact::new(&half_space(), &grid, &rough(&grid, 3)).unwrap();
+    let case = Case::new(grid, &half_space(), 3);
     let budget = Budget { max_iterations: 3, ..Budget::default() };
     let begin = |contact: &Contact| {
         let load = Load::MeanPressure(0.004).into();
@@ -95,24 +153,28 @@ fn levels_that_are_shared_have_the_bits_of_one_process() {
             other => panic!("{other:?}"),
         }
     };
-    let alone = begin(&contact);
-    assert!(
-        Rehearsal::of(3, |ranks| begin(&contact.clone().over(ranks).unwrap()) == alone).into_iter().all(|same| same)
-    );
+    let alone = begin(&case.alone());
+    assert!(Rehearsal::of(3, |ranks| begin(&case.over(ranks))).concat() == alone);
 }
 
 #[test]
 fn the_other_methods_and_a_hardness_have_the_bits_of_one_process() {
     let grid = Grid::square(128, 1.0).unwrap();
-    let contact = Contact::new(&half_space(), &grid, &rough(&grid, 2)).unwrap();
+    let case = Case::new(grid, &half_space(), 2);
     for solver in [Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg] {
-        compare(&contact, Load::MeanPressure(0.005), solver, 3);
+        compare(&case, Load::MeanPressure(0.005), solver, 3);
     }
     let field = Array2::from_shape_fn((128, 128), |(i, j)| 0.05 + 0.01 * ((i + 2 * j) % 5) as f64);
     for hardness in [Hardness::Uniform(0.05), Hardness::Field(field)] {
-        let hard = contact.clone().with_hardness(hardness).unwrap();
-        compare(&hard, Load::MeanPressure(0.01), Solver::Auto, 3);
+        compare(&Case { hardness: Some(hardness), ..case.clone() }, Load::MeanPressure(0.01), Solver::Auto, 3);
     }
+}
+
+#[test]
+fn very_small_units_have_the_bits_of_one_process() {
+    let grid = Grid::square(128, 1e-6).unwrap();
+    let body = Body::half_space(Material::from_contact_modulus(1e11, 0.3).unwrap());
+    compare(&Case::new(grid, &body, 4), Load::MeanPressure(2e8), Solver::Auto, 3);
 }
 
 proptest! {
@@ -125,8 +187,7 @@ proptest! {
         let columns = columns.next_multiple_of(16);
         let grid = Grid::new([rows, columns], [1.0, columns as f64 / rows as f64]).unwrap();
         let body = if thin { slab(0.05) } else { half_space() };
-        let contact = Contact::new(&body, &grid, &rough(&grid, seed)).unwrap();
-        compare(&contact, Load::MeanPressure(0.005), Solver::Auto, size.min(Share::most([rows, columns], 1)));
+        compare(&Case::new(grid, &body, seed), Load::MeanPressure(0.005), Solver::Auto, size.min(Share::most([rows, columns], 1)));
     }
 }
 
@@ -142,12 +203,11 @@ impl Watch for Stop {
 #[test]
 fn a_process_that_is_interrupted_stops_all_at_the_same_iterate() {
     let grid = Grid::square(128, 1.0).unwrap();
-    let contact = Contact::new(&half_space(), &grid, &rough(&grid, 2)).unwrap();
+    let case = Case::new(grid, &half_space(), 2);
     let ends = Rehearsal::of(3, |ranks| {
         let mut watch = Stop(if ranks.rank() == 1 { 4 } else { u64::MAX });
         let load = Load::MeanPressure(0.005).into();
-        let contact = contact.clone().over(ranks).unwrap();
-        match contact.equilibrate(load, Solver::Auto, &Budget::default(), None, &mut watch) {
+        match case.over(ranks).equilibrate(load, Solver::Auto, &Budget::default(), None, &mut watch) {
             Err(SolveError::Interrupted { state, .. }) => state.effort.iterations,
             other => panic!("{other:?}"),
         }
@@ -156,22 +216,41 @@ fn a_process_that_is_interrupted_stops_all_at_the_same_iterate() {
 }
 
 #[test]
-fn what_cannot_be_shared_is_refused() {
+fn what_cannot_be_shared_is_refused_by_all() {
     let grid = Grid::square(64, 1.0).unwrap();
-    let heights = rough(&grid, 2);
-    let over = |contact: &Contact, size| {
-        let refused = Rehearsal::of(size, |ranks| contact.clone().over(ranks).err().map(|error| error.to_string()));
-        refused.into_iter().next().flatten()
-    };
-    let contact = Contact::new(&half_space(), &grid, &heights).unwrap();
-    assert_eq!(over(&contact, 2), None);
-    assert!(over(&contact, 3).unwrap().contains("3 processes; it must be at most 2"));
-    let patch = Contact::bounded(gfmd_contact::Boundary::Free, &half_space(), &grid, &heights).unwrap();
-    assert!(over(&patch, 2).unwrap().contains("free boundaries"));
+    let share = |size| Rehearsal::of(size, |ranks| Contact::share(ranks, &grid).err().map(|error| error.to_string()));
+    assert_eq!(share(2), [None, None]);
+    assert!(share(3).iter().all(|error| error.as_ref().unwrap().contains("3 processes; it must be at most 2")));
+    let case = Case::new(grid, &half_space(), 2);
     Rehearsal::of(2, |ranks| {
-        let contact = contact.clone().over(Arc::clone(&ranks)).unwrap();
         let load = Load::MeanPressure(0.005).into();
-        let refused = contact.equilibrate(load, Solver::Verlet, &Budget::default(), None, &mut ());
+        let refused = case.over(ranks).equilibrate(load, Solver::Verlet, &Budget::default(), None, &mut ());
         assert!(matches!(refused, Err(SolveError::Refused(Refusal::Solver { .. }))));
+    });
+    // What only one of them sees.
+    let mut broken = case.clone();
+    broken.heights[[40, 3]] = f64::NAN;
+    let state = case.alone().press(Load::MeanPressure(0.005)).solve().unwrap();
+    Rehearsal::of(2, |ranks| {
+        let share = Contact::share(ranks, &grid).unwrap();
+        let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
+        let refused = Contact::over(&share, &case.body, &grid, &own(&broken.heights));
+        assert!(matches!(refused, Err(Refusal::Height { index: [40, 3], .. })));
+        let contact = Contact::over(&share, &case.body, &grid, &own(&case.heights)).unwrap();
+        let rows = share.rows().len() - share.ranks().rank();
+        let refused = Contact::over(&share, &case.body, &grid, &own(&case.heights).slice_move(s![..rows, ..]));
+        assert!(matches!(refused, Err(Refusal::Shape { .. })));
+        let mut hardness = Array2::from_elem((32, 64), 1.0);
+        hardness[[5, 5]] = if share.ranks().rank() == 1 { -1.0 } else { 1.0 };
+        let refused = contact.clone().with_hardness(hardness);
+        assert!(matches!(refused, Err(Refusal::Hardness { found: -1.0 })));
+        let mut start = contact.certify(&own(&state.pressure), Load::MeanPressure(0.005)).unwrap();
+        start.pressure[[0, 0]] = if share.ranks().rank() == 1 { f64::NAN } else { 0.0 };
+        let load = Load::MeanPressure(0.005).into();
+        let refused = contact.equilibrate(load, Solver::Auto, &Budget::default(), Some(&start), &mut ());
+        let index = [32, 0];
+        assert!(
+            matches!(refused, Err(SolveError::Refused(Refusal::StartPressure { index: found, .. })) if found == index)
+        );
     });
 }

@@ -128,6 +128,46 @@ impl<'a> Archive<'a> {
         write().map_err(|error| self.failed(path, &error))
     }
 
+    /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
+    pub fn define_rows(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
+        self.new_dataset::<f64>(path, variable, None).map(drop)
+    }
+
+    /// Writes whole rows from row `first` on of a variable made by [`Archive::define_rows`], or of entry `index` of one of three
+    /// dimensions made by [`Archive::define`]. Blocks of [`rows_of_chunk`] rows, or a multiple, that begin at a multiple of it
+    /// give the bytes of a whole field.
+    pub fn write_rows(
+        &mut self,
+        path: &str,
+        index: Option<usize>,
+        first: usize,
+        values: &[f64],
+    ) -> Result<(), FileError> {
+        let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
+        let shape = dataset.shape();
+        let [rows, columns] = match (&shape[..], index) {
+            (&[rows, columns], None) => [rows, columns],
+            (&[entries, rows, columns], Some(index)) if index < entries => [rows, columns],
+            _ => [0, 0],
+        };
+        let count = values.len() / columns.max(1);
+        if columns == 0 || count * columns != values.len() || first + count > rows {
+            let index = index.unwrap_or(first);
+            return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
+        }
+        let write = || {
+            let mut slab = vec![1; shape.len() - 2];
+            slab.extend([count, columns]);
+            let values = ndarray::ArrayViewD::from_shape(slab, values)?;
+            let entry = index.map(|index| hdf5::SliceOrIndex::from(index..index + 1));
+            let field = [hdf5::SliceOrIndex::from(first..first + count), hdf5::SliceOrIndex::from(..)];
+            let selection: Vec<_> = entry.into_iter().chain(field).collect();
+            dataset.write_slice(values, hdf5::Hyperslab::from(selection))?;
+            dataset.flush()
+        };
+        write().map_err(|error| self.failed(path, &error))
+    }
+
     /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
     pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
         let file = self.file()?;
@@ -285,6 +325,11 @@ fn create_dataset<T: H5Type>(
         builder = builder.chunk(chunk(shape, size)).shuffle().deflate(DEFLATE);
     }
     builder.empty::<T>().shape(shape).create(name)
+}
+
+/// The number of rows, of so many numbers each, that are compressed together.
+pub fn rows_of_chunk(columns: usize) -> usize {
+    (CHUNK_BYTES / size_of::<f64>() / columns.max(1)).max(1)
 }
 
 /// The shape of a chunk: as many whole rows as fit into [`CHUNK_BYTES`]; one entry of the first of three dimensions.

@@ -37,7 +37,9 @@ mod vtk;
 pub mod vtp;
 mod warning;
 
-pub use archive::{Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable};
+pub use archive::{
+    Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable, rows_of_chunk,
+};
 pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::{axes, contiguous};

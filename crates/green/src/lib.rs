@@ -71,4 +71,5 @@ pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use stacking::{BaseKind, UnknownBase};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,
+    table_of_lanes,
 };

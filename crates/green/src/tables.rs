@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use gfmd_field::{Grid, Mode};
 use rayon::prelude::*;
 
@@ -13,19 +15,20 @@ const CHUNK: usize = 4096;
 /// whose mean displacement is held at zero instead (theory.md, section 3). At a Nyquist mode the entry is 1/G_zz(|q|) as at
 /// any other mode (theory.md, section 0).
 pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
-    isotropic_table(grid, uniform, |q| body.normal_stiffness(q))
+    table_of_lanes(grid, all_lanes(grid), uniform, |q| body.normal_stiffness(q))
 }
 
 /// The normal stiffness K_N (stress/length) of every mode of `grid` for a surface that is held sideways, laid out like
 /// [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
 pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
-    isotropic_table(grid, uniform, |q| body.restricted_normal_stiffness(q))
+    table_of_lanes(grid, all_lanes(grid), uniform, |q| body.restricted_normal_stiffness(q))
 }
 
-/// The table of a function of |q|, which is evaluated once for ±m.
-fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+/// The table of a function of |q| for the modes in some lanes of the half spectrum ([`Grid::spectrum_shape`]), such as those of one
+/// of several processes. The function is evaluated once for ±m; `uniform` is the entry of the mode q = 0.
+pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
-    let mut table = vec![0.0; grid.spectrum_len()];
+    let mut table = vec![0.0; lanes.len() * positions];
     let at = |mode: Mode| if mode.is_uniform() { uniform } else { value(mode.wavenumber()) };
     if grid.is_line() {
         table.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, entries)| {
@@ -35,6 +38,7 @@ fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync)
         });
     } else {
         table.par_chunks_mut(positions).enumerate().for_each(|(lane, entries)| {
+            let lane = lanes.start + lane;
             let (half, mirrored) = entries.split_at_mut(positions / 2 + 1);
             for (position, entry) in half.iter_mut().enumerate() {
                 *entry = at(grid.mode(lane, position));
@@ -45,6 +49,10 @@ fn isotropic_table(grid: &Grid, uniform: f64, value: impl Fn(f64) -> f64 + Sync)
         });
     }
     table
+}
+
+fn all_lanes(grid: &Grid) -> Range<usize> {
+    0..grid.spectrum_shape()[0]
 }
 
 /// The softest and the stiffest mode of a body on a grid, which bound time steps and damping (theory.md, section 6).

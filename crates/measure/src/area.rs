@@ -1,3 +1,4 @@
+use gfmd_vector::Share;
 use ndarray::ArrayView2;
 
 /// The part of the surface in contact.
@@ -20,19 +21,32 @@ pub struct ContactArea {
 
 /// Counts the contact of a `[x, y]` pressure field.
 pub fn contact_area(pressure: ArrayView2<f64>) -> ContactArea {
-    let (_, ny) = pressure.dim();
+    let (rows, columns) = pressure.dim();
     let pressure = pressure.as_standard_layout();
-    let points = pressure.as_slice().unwrap_or_default();
-    let mut nodes = 0;
-    let mut boundary_links = 0;
-    for (row, next) in points.chunks_exact(ny.max(1)).zip(points.chunks_exact(ny.max(1)).cycle().skip(1)) {
+    contact_area_over(&Share::whole(rows, columns), columns, pressure.as_slice().unwrap_or_default())
+}
+
+/// Counts the contact of a pressure field of which each process has its rows of so many `columns`.
+pub(crate) fn contact_area_over(share: &Share, columns: usize, points: &[f64]) -> ContactArea {
+    let rows = || points.chunks_exact(columns.max(1));
+    let after = match (rows().next(), rows().last()) {
+        (Some(first), Some(last)) => {
+            let [_, after] = share.beside(first, last);
+            after
+        }
+        _ => Vec::new(),
+    };
+    let (mut nodes, mut boundary_links) = (0, 0);
+    for (row, next) in rows().zip(rows().skip(1).chain([&after[..]])) {
         nodes += row.iter().map(|p| u64::from(*p > 0.0)).sum::<u64>();
-        boundary_links += links(row, next) + links(&row[1..], row) + links(&row[..1], &row[ny - 1..]);
+        boundary_links += links(row, next) + links(&row[1..], row) + links(&row[..1], &row[columns - 1..]);
     }
-    let all = points.len().max(1) as f64;
+    let counts = share.each([nodes, boundary_links]);
+    let [nodes, boundary_links] = [0, 1].map(|which| counts.iter().map(|counts| counts[which]).sum::<u64>());
+    let all = share.total().max(1) as f64;
     let fraction = nodes as f64 / all;
     let excess = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0 * boundary_links as f64 / all;
-    let corrected_fraction = if ny == 1 { fraction } else { (fraction - excess).max(0.0) };
+    let corrected_fraction = if columns == 1 { fraction } else { (fraction - excess).max(0.0) };
     ContactArea { nodes: nodes as usize, boundary_links: boundary_links as usize, fraction, corrected_fraction }
 }
 

@@ -1,3 +1,6 @@
+use std::ops::Range;
+
+use gfmd_vector::{Share, add};
 use ndarray::ArrayView2;
 
 use crate::quantile;
@@ -24,61 +27,86 @@ pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
 /// The statistics of a pressure field.
 pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
+    let (rows, columns) = pressure.dim();
+    let (share, pressure) = (Share::whole(rows, columns), pressure.as_standard_layout());
+    let pressure = pressure.as_slice().unwrap_or_default();
     let n = pressure.len().max(1) as f64;
-    let contact = InContact::of(pressure);
-    let mean_in_contact = contact.mean();
+    let contact = InContact::of(&share, pressure);
+    // Positive numbers have the order of their bits, and integers are sorted faster.
+    let mut bits: Vec<u64> = pressure.iter().filter(|p| **p > 0.0).map(|p| p.to_bits()).collect();
+    bits.sort_unstable();
+    let sorted: Vec<f64> = bits.into_iter().map(f64::from_bits).collect();
     PressureStatistics {
-        mean: pressure.iter().sum::<f64>() / n,
-        max: contact.max(),
-        mean_in_contact,
-        deviation_in_contact: contact.deviation(mean_in_contact),
-        moments: [2, 3, 4].map(|k| contact.power(k) / n),
-        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&contact.sorted, level).unwrap_or(0.0)),
+        mean: share.total_of(pressure) / n,
+        max: contact.max,
+        mean_in_contact: contact.mean(),
+        deviation_in_contact: contact.deviation(),
+        moments: [1, 2, 3].map(|k| contact.powers[k] / n),
+        quantiles_in_contact: QUANTILE_LEVELS.map(|level| quantile(&sorted, level).unwrap_or(0.0)),
     }
 }
 
-/// The pressures above zero.
-pub(crate) struct InContact {
-    sorted: Vec<f64>,
+/// The pressures above zero, of which each process has those of its rows. Sums have the same bits for any number of threads and of
+/// processes.
+pub(crate) struct InContact<'a> {
+    share: &'a Share,
+    pressure: &'a [f64],
+    count: u64,
+    /// Σ p^k for k = 1, 2, 3, 4.
+    pub(crate) powers: [f64; 4],
+    /// The largest; 0 without contact.
+    pub(crate) max: f64,
 }
 
-impl InContact {
-    pub(crate) fn of(pressure: ArrayView2<f64>) -> Self {
-        // Positive numbers have the order of their bits, and integers are sorted faster.
-        let mut bits: Vec<u64> = pressure.iter().filter(|p| **p > 0.0).map(|p| p.to_bits()).collect();
-        bits.sort_unstable();
-        Self { sorted: bits.into_iter().map(f64::from_bits).collect() }
-    }
-
-    pub(crate) fn max(&self) -> f64 {
-        self.sorted.last().copied().unwrap_or(0.0)
-    }
-
-    /// Σ p^k.
-    pub(crate) fn power(&self, k: i32) -> f64 {
-        self.sorted.iter().map(|p| p.powi(k)).sum()
+impl<'a> InContact<'a> {
+    pub(crate) fn of(share: &'a Share, pressure: &'a [f64]) -> Self {
+        let of_range = |range: Range<usize>| {
+            let mut found = (0, [0.0; 4], 0.0);
+            for p in pressure[range].iter().copied().filter(|p| *p > 0.0) {
+                let square = p * p;
+                found = (found.0 + 1, add(found.1, [p, square, square * p, square * square]), f64::max(found.2, p));
+            }
+            found
+        };
+        let (count, powers, max) = share.reduce(&of_range, &|a, b| (a.0 + b.0, add(a.1, b.1), f64::max(a.2, b.2)));
+        Self { share, pressure, count, powers, max }
     }
 
     /// The mean; 0 without contact.
     pub(crate) fn mean(&self) -> f64 {
-        self.power(1) / self.count()
+        self.powers[0] / self.counted()
     }
 
-    /// The standard deviation from `mean`.
-    pub(crate) fn deviation(&self, mean: f64) -> f64 {
-        (self.sorted.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / self.count()).sqrt()
+    /// The standard deviation; 0 without contact.
+    pub(crate) fn deviation(&self) -> f64 {
+        let mean = self.mean();
+        let squares = self.share.sum(&|range| {
+            self.pressure[range].iter().filter(|p| **p > 0.0).fold(0.0, |sum, p| sum + (p - mean).powi(2))
+        });
+        (squares / self.counted()).sqrt()
     }
 
-    fn count(&self) -> f64 {
-        self.sorted.len().max(1) as f64
+    fn counted(&self) -> f64 {
+        self.count.max(1) as f64
     }
 }
 
 /// The elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
 /// (theory.md, section 0).
 pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> f64 {
-    let work: f64 = pressure.iter().zip(displacement).map(|(p, u)| -p * u).sum();
-    0.5 * work / pressure.len().max(1) as f64
+    let (rows, columns) = pressure.dim();
+    let (pressure, displacement) = (pressure.as_standard_layout(), displacement.as_standard_layout());
+    let [pressure, displacement] = [&pressure, &displacement].map(|field| field.as_slice().unwrap_or_default());
+    elastic_energy_over(&Share::whole(rows, columns), pressure, displacement)
+}
+
+/// The elastic energy per area of fields of which each process has its rows.
+pub(crate) fn elastic_energy_over(share: &Share, pressure: &[f64], displacement: &[f64]) -> f64 {
+    let work = |range: Range<usize>| {
+        let displacement = displacement.get(range.clone()).unwrap_or_default();
+        pressure[range].iter().zip(displacement).fold(0.0, |sum, (p, u)| sum - p * u)
+    };
+    0.5 * share.sum(&work) / share.total().max(1) as f64
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
+use gfmd_vector::Share;
 use ndarray::ArrayView2;
 
-use crate::pressure::InContact;
-use crate::{contact_area, elastic_energy_density, kappa, reduced_pressure};
+use crate::area::contact_area_over;
+use crate::pressure::{InContact, elastic_energy_over};
+use crate::{kappa, reduced_pressure};
 
 /// The scales of reduced quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,9 +57,18 @@ impl Summary {
         mean_pressure: f64,
         scales: &Scales,
     ) -> Self {
-        let area = contact_area(pressure);
-        let contact = InContact::of(pressure);
-        let mean_in_contact = contact.mean();
+        let (rows, columns) = pressure.dim();
+        Self::over(&Share::whole(rows, columns), [pressure, displacement_z, gap], mean_pressure, scales)
+    }
+
+    /// As [`of`](Self::of), for `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All
+    /// processes get the summary that one would make of the whole fields.
+    pub fn over(share: &Share, fields: [ArrayView2<f64>; 3], mean_pressure: f64, scales: &Scales) -> Self {
+        let columns = fields[0].ncols();
+        let fields = fields.each_ref().map(|field| field.as_standard_layout());
+        let [pressure, displacement_z, gap] = fields.each_ref().map(|field| field.as_slice().unwrap_or_default());
+        let area = contact_area_over(share, columns, pressure);
+        let contact = InContact::of(share, pressure);
         let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);
         Self {
             mean_pressure,
@@ -68,12 +79,12 @@ impl Summary {
             kappa_corrected: kappa(area.corrected_fraction, p_star),
             contact_nodes: area.nodes as u64,
             boundary_links: area.boundary_links as u64,
-            mean_gap: gap.mean().unwrap_or(f64::NAN),
-            max_pressure: contact.max(),
-            mean_pressure_in_contact: mean_in_contact,
-            pressure_deviation_in_contact: contact.deviation(mean_in_contact),
-            pressure_moment_2: contact.power(2) / pressure.len().max(1) as f64,
-            elastic_energy: elastic_energy_density(pressure, displacement_z),
+            mean_gap: share.total_of(gap) / share.total() as f64,
+            max_pressure: contact.max,
+            mean_pressure_in_contact: contact.mean(),
+            pressure_deviation_in_contact: contact.deviation(),
+            pressure_moment_2: contact.powers[1] / share.total().max(1) as f64,
+            elastic_energy: elastic_energy_over(share, pressure, displacement_z),
         }
     }
 }

@@ -211,7 +211,13 @@ impl<H: Handle> Functions<H> {
     }
 
     /// Begins an exchange of letters, which it owns until its end.
-    pub(crate) fn post(&self, letters: Letters) -> Exchange<'_, H> {
+    pub(crate) fn post(&self, mut letters: Letters) -> Exchange<'_, H> {
+        // Open MPI takes two equal addresses, as empty vectors have, for a call in place, which waits for all the others.
+        for words in [&mut letters.out, &mut letters.into] {
+            if words.is_empty() {
+                words.reserve(1);
+            }
+        }
         let ((out_counts, out_places), (into_counts, into_places)) =
             (counts(&letters.out_lengths), counts(&letters.into_lengths));
         assert_eq!(letters.out.len(), letters.out_lengths.iter().sum::<usize>(), "every word has a receiver");

@@ -5,7 +5,7 @@ use std::path::Path;
 use gfmd_cli::contact::{Chosen, ContactFile};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recording};
-use gfmd_cli::session::{Common, Session};
+use gfmd_cli::session::{Common, Session, whole};
 use gfmd_cli::source::Surface;
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
@@ -35,7 +35,8 @@ fn surface_of(
     let grid = grid(py, heights.dim().into(), lengths)?;
     let statistics = quick(py, || Statistics::of(&heights, &grid))?;
     let statistics = statistics.map_err(|error| refused(py, &format!("surface: {error}")))?;
-    Ok(Surface { heights, grid, unit, statistics, boundary, description, scan: None, origin: None, second: None })
+    let (share, scan, origin, second) = (whole(&grid), None, None, None);
+    Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
 }
 
 /// Writes contacts of one surface; `hardness` is given if it is a field, `lower` if there is a surface below the slab.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Real, Share, Split, Transform};
+use gfmd_field::{Grid, Split};
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
@@ -153,15 +153,13 @@ impl Transforms {
     }
 }
 
-/// The transforms of a [`NormalResponse`], with their memory and a counter.
+/// The transforms of a [`NormalResponse`], with their memory and a counter. Of several processes each has its own rows and modes.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid, or a kernel that of its modes.
 #[derive(Debug)]
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
-    /// Of the rows of one of several processes.
-    shared: Option<Box<Transform>>,
     workspace: gfmd_field::Workspace,
     /// Number of single transforms.
     singles: u64,
@@ -171,25 +169,14 @@ impl NormalTransforms {
     /// Memory for transforms on the grid of `response`; none is counted yet.
     pub fn of(response: &Arc<NormalResponse>) -> Self {
         let workspace = response.transform().workspace();
-        Self { response: Arc::clone(response), shared: None, workspace, singles: 0 }
-    }
-
-    /// Memory for transforms of the rows that are the `share` of this process ([`Transform::over`]). Kernels have all modes.
-    pub fn over(response: &Arc<NormalResponse>, share: &Share) -> Self {
-        if share.is_whole() {
-            return Self::of(response);
-        }
-        let shared = Transform::over(*response.grid(), share);
-        let workspace = shared.workspace();
-        Self { response: Arc::clone(response), shared: Some(shared.into()), workspace, singles: 0 }
+        Self { response: Arc::clone(response), workspace, singles: 0 }
     }
 
     /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
-        let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
-        fits(transform.convolve(own_lanes(transform, kernel), field, out, workspace));
+        let Self { response, workspace, .. } = self;
+        fits(response.transform().convolve(kernel, field, out, workspace));
     }
 
     /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
@@ -202,9 +189,8 @@ impl NormalTransforms {
         sink: impl Fn(usize, &mut [f64], O) + Sync,
     ) {
         self.singles += 2;
-        let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
-        fits(transform.convolve_rows(own_lanes(transform, kernel), input, source, output, sink, workspace));
+        let Self { response, workspace, .. } = self;
+        fits(response.transform().convolve_rows(kernel, input, source, output, sink, workspace));
     }
 
     /// The number of points of the grid, of all processes.
@@ -215,9 +201,8 @@ impl NormalTransforms {
     /// (1/N) Σ_r f (K f) over all rows, with K the convolution with `kernel`, from one transform.
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
-        let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_deref().unwrap_or_else(|| response.transform());
-        fits(transform.quadratic_form(own_lanes(transform, kernel), field, workspace))
+        let Self { response, workspace, .. } = self;
+        fits(response.transform().quadratic_form(kernel, field, workspace))
     }
 
     /// Forward and inverse transforms so far, in pairs.
@@ -275,13 +260,6 @@ impl FullTransforms {
 /// The result of an operation on fields whose size is guaranteed by the caller.
 pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
-}
-
-/// The lanes of a table of all modes that belong to this process.
-pub(crate) fn own_lanes<'a, T: Real>(transform: &Transform<T>, table: &'a [T]) -> &'a [T] {
-    let ([all, _], own) = (transform.grid().spectrum_shape(), transform.lanes());
-    let line = table.len() / all;
-    &table[own.start * line..own.end * line]
 }
 
 fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {

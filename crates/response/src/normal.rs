@@ -1,20 +1,23 @@
 use std::sync::OnceLock;
 
-use gfmd_field::{Grid, Transform};
-use gfmd_green::{Body, GreenError, normal_stiffness_table, patch_compliance, restricted_normal_stiffness_table};
+use gfmd_field::{Grid, Share, Transform};
+use gfmd_green::{Body, GreenError, patch_compliance, table_of_lanes};
 
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems with u_z and the pressure only. It is built once and shared between problems and threads.
+/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several processes each has
+/// the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
     transform: Transform,
+    share: Share,
     compliance: Vec<f64>,
     /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
     stiffness: OnceLock<Vec<f64>>,
-    tabulate: fn(&Body, &Grid, f64) -> Vec<f64>,
+    /// The stiffness of a wavenumber.
+    stiffness_of: fn(&Body, f64) -> f64,
     body: Body,
     uniform_compliance: f64,
     stiffness_range: [f64; 2],
@@ -34,31 +37,45 @@ fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
 impl NormalResponse {
     /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
-        Self::tabulated(grid, body, normal_stiffness_table)
+        Self::over(grid, body, &whole(&grid))
+    }
+
+    /// As [`new`](Self::new), for the rows that are the `share` of this process.
+    pub fn over(grid: Grid, body: &Body, share: &Share) -> Self {
+        Self::tabulated(grid, body, share, Body::normal_stiffness)
     }
 
     /// As [`new`](Self::new), without lateral displacement of the surface: the stiffness is K_N in place of 1/G_zz
     /// (theory.md, section 3, restricted lateral displacement).
     pub fn held_sideways(grid: Grid, body: &Body) -> Self {
-        Self::tabulated(grid, body, restricted_normal_stiffness_table)
+        Self::held_sideways_over(grid, body, &whole(&grid))
     }
 
-    fn tabulated(grid: Grid, body: &Body, tabulate: fn(&Body, &Grid, f64) -> Vec<f64>) -> Self {
-        let mut compliance = tabulate(body, &grid, 0.0);
-        let (softest, stiffest) =
-            compliance[1..].iter().fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
-        compliance.iter_mut().for_each(|k| *k = 1.0 / *k);
+    /// As [`held_sideways`](Self::held_sideways), for the rows that are the `share` of this process.
+    pub fn held_sideways_over(grid: Grid, body: &Body, share: &Share) -> Self {
+        Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
+    }
+
+    fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: fn(&Body, f64) -> f64) -> Self {
+        let transform = Transform::over(grid, share);
+        let mut compliance = table_of_lanes(&grid, transform.lanes(), 0.0, |q| stiffness_of(body, q));
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
-        compliance[0] = 0.0;
+        let first = usize::from(transform.lanes().contains(&0));
+        let range = compliance[first..].iter().fold([f64::INFINITY, 0.0], |[low, high], k| [k.min(low), k.max(high)]);
+        let ranges = share.each(range).into_iter();
+        let range = ranges.fold([f64::INFINITY, 0.0], |[low, high], [a, b]| [a.min(low), b.max(high)]);
+        compliance.iter_mut().for_each(|k| *k = 1.0 / *k);
+        compliance[..first].fill(0.0);
         let [_, uniform] = body.level_compliance();
         Self {
-            transform: Transform::new(grid),
+            transform,
+            share: share.clone(),
             compliance,
             stiffness: OnceLock::new(),
-            tabulate,
+            stiffness_of,
             body: body.clone(),
             uniform_compliance: uniform,
-            stiffness_range: [softest, stiffest],
+            stiffness_range: range,
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
         }
@@ -84,10 +101,11 @@ impl NormalResponse {
         let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
         let uniform_compliance = std::mem::take(&mut compliance[0]);
         Ok(Self {
+            share: whole(table.transform.grid()),
             transform: table.transform,
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
-            tabulate: normal_stiffness_table,
+            stiffness_of: Body::normal_stiffness,
             body: body.clone(),
             uniform_compliance,
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
@@ -108,19 +126,40 @@ impl NormalResponse {
 
     /// The response in single precision, tabulated when it is first used.
     pub(crate) fn rounded(&self) -> &Rounded {
-        let Self { transform, compliance, stiffness_range: [softest, _], rounded, .. } = self;
-        rounded.get_or_init(|| Rounded::of(*transform.grid(), compliance, *softest))
+        let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, .. } = self;
+        rounded.get_or_init(|| Rounded::of(*transform.grid(), share, compliance, *softest))
     }
 
-    /// G_zz(q) in length/stress, laid out as [`Grid::modes`]; 0 at q = 0, see
+    /// The rows of this process, all of them if it is alone.
+    pub fn share(&self) -> &Share {
+        &self.share
+    }
+
+    /// True if this process has the uniform mode, then the first one of its modes.
+    pub fn has_uniform(&self) -> bool {
+        self.transform.lanes().contains(&0)
+    }
+
+    /// G_zz(q) in length/stress of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0, see
     /// [`uniform_compliance`](Self::uniform_compliance).
     pub fn compliance(&self) -> &[f64] {
         &self.compliance
     }
 
-    /// 1/G_zz(q) in stress/length, laid out as [`Grid::modes`]; 0 at q = 0.
+    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has it is computed.
+    pub fn compliance_at(&self, index: usize) -> f64 {
+        let [_, positions] = self.grid().spectrum_shape();
+        let own = index.checked_sub(self.transform.lanes().start * positions);
+        own.and_then(|own| self.compliance.get(own).copied()).unwrap_or_else(|| {
+            let mode = self.grid().mode_at(index);
+            if mode.is_uniform() { 0.0 } else { 1.0 / (self.stiffness_of)(&self.body, mode.wavenumber()) }
+        })
+    }
+
+    /// 1/G_zz(q) in stress/length of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
-        self.stiffness.get_or_init(|| without_uniform((self.tabulate)(&self.body, self.grid(), 0.0)))
+        let Self { transform, stiffness_of, body, .. } = self;
+        self.stiffness.get_or_init(|| table_of_lanes(self.grid(), transform.lanes(), 0.0, |q| stiffness_of(body, q)))
     }
 
     /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
@@ -139,4 +178,10 @@ impl NormalResponse {
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
+}
+
+/// All rows of a grid, for one process.
+fn whole(grid: &Grid) -> Share {
+    let [rows, columns] = grid.rows();
+    Share::whole(rows, columns)
 }

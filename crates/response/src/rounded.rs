@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_field::{Grid, Rows, Share, Split, Transform, Workspace};
 
 use crate::NormalResponse;
-use crate::elastic::{fits, own_lanes};
+use crate::elastic::fits;
 
 /// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness times
 /// this unit, so that the softest wave has the compliance 1, about.
@@ -16,11 +16,12 @@ pub(crate) struct Rounded {
 }
 
 impl Rounded {
-    pub(crate) fn of(grid: Grid, compliance: &[f64], softest: f64) -> Self {
+    /// From the compliance of the modes of this process, and the smallest stiffness of all.
+    pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64) -> Self {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
         Self {
-            transform: Transform::new(grid),
+            transform: Transform::over(grid, share),
             compliance: quarter(&grid, compliance).map(|g| (g / unit) as f32).collect(),
             stiffness: quarter(&grid, compliance).map(stiffness).collect(),
             unit,
@@ -49,8 +50,6 @@ fn quarter<'a>(grid: &Grid, values: &'a [f64]) -> impl Iterator<Item = f64> + us
 #[derive(Debug)]
 pub struct RoundedTransforms {
     response: Arc<NormalResponse>,
-    /// Of the rows of one of several processes.
-    shared: Option<Box<Transform<f32>>>,
     workspace: Workspace<f32>,
     /// Tables with another uniform mode.
     own: Option<[Vec<f32>; 2]>,
@@ -66,23 +65,15 @@ impl RoundedTransforms {
         let own = uniform.map(|[compliance, stiffness]| {
             let with = |table: &[f32], value: f64| {
                 let mut table = table.to_vec();
-                table[0] = value as f32;
+                if response.has_uniform() {
+                    table[0] = value as f32;
+                }
                 table
             };
             [with(&rounded.compliance, compliance / rounded.unit), with(&rounded.stiffness, stiffness * rounded.unit)]
         });
         let workspace = rounded.transform.workspace();
-        Self { response: Arc::clone(response), shared: None, workspace, own, singles: 0 }
-    }
-
-    /// As [`of`](Self::of), for the rows that are the `share` of this process ([`Transform::over`]).
-    pub fn over(response: &Arc<NormalResponse>, uniform: Option<[f64; 2]>, share: &Share) -> Self {
-        let transforms = Self::of(response, uniform);
-        if share.is_whole() {
-            return transforms;
-        }
-        let shared = Transform::over(*response.grid(), share);
-        Self { workspace: shared.workspace(), shared: Some(shared.into()), ..transforms }
+        Self { response: Arc::clone(response), workspace, own, singles: 0 }
     }
 
     /// The unit of compliances, a power of two, in length/stress.
@@ -94,42 +85,38 @@ impl RoundedTransforms {
     /// ([`Transform::convolve_ahead`]).
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
-        let Self { response, shared, workspace, own, .. } = self;
+        let Self { response, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        let transform = shared.as_deref().unwrap_or(&rounded.transform);
-        fits(transform.convolve_ahead(own_lanes(transform, table), input, source, workspace));
+        fits(rounded.transform.convolve_ahead(table, input, source, workspace));
     }
 
     /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         self.singles += 1;
-        let Self { response, shared, workspace, .. } = self;
-        let transform = shared.as_deref().unwrap_or_else(|| &response.rounded().transform);
-        fits(transform.convolve_back(output, sink, workspace));
+        let Self { response, workspace, .. } = self;
+        fits(response.rounded().transform.convolve_back(output, sink, workspace));
     }
 
     /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
     pub fn stiffness(&mut self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         self.singles += 2;
-        let Self { response, shared, workspace, own, .. } = self;
+        let Self { response, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
-        let transform = shared.as_deref().unwrap_or(&rounded.transform);
         let [_, columns] = response.grid().rows();
         let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
         let source = |i: usize, (): (), row: &mut [f32]| source(i, row);
-        fits(transform.convolve_rows(own_lanes(transform, table), (), source, Rows(out, columns), copy, workspace));
+        fits(rounded.transform.convolve_rows(table, (), source, Rows(out, columns), copy, workspace));
     }
 
     /// Σ_r v G v over the unit, over all rows, from one transform.
     pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
         self.singles += 1;
-        let Self { response, shared, workspace, own, .. } = self;
+        let Self { response, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        let transform = shared.as_deref().unwrap_or(&rounded.transform);
-        fits(transform.quadratic_form(own_lanes(transform, table), field, workspace)) * response.grid().len() as f64
+        fits(rounded.transform.quadratic_form(table, field, workspace)) * response.grid().len() as f64
     }
 
     /// Forward and inverse transforms so far, in pairs.

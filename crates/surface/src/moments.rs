@@ -1,4 +1,10 @@
-use gfmd_field::{Grid, Mode};
+use std::ops::Range;
+
+use gfmd_field::{Grid, Mode, Share};
+use rayon::prelude::*;
+
+use crate::SurfaceError;
+use crate::power::power_over;
 
 /// The dimension of heights: a surface over the plane, or a profile along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +36,14 @@ pub struct Moments {
 }
 
 impl Moments {
+    /// The moments of heights of which each process has the rows of its `share`, row by row; all get those of one process.
+    ///
+    /// # Errors
+    /// Another number of heights than in the own rows.
+    pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+        power_over(heights, grid, share).map(|(_, moments)| moments)
+    }
+
     /// The root-mean-square height h_rms, length.
     pub fn rms_height(&self) -> f64 {
         self.mean_square_height.sqrt()
@@ -72,6 +86,20 @@ impl Moments {
     }
 }
 
+/// The number of modes in a task, fixed so that sums have the same bits for any number of threads and of processes.
+pub(crate) const MODES_PER_TASK: usize = 1 << 13;
+
+/// The first mode of the first task that begins in this range of modes; its end if there is none.
+pub(crate) fn first_task(own: &Range<usize>) -> usize {
+    own.start.next_multiple_of(MODES_PER_TASK).min(own.end)
+}
+
+/// The modes of the lanes of this process, by their numbers in storage order.
+pub(crate) fn own_modes(grid: &Grid, lanes: Range<usize>) -> Range<usize> {
+    let [_, positions] = grid.spectrum_shape();
+    lanes.start * positions..lanes.end * positions
+}
+
 /// Running sums of the three moments. Each task has its own sums, which are added in the order of the tasks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums([f64; 3]);
@@ -85,6 +113,38 @@ impl Sums {
         for (sum, term) in self.0.iter_mut().zip([weighed, weighed * q2, weighed * q2 * q2]) {
             *sum += term;
         }
+    }
+
+    /// The sums of all modes, task by task, from |h̃|² of the `own` modes of this process, by their numbers in storage order. All
+    /// processes get the sums of all.
+    pub(crate) fn of_power(grid: &Grid, share: &Share, own: &Range<usize>, power: &[f64]) -> Vec<Self> {
+        let first = first_task(own);
+        // The modes in front of it belong to the last task of a process before this one.
+        let (head, rest) = power.split_at(first - own.start);
+        let lengths = share.each(head.len());
+        let heads = share.collect(head, &lengths);
+        let behind = &heads[lengths[..=share.ranks().rank()].iter().sum()..];
+        let sums = rest.par_chunks(MODES_PER_TASK).enumerate().map(|(task, chunk)| {
+            let mut sums = Self::default();
+            let all = chunk.iter().chain(&behind[..behind.len().min(MODES_PER_TASK - chunk.len())]);
+            for (index, square) in (first + task * MODES_PER_TASK..grid.spectrum_len()).zip(all) {
+                let mode = grid.mode_at(index);
+                if !mode.is_uniform() {
+                    sums.add(&mode, *square);
+                }
+            }
+            sums
+        });
+        Self::of_all(share, sums.collect())
+    }
+
+    /// The sums of the tasks of all processes, from those of this one.
+    pub(crate) fn of_all(share: &Share, own: Vec<Self>) -> Vec<Self> {
+        if share.is_whole() {
+            return own;
+        }
+        let words: Vec<[f64; 3]> = own.iter().map(|sums| sums.0).collect();
+        share.collect(&words, &share.each(words.len())).into_iter().map(Self).collect()
     }
 
     /// The moments from the sums of all tasks, multiplied by `factor`.

@@ -1,17 +1,14 @@
 use std::f64::consts::TAU;
 
-use gfmd_field::{Grid, Transform};
+use gfmd_field::{Grid, Share, Transform};
 use ndarray::ArrayRef2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::moments::{Moments, Sums};
+use crate::moments::{Moments, Sums, own_modes};
 use crate::self_affine::Ring;
 use crate::statistics::checked;
 use crate::{Dimension, SurfaceError};
-
-/// The number of modes per task, fixed so that sums have the same bits for any number of threads.
-const MODES_PER_TASK: usize = 1 << 13;
 
 /// The fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding of heights stored in single
 /// precision (3·10⁻¹⁶/N per mode of N), and below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
@@ -61,26 +58,9 @@ impl PowerSpectrum {
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
     pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
-        let heights = checked(heights, grid)?;
-        let transform = Transform::new(*grid);
-        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
-        transform.forward(&heights, &mut spectrum, &mut transform.workspace())?;
-        let power: Vec<f64> = spectrum.par_iter().map(Complex64::norm_sqr).collect();
-        let sums: Vec<Sums> = power
-            .par_chunks(MODES_PER_TASK)
-            .enumerate()
-            .map(|(task, chunk)| {
-                let mut sums = Sums::default();
-                for (index, square) in (task * MODES_PER_TASK..).zip(chunk) {
-                    let mode = grid.mode_at(index);
-                    if !mode.is_uniform() {
-                        sums.add(&mode, *square);
-                    }
-                }
-                sums
-            })
-            .collect();
-        Ok(Self { grid: *grid, power, moments: Sums::moments(&sums, grid, 1.0) })
+        let (nx, ny) = heights.dim();
+        let (power, moments) = power_over(&checked(heights, grid)?, grid, &Share::whole(nx, ny))?;
+        Ok(Self { grid: *grid, power, moments })
     }
 
     /// The power |h̃(q)|² in length², laid out as [`Grid::modes`].
@@ -170,6 +150,17 @@ impl PowerSpectrum {
         let pairs = (0.5 * total).round() as usize;
         Ok(HurstFit { hurst, standard_error: 0.5 / (0.5 * spread).sqrt(), pairs, range: [longest, shortest] })
     }
+}
+
+/// The power of the modes of this process, and the moments of all, of heights of which it has the rows of its `share`.
+pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<(Vec<f64>, Moments), SurfaceError> {
+    let transform = Transform::over(*grid, share);
+    let own = own_modes(grid, transform.lanes());
+    let mut spectrum = vec![Complex64::ZERO; own.len()];
+    transform.forward(heights, &mut spectrum, &mut transform.workspace())?;
+    let power: Vec<f64> = spectrum.par_iter().map(Complex64::norm_sqr).collect();
+    let sums = Sums::of_power(grid, share, &own, &power);
+    Ok((power, Sums::moments(&sums, grid, 1.0)))
 }
 
 /// One mode of a fit.

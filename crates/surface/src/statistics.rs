@@ -1,10 +1,11 @@
 use std::borrow::Cow;
+use std::ops::Range;
 
-use gfmd_field::Grid;
-use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, Slice};
+use gfmd_field::{Grid, Share};
+use ndarray::{Array2, ArrayRef2};
 use rayon::prelude::*;
 
-use crate::{Moments, PowerSpectrum, SurfaceError};
+use crate::{Moments, SurfaceError};
 
 /// The statistics of heights over one period of a surface `[nx, ny]` or of a profile `[n, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,23 +54,39 @@ impl Statistics {
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
-        let moments = PowerSpectrum::of(heights, grid)?.moments();
-        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &h in heights {
-            (lowest, highest) = (lowest.min(h), highest.max(h));
-        }
-        let steps = [0, 1].map(|axis| Steps::along(heights.view(), Axis(axis)));
+        let [nx, ny] = grid.points();
+        Self::over(heights, grid, &Share::whole(nx, ny))
+    }
+
+    /// As [`of`](Self::of), of heights of which each process has the rows of its `share`; all get those of one process.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of), on all processes alike.
+    pub fn over(heights: &Array2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+        let heights = checked_over(heights, grid, share)?;
+        let moments = Moments::over(&heights, grid, share)?;
+        let rows = rows(&heights, grid, share);
+        let [nx, ny] = grid.points().map(|points| points as f64);
+        let sum = |rows: &[Row], which: usize| rows.iter().map(|row| row.sums[which]).sum::<f64>();
+        // Steps along x end in the next row and in the one after it.
+        let along_x = |ahead: usize| {
+            let (inside, across) = rows.split_at(rows.len().saturating_sub(ahead));
+            [sum(inside, ahead), sum(across, ahead)]
+        };
+        let along_y = |which: usize| [sum(&rows, which), sum(&rows, which + 1)];
+        let steps = [Steps::of([nx, ny], along_x(1), along_x(2)), Steps::of([ny, nx], along_y(3), along_y(5))];
         let spacing = grid.spacing();
         let gradient = |square: [f64; 2]| (square[0] / spacing[0].powi(2) + square[1] / spacing[1].powi(2)).sqrt();
+        let most = |start: f64, value: fn(&Row) -> f64| rows.iter().map(value).fold(start, f64::max);
         Ok(Self {
-            mean: sum_of(heights.view(), heights.view(), |h, _| h) / heights.len() as f64,
-            lowest,
-            highest,
+            mean: sum(&rows, 0) / (nx * ny),
+            lowest: rows.iter().map(|row| row.lowest).fold(f64::INFINITY, f64::min),
+            highest: most(f64::NEG_INFINITY, |row| row.highest),
             moments,
             rms_gradient_central: gradient([0, 1].map(|axis| 0.25 * steps[axis].double)),
             rms_gradient_forward: gradient([0, 1].map(|axis| steps[axis].all)),
             rms_gradient_inside: gradient([0, 1].map(|axis| steps[axis].inside)),
-            max_slope: steepest(heights.view(), spacing),
+            max_slope: most(0.0, |row| row.steepest).sqrt(),
             seam: Seam {
                 across: [0, 1].map(|axis| steps[axis].across.sqrt()),
                 inside: [0, 1].map(|axis| steps[axis].inside.sqrt()),
@@ -97,49 +114,94 @@ struct Steps {
 }
 
 impl Steps {
-    fn along(heights: ArrayView2<f64>, axis: Axis) -> Self {
-        let points = heights.len_of(axis) as isize;
-        if points < 2 {
+    /// From the sums of squares of steps to neighbours and to next neighbours, inside and across the seam, on an axis of so many
+    /// points and lanes.
+    fn of([points, lanes]: [f64; 2], [inside, across]: [f64; 2], double: [f64; 2]) -> Self {
+        if points < 2.0 {
             return Self::default();
         }
-        // Σ (h(i + shift) − h(i))² over i from `first` to `end`.
-        let squares = |first: isize, end: isize, shift: isize| {
-            let part = |shift: isize| heights.slice_axis(axis, Slice::from(shift + first..shift + end));
-            sum_of(part(shift), part(0), |ahead, here| (ahead - here).powi(2))
-        };
-        let (lanes, count) = ((heights.len() as isize / points) as f64, points as f64);
-        let (inside, across) = (squares(0, points - 1, 1), squares(points - 1, points, 1 - points));
-        let double = squares(0, points - 2, 2) + squares(points - 2, points, 2 - points);
         Self {
-            inside: inside / (lanes * (count - 1.0)),
+            inside: inside / (lanes * (points - 1.0)),
             across: across / lanes,
-            all: (inside + across) / (lanes * count),
-            double: double / (lanes * count),
+            all: (inside + across) / (lanes * points),
+            double: (double[0] + double[1]) / (lanes * points),
         }
     }
 }
 
-/// The largest slope by forward differences between neighbours inside.
-fn steepest(heights: ArrayView2<f64>, spacing: [f64; 2]) -> f64 {
-    let [nx, ny] = [heights.nrows(), heights.ncols()];
-    let in_row = |i: usize| {
-        let squares = (0..ny).map(|j| {
-            let step = |inside: bool, ahead: [usize; 2], spacing: f64| {
-                if inside { (heights[ahead] - heights[[i, j]]) / spacing } else { 0.0 }
-            };
-            let [x, y] = [step(i + 1 < nx, [i + 1, j], spacing[0]), step(j + 1 < ny, [i, j + 1], spacing[1])];
-            x * x + y * y
-        });
-        squares.fold(0.0, f64::max)
-    };
-    (0..nx).into_par_iter().map(in_row).reduce(|| 0.0, f64::max).sqrt()
+/// The numbers of a row, of which those of the surface are made. Sums are formed row by row, so that they have the same bits for any
+/// number of threads and of processes.
+#[derive(Clone, Copy)]
+struct Row {
+    /// Sums of heights; of squares of steps to the next row, and to the one after it; of those along the row to neighbours, inside
+    /// and across the seam, and to next neighbours, inside and across the seam.
+    sums: [f64; 7],
+    lowest: f64,
+    highest: f64,
+    /// The largest square of a slope by forward differences inside.
+    steepest: f64,
 }
 
-/// The sum Σ f(a, b) over the points of two fields, added row by row: it has the same bits for any number of threads.
-fn sum_of(a: ArrayView2<f64>, b: ArrayView2<f64>, f: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
-    let row = |i| a.row(i).iter().zip(b.row(i)).map(|(&a, &b)| f(a, b)).sum();
-    let rows: Vec<f64> = (0..a.nrows()).into_par_iter().map(row).collect();
-    rows.iter().sum()
+/// The numbers of all rows, from the heights of the own ones.
+fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
+    let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
+    let (own, first) = (heights.len() / ny, share.own().start / ny);
+    let row = |i: usize| &heights[i * ny..(i + 1) * ny];
+    // The first two rows of the process behind, around the cell.
+    let [_, next] = share.beside(row(0), row(own - 1));
+    let second = if own > 1 { row(1) } else { &next };
+    let [_, after_next] = share.beside(second, row(own - 1));
+    let ahead = |i: usize| if i < own { row(i) } else { [&next[..], &after_next][i - own] };
+    let squares = |a: &[f64], b: &[f64]| b.iter().zip(a).map(|(ahead, here)| (ahead - here).powi(2)).sum::<f64>();
+    let of_row = |i: usize| {
+        let here = row(i);
+        let (behind, second) = (ahead(i + 1), ahead(i + 2));
+        let around = |steps: usize| {
+            let inside = ny.saturating_sub(steps);
+            [squares(&here[..inside], &here[ny - inside..]), squares(&here[inside..], here)]
+        };
+        let ([step, seam], [double, double_seam]) = (around(1), around(2.min(ny)));
+        let in_x = first + i + 1 < nx;
+        let slopes = (0..ny).map(|j| {
+            let x = if in_x { (behind[j] - here[j]) / dx } else { 0.0 };
+            let y = here.get(j + 1).map_or(0.0, |ahead| (ahead - here[j]) / dy);
+            x * x + y * y
+        });
+        Row {
+            sums: [here.iter().sum(), squares(here, behind), squares(here, second), step, seam, double, double_seam],
+            lowest: here.iter().copied().fold(f64::INFINITY, f64::min),
+            highest: here.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            steepest: slopes.fold(0.0, f64::max),
+        }
+    };
+    let found: Vec<Row> = (0..own).into_par_iter().map(of_row).collect();
+    if share.is_whole() {
+        return found;
+    }
+    let words: Vec<([f64; 7], [f64; 3])> =
+        found.iter().map(|row| (row.sums, [row.lowest, row.highest, row.steepest])).collect();
+    let lengths: Vec<usize> = share.all_rows().iter().map(Range::len).collect();
+    let all = share.collect(&words, &lengths).into_iter();
+    all.map(|(sums, [lowest, highest, steepest])| Row { sums, lowest, highest, steepest }).collect()
+}
+
+/// As [`checked`], of the rows of a process; all refuse what one of them does not accept.
+fn checked_over<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid, share: &Share) -> Result<Cow<'a, [f64]>, SurfaceError> {
+    if share.is_whole() {
+        return checked(heights, grid);
+    }
+    let ([_, ny], start) = (grid.points(), share.rows().start);
+    let (found, expected) = (<[usize; 2]>::from(heights.dim()), [share.rows().len(), ny]);
+    if share.any(found != expected) {
+        return Err(SurfaceError::Shape { found, expected });
+    }
+    let holes = || heights.indexed_iter().filter(|(_, h)| !h.is_finite());
+    let first = holes().next().map(|((i, j), value)| ([start + i, j], *value));
+    let count = share.each(holes().count()).into_iter().sum();
+    if let Some((first, value)) = share.first(first) {
+        return Err(SurfaceError::NotFinite { count, points: share.total(), first, value });
+    }
+    Ok(contiguous(heights))
 }
 
 /// Returns the heights in the storage order of the grid if they fit it and are finite.
@@ -149,10 +211,15 @@ pub(crate) fn checked<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid) -> Result<Co
         return Err(SurfaceError::Shape { found: [nx, ny], expected: grid.points() });
     }
     finite(heights)?;
-    Ok(match heights.as_slice() {
+    Ok(contiguous(heights))
+}
+
+/// The heights row by row.
+fn contiguous(heights: &ArrayRef2<f64>) -> Cow<'_, [f64]> {
+    match heights.as_slice() {
         Some(slice) => Cow::Borrowed(slice),
         None => Cow::Owned(heights.iter().copied().collect()),
-    })
+    }
 }
 
 /// Refuses heights that are NaN or infinite, with their number and the first of them.

@@ -1,16 +1,13 @@
 use std::f64::consts::{SQRT_2, TAU};
 
-use gfmd_field::{Grid, Mode, Transform};
+use gfmd_field::{Grid, Mode, Share, Transform};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::moments::{Moments, Sums};
+use crate::moments::{MODES_PER_TASK, Moments, Sums, first_task, own_modes};
 use crate::random::{keyed, uniform_pair};
 use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
-
-/// The number of modes that one task draws, fixed so that sums have the same bits for any number of threads.
-const MODES_PER_TASK: usize = 1 << 13;
 
 impl SelfAffine {
     /// The heights (length) of the realisation `seed` of this spectrum on `grid`, shape `[nx, ny]`, mean zero.
@@ -22,13 +19,23 @@ impl SelfAffine {
     /// # Errors
     /// A parameter out of its range, a cell or grid that cannot hold the wavelengths, or a ring without modes.
     pub fn heights(&self, grid: &Grid, seed: u64) -> Result<Array2<f64>, SurfaceError> {
-        let spectrum = self.spectrum(grid, seed)?;
-        let transform = Transform::new(*grid);
-        let mut heights = vec![0.0; grid.len()];
-        transform.inverse(&spectrum, &mut heights, &mut transform.workspace())?;
         let [nx, ny] = grid.points();
-        let found = [heights.len(), 1];
-        Array2::from_shape_vec((nx, ny), heights).map_err(|_| SurfaceError::Shape { found, expected: [nx, ny] })
+        self.heights_over(grid, seed, &Share::whole(nx, ny))
+    }
+
+    /// As [`heights`](Self::heights), the rows that are the `share` of this process. Each process draws its own modes; the heights have
+    /// the bits of one process.
+    ///
+    /// # Errors
+    /// As [`heights`](Self::heights), on all processes alike.
+    pub fn heights_over(&self, grid: &Grid, seed: u64, share: &Share) -> Result<Array2<f64>, SurfaceError> {
+        let transform = Transform::over(*grid, share);
+        let spectrum = self.spectrum_over(grid, seed, &transform, share)?;
+        let [_, ny] = grid.points();
+        let mut heights = vec![0.0; share.own().len()];
+        transform.inverse(&spectrum, &mut heights, &mut transform.workspace())?;
+        let (found, expected) = ([heights.len(), 1], [heights.len() / ny, ny]);
+        Array2::from_shape_vec(expected, heights).map_err(|_| SurfaceError::Shape { found, expected })
     }
 
     /// The Fourier coefficients h̃(q) of the realisation `seed`, laid out as [`Grid::modes`] (theory.md, section 9).
@@ -49,22 +56,50 @@ impl SelfAffine {
     /// # Errors
     /// As [`SelfAffine::heights`].
     pub fn spectrum(&self, grid: &Grid, seed: u64) -> Result<Vec<Complex64>, SurfaceError> {
+        let [nx, ny] = grid.points();
+        self.spectrum_over(grid, seed, &Transform::new(*grid), &Share::whole(nx, ny))
+    }
+
+    /// The coefficients of the lanes of this process, of which the `transform` has plans.
+    fn spectrum_over(
+        &self,
+        grid: &Grid,
+        seed: u64,
+        transform: &Transform,
+        share: &Share,
+    ) -> Result<Vec<Complex64>, SurfaceError> {
         let band = self.on(grid)?;
-        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
-        let sums: Vec<Sums> = spectrum
-            .par_chunks_mut(MODES_PER_TASK)
-            .enumerate()
-            .map(|(task, chunk)| {
-                let mut sums = Sums::default();
-                for (value, mode) in chunk.iter_mut().zip(modes_from(grid, task * MODES_PER_TASK)) {
-                    if let Some(power) = band.power(&mode) {
-                        *value = self.draw(&mode, power, seed);
-                        sums.add(&mode, self.weighed(value.norm_sqr(), power));
-                    }
+        // The amplitude of a mode, and the square that enters the scaling; nothing outside of the ring.
+        let drawn = |mode: &Mode| {
+            let power = band.power(mode)?;
+            let value = self.draw(mode, power, seed);
+            Some((value, self.weighed(value.norm_sqr(), power)))
+        };
+        let own = own_modes(grid, transform.lanes());
+        let mut spectrum = vec![Complex64::ZERO; own.len()];
+        let first = first_task(&own);
+        let (head, rest) = spectrum.split_at_mut(first - own.start);
+        for (value, mode) in head.iter_mut().zip(modes_from(grid, own.start)) {
+            *value = drawn(&mode).map_or(Complex64::ZERO, |(value, _)| value);
+        }
+        let sums = rest.par_chunks_mut(MODES_PER_TASK).enumerate().map(|(task, chunk)| {
+            let mut sums = Sums::default();
+            let start = first + task * MODES_PER_TASK;
+            for (value, mode) in chunk.iter_mut().zip(modes_from(grid, start)) {
+                if let Some((amplitude, square)) = drawn(&mode) {
+                    *value = amplitude;
+                    sums.add(&mode, square);
                 }
-                sums
-            })
-            .collect();
+            }
+            // The last task goes on in the modes of the next process, which anyone can draw.
+            for mode in modes_from(grid, start + chunk.len()).take(MODES_PER_TASK - chunk.len()) {
+                if let Some((_, square)) = drawn(&mode) {
+                    sums.add(&mode, square);
+                }
+            }
+            sums
+        });
+        let sums = Sums::of_all(share, sums.collect());
         let factor = self.factor(&Sums::moments(&sums, grid, 1.0))?;
         spectrum.par_iter_mut().for_each(|value| *value *= factor);
         Ok(spectrum)

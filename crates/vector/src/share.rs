@@ -1,5 +1,7 @@
 //! The rows of a field that one of several processes owns.
 
+mod blocks;
+
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;

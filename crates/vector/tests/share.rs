@@ -47,6 +47,19 @@ fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
         assert_eq!(after, row(share.rows().end));
         assert!(share.any(share.rows().start == 0));
         assert!(!share.any(false));
+        // All rows at the first rank, and back from there, in blocks that are not those of the ranks.
+        for height in [1, 7, rows] {
+            let mut whole = Vec::new();
+            share.to_first(&own, columns, height, |block, values| {
+                assert_eq!((block.start * columns, block.len() * columns), (whole.len(), values.len()));
+                whole.extend_from_slice(values);
+            });
+            let is_first = share.ranks().rank() == 0;
+            assert_eq!(whole, if is_first { &changed[..] } else { &[] });
+            assert_eq!(share.from_first(&whole, columns, height), own);
+        }
+        let rank = share.ranks().rank();
+        assert_eq!(share.first((rank > 0).then_some([rank, 7])), (size > 1).then_some([1, 7]));
     });
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use gfmd_contact::Hardness;
+use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_measure::Column;
 
@@ -20,12 +21,16 @@ use crate::failure::Failure;
 use crate::hardness;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::lower;
+use crate::rows;
 use crate::source::Surface;
 use crate::trace::Trace;
 
-/// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end.
+/// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end. Of several processes the
+/// first one writes it; all make the same calls, and give their rows of the fields.
 pub struct ContactFile<'a> {
-    archive: Archive<'a>,
+    /// Of the process that writes.
+    archive: Option<Archive<'a>>,
+    share: Share,
     recording: Recording,
     chosen: Chosen,
 }
@@ -174,16 +179,42 @@ impl<'a> ContactFile<'a> {
         recording: Recording,
         chosen: Chosen,
     ) -> Result<Self, Failure> {
-        let mut archive = Archive::create(output, provenance)?;
+        Self::create_over(Some(output), provenance, surface, loads, recording, chosen)
+    }
+
+    /// As [`create`](Self::create); processes without an `output` only send their rows.
+    ///
+    /// # Errors
+    /// A file that cannot be written, at the process that writes.
+    pub(super) fn create_over(
+        output: Option<&'a Output>,
+        provenance: &Provenance,
+        surface: &Surface,
+        loads: usize,
+        recording: Recording,
+        chosen: Chosen,
+    ) -> Result<Self, Failure> {
+        let (mut archive, failed) = match output.map(|output| Archive::create(output, provenance)).transpose() {
+            Ok(archive) => (archive, Ok(())),
+            Err(error) => (None, Err(error)),
+        };
         let load = Dimension::index("load", loads, "load step");
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
-        surface.write(&mut archive, [&x, &y])?;
-        for (path, units, long_name) in written(recording, &chosen) {
-            let units = if units == "length" { unit } else { units };
-            archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
+        if surface.share.is_whole() {
+            archive.as_mut().map_or(Ok(()), |archive| surface.write(archive, [&x, &y]))?;
+        } else {
+            // Its rows travel in any case.
+            surface.write_shared(archive.as_mut(), [&x, &y])?;
         }
-        Ok(Self { archive, recording, chosen })
+        failed?;
+        if let Some(archive) = &mut archive {
+            for (path, units, long_name) in written(recording, &chosen) {
+                let units = if units == "length" { unit } else { units };
+                archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
+            }
+        }
+        Ok(Self { archive, share: surface.share.clone(), recording, chosen })
     }
 
     /// Writes the group `/base`.
@@ -192,7 +223,7 @@ impl<'a> ContactFile<'a> {
     /// A file that cannot be written.
     pub(super) fn write_base(&mut self, base: &MovedBase, surface: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&surface.grid, surface.unit());
-        base.write(&mut self.archive, [&x, &y], surface.unit())
+        base.write(self.archive.as_mut(), &self.share, [&x, &y], surface.unit())
     }
 
     /// Writes the group `/lower`.
@@ -201,7 +232,7 @@ impl<'a> ContactFile<'a> {
     /// A file that cannot be written.
     pub fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&lower.grid, lower.unit());
-        lower::write(lower, &mut self.archive, [&x, &y])
+        self.archive.as_mut().map_or(Ok(()), |archive| lower::write(lower, archive, [&x, &y]))
     }
 
     /// Writes the field of the hardness, if it is one.
@@ -210,7 +241,7 @@ impl<'a> ContactFile<'a> {
     /// A file that cannot be written.
     pub fn write_hardness(&mut self, hardness: Option<&Hardness>, surface: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&surface.grid, surface.unit());
-        hardness::write(hardness, &mut self.archive, [&x, &y])
+        hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y])
     }
 
     /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
@@ -226,8 +257,9 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        let Some(archive) = &mut self.archive else { return Ok(()) };
         for ((path, ..), field) in written(self.recording, &self.chosen).zip(fields) {
-            self.archive.write_slab(path, index, field)?;
+            archive.write_slab(path, index, field)?;
         }
         Ok(())
     }
@@ -241,47 +273,54 @@ impl<'a> ContactFile<'a> {
         index: usize,
         fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
     ) -> Result<(), Failure> {
-        for ((path, ..), field) in written(self.recording, &self.chosen).zip(fields) {
-            self.archive.write_slab(path, index, field.as_standard_layout().as_slice().unwrap_or_default())?;
+        let Self { archive, share, recording, chosen } = self;
+        let mut outcome = Ok(());
+        for ((path, ..), field) in written(*recording, chosen).zip(fields) {
+            let written = match archive {
+                Some(archive) if share.is_whole() => {
+                    let values = field.as_standard_layout();
+                    Ok(archive.write_slab(path, index, values.as_slice().unwrap_or_default())?)
+                }
+                _ => rows::write(share, field.view(), archive.as_mut(), (path, Some(index)), |_| {}),
+            };
+            outcome = outcome.and(written);
         }
-        Ok(())
+        outcome
     }
 
     /// Writes patches, distributions and spectra of the loads.
     pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
-        statistics::write(&mut self.archive, surface, loads)
+        self.archive.as_mut().map_or(Ok(()), |archive| statistics::write(archive, surface, loads))
     }
 
     /// Writes the record of the search for the load.
     pub(super) fn write_history(&mut self, history: &Trace, unit: &str) -> Result<(), Failure> {
-        history.write(&mut self.archive, unit)
+        self.archive.as_mut().map_or(Ok(()), |archive| history.write(archive, unit))
     }
 
     /// Writes the loads at which the flow stops.
     pub(super) fn write_threshold(&mut self, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
-        threshold::write(&mut self.archive, unit, found)
+        self.archive.as_mut().map_or(Ok(()), |archive| threshold::write(archive, unit, found))
     }
 
-    /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name.
+    /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name; `None` at the processes that do
+    /// not write.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(
-        mut self,
+        self,
         loads: &[LoadRecord],
         count: usize,
         not_converged: Option<&NotConverged>,
-    ) -> Result<PathBuf, Failure> {
+    ) -> Result<Option<PathBuf>, Failure> {
+        let Some(mut archive) = self.archive else { return Ok(None) };
         let load = Dimension::index("load", count, "load step");
         for Column { name, units, long_name, value } in columns(self.recording) {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
-            self.archive.write(
-                &format!("/loads/{name}"),
-                &Variable { dimensions: &[&load], units, long_name },
-                &values,
-            )?;
+            archive.write(&format!("/loads/{name}"), &Variable { dimensions: &[&load], units, long_name }, &values)?;
         }
-        not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
-        Ok(self.archive.finish()?)
+        not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
+        Ok(Some(archive.finish()?))
     }
 }

@@ -13,6 +13,7 @@ use super::file::{Chosen, ContactFile};
 use super::report::Report;
 use super::statistics::{Measured, through};
 use super::watching::Watching;
+use super::whole::Whole;
 use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
@@ -53,7 +54,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         config: String,
     ) -> Result<Option<Failure>, Failure> {
         let Self {
-            prepared: Prepared { surface, base, lower, hardness, controls, output, vtk, .. },
+            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
             contact,
             args,
             first,
@@ -63,17 +64,20 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let provenance = session.provenance(config);
         let recording = args.recording(surface);
         let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
-        let create =
-            |output| ContactFile::create(output, &provenance, surface, controls.len(), recording, chosen.clone());
-        let mut file = output.as_ref().map(create).transpose()?;
+        let create = || {
+            let loads = controls.len();
+            ContactFile::create_over(output.as_ref(), &provenance, surface, loads, recording, chosen.clone())
+        };
+        // All processes take part in writing; if the first one fails, all end.
+        let mut file = args.out.as_ref().map(|_| session.agree(create())).transpose()?;
         if let (Some(file), Some(base)) = (&mut file, base) {
-            file.write_base(base, surface)?;
+            session.agree(file.write_base(base, surface))?;
         }
         if let (Some(file), Some(lower)) = (&mut file, lower) {
             file.write_lower(lower)?;
         }
         if let Some(file) = &mut file {
-            file.write_hardness(hardness.as_ref(), surface)?;
+            session.agree(file.write_hardness(hardness.as_ref(), surface))?;
         }
         let lift = base.as_ref().map(|base| &base.lift);
         let progress = Progress::new(&session.common, "loads", controls.len() as f64);
@@ -130,7 +134,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 report.not_converged = Some(unmet);
             }
             if let Some(file) = &mut file {
-                file.write(index, &state, lift)?;
+                session.agree(file.write(index, &state, lift))?;
             }
             if let Some(stopped) = stopped {
                 failure = Some(stopped.at(&format!("load {index}")));
@@ -153,27 +157,40 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             return Ok(failure);
         }
         report.warn_of_slopes(args, session);
-        if let Some(mut file) = file {
-            file.write_statistics(surface, &gathered.loads)?;
-            if let Some(found) = &report.flow_threshold {
-                file.write_threshold(surface.unit(), found)?;
-            }
-            if let Some(history) = &report.history {
-                file.write_history(history, surface.unit())?;
-            }
-            report.out = Some(file.finish(&report.loads, controls.len(), report.not_converged.as_ref())?);
+        if let Some(file) = file {
+            report.out = session.agree(self.finish(file, report, &gathered))?;
         }
-        if let (None, Some(state), true) = (&failure, &last, args.plots.is_some() || vtk.is_some()) {
+        if let (None, Some(state), true) = (&failure, &last, args.plots.is_some() || args.vtk.is_some()) {
             let shown = Shown::of(state, lift, state.plastic().map(|plastic| &plastic.depth));
-            if let Some(vtk) = vtk {
-                let fields = file::fields(recording, state, lift);
-                report.vtk = Some(vtk.write(surface, &shown, &fields, state.lateral())?);
-            }
-            if let Some(prefix) = &args.plots {
-                report.plots = self.draw(prefix, report, state, &shown, &gathered)?;
-            }
+            let fields = if args.vtk.is_some() { file::fields(recording, state, lift) } else { Vec::new() };
+            let whole = Whole::of(self.prepared, shown, fields);
+            session.agree(whole.map_or(Ok(()), |whole| self.show(state, &whole, &gathered, report)))?;
         }
         Ok(failure)
+    }
+
+    /// Writes what was measured of all loads, and gives the file its name.
+    fn finish(&self, mut file: ContactFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
+        let surface = &self.prepared.surface;
+        file.write_statistics(surface, &gathered.loads)?;
+        if let Some(found) = &report.flow_threshold {
+            file.write_threshold(surface.unit(), found)?;
+        }
+        if let Some(history) = &report.history {
+            file.write_history(history, surface.unit())?;
+        }
+        file.finish(&report.loads, self.prepared.controls.len(), report.not_converged.as_ref())
+    }
+
+    /// Writes the last load as a file of VTK and draws it, as far as this is asked for.
+    fn show(&self, state: &E::State, whole: &Whole, gathered: &Gathered, report: &mut Report) -> Result<(), Failure> {
+        if let Some(vtk) = &self.prepared.vtk {
+            report.vtk = Some(vtk.write(&whole.surface, &whole.shown, &whole.fields, state.lateral())?);
+        }
+        if let Some(prefix) = &self.args.plots {
+            report.plots = self.draw(prefix, report, state, whole, gathered)?;
+        }
+        Ok(())
     }
 
     /// Draws the last load, and what was measured of all.
@@ -182,17 +199,16 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         prefix: &Path,
         report: &Report,
         state: &E::State,
-        shown: &Shown,
+        Whole { surface, hardness, shown, .. }: &Whole,
         gathered: &Gathered,
     ) -> Result<Vec<PathBuf>, Failure> {
-        let Self { prepared: Prepared { surface, hardness, .. }, args, .. } = *self;
-        let variance = self.prepared.pressure_variance(args.components);
+        let variance = self.prepared.pressure_variance(surface, self.args.components);
         let upper = Scene {
             shown,
             grid: &surface.grid,
             unit: surface.unit(),
             modulus: report.e_star,
-            hardness: hardness.as_ref(),
+            hardness: hardness.as_deref(),
             rigid: rough(surface.second.is_some()),
             face: Face::Upper,
         };

@@ -58,7 +58,7 @@ impl<'a> PathFile<'a> {
             archive
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
-        hardness::write(prepared.hardness(), &mut archive, [&x, &y])?;
+        hardness::write(prepared.hardness(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
         Ok(Self { archive, shears, is_plastic })
     }
 

@@ -359,3 +359,54 @@ fn what_cannot_be_read_says_what_is_there() {
     assert!(file.slab::<f64>("/fields/pressure", 2).is_err());
     assert!(file.values::<f64>("/loads/solver").is_err(), "strings are not numbers");
 }
+
+#[test]
+fn rows_in_blocks_of_chunks_make_the_file_of_whole_fields() {
+    let folder = tempfile::tempdir().unwrap();
+    let (rows, columns) = (700, 1000);
+    let x = Dimension::index("x", rows, "row");
+    let y = Dimension::index("y", columns, "column");
+    let load = Dimension::index("load", 2, "load step");
+    let height: Vec<f64> = (0..rows * columns).map(|i| (i as f64).sin()).collect();
+    let file = |name: &str, block: Option<usize>| {
+        let path = folder.path().join(name);
+        let output = Output::claim(&path).unwrap();
+        let mut archive = Archive::create(&output, &provenance()).unwrap();
+        let dimensions = [&load, &x, &y];
+        let [field, surface] = [&dimensions[..], &dimensions[1..]].map(variable);
+        match block {
+            None => {
+                archive.write("/height", &surface, &height).unwrap();
+                archive.define("/pressure", &field).unwrap();
+                archive.write_slab("/pressure", 1, &height).unwrap();
+            }
+            Some(block) => {
+                archive.define_rows("/height", &surface).unwrap();
+                for (place, values) in height.chunks(block * columns).enumerate() {
+                    archive.write_rows("/height", None, place * block, values).unwrap();
+                }
+                archive.define("/pressure", &field).unwrap();
+                for (place, values) in height.chunks(block * columns).enumerate() {
+                    archive.write_rows("/pressure", Some(1), place * block, values).unwrap();
+                }
+                let row = &height[..columns];
+                for (path, index, first, values) in [
+                    ("/height", Some(0), 0, row),
+                    ("/height", None, rows, row),
+                    ("/height", None, 0, &row[1..]),
+                    ("/pressure", None, 0, row),
+                    ("/pressure", Some(2), 0, row),
+                ] {
+                    let refused = archive.write_rows(path, index, first, values);
+                    assert!(matches!(refused, Err(FileError::Slab { .. })), "{path} {index:?} {first}");
+                }
+            }
+        }
+        archive.finish().unwrap();
+        fs::read(path).unwrap()
+    };
+    let whole = file("whole.h5", None);
+    for chunks in [1, 2, 16] {
+        assert!(file(&format!("{chunks}.h5"), Some(chunks * rows_of_chunk(columns))) == whole, "{chunks}");
+    }
+}

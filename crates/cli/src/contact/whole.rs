@@ -1,0 +1,55 @@
+use std::borrow::Cow;
+
+use gfmd_contact::Hardness;
+use gfmd_field::Share;
+use ndarray::{Array2, ArrayView2};
+
+use super::Prepared;
+use super::file::Field;
+use crate::figures::Shown;
+use crate::rows;
+use crate::source::Surface;
+
+/// What figures and files of VTK need of a contact: whole fields, which the first of several processes gathers.
+pub(super) struct Whole<'a> {
+    pub(super) surface: Cow<'a, Surface>,
+    pub(super) hardness: Option<Cow<'a, Hardness>>,
+    pub(super) shown: Shown,
+    pub(super) fields: Vec<Field<'a>>,
+}
+
+impl<'a> Whole<'a> {
+    /// `None` at all processes but the first; all of them take part.
+    pub(super) fn of(prepared: &'a Prepared, shown: Shown, fields: Vec<Field<'a>>) -> Option<Self> {
+        let Prepared { surface, hardness, .. } = prepared;
+        let share = &surface.share;
+        if share.is_whole() {
+            let hardness = hardness.as_ref().map(Cow::Borrowed);
+            return Some(Self { surface: Cow::Borrowed(surface), hardness, shown, fields });
+        }
+        let columns = surface.grid.points()[1];
+        let Shown { pressure, repulsion, gap, level } = shown;
+        let [pressure, repulsion, gap, level] =
+            [pressure, repulsion, gap, level].map(|own| gathered(share, own, columns));
+        let gathered = fields.into_iter().map(|Field { name, units, values }| {
+            let values = rows::gathered(share, values.view())?;
+            Some(Field { name, units, values: values.into() })
+        });
+        // Each field travels, whoever gets it.
+        let fields: Vec<Option<Field>> = gathered.collect();
+        let hardness = hardness.as_ref().map(|hardness| match hardness {
+            Hardness::Field(field) => rows::gathered(share, field.view()).map(Hardness::Field),
+            uniform => Some(uniform.clone()),
+        });
+        let surface = Cow::Owned(surface.gathered()?);
+        let shown = Shown { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? };
+        let hardness = hardness.flatten().map(Cow::Owned);
+        Some(Self { surface, hardness, shown, fields: fields.into_iter().flatten().collect() })
+    }
+}
+
+/// The values of all rows at the first process, from those of the own ones.
+fn gathered(share: &Share, own: Vec<f64>, columns: usize) -> Option<Vec<f64>> {
+    let own = ArrayView2::from_shape((own.len() / columns, columns), &own).ok()?;
+    rows::gathered(share, own).map(|whole: Array2<f64>| whole.into_raw_vec_and_offset().0)
+}
