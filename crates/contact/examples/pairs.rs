@@ -27,8 +27,7 @@ const DYNAMICS: [Solver; 5] =
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut sizes, mut solvers) = (Vec::new(), Vec::new());
     for argument in std::env::args().skip(1) {
-        let named =
-            GRADIENTS.iter().chain(&DYNAMICS).find(|solver| format!("{solver:?}") == argument);
+        let named = GRADIENTS.iter().chain(&DYNAMICS).find(|solver| format!("{solver:?}") == argument);
         match (argument.as_str(), named) {
             ("dynamics", _) => solvers.extend(DYNAMICS),
             (_, Some(solver)) => solvers.push(*solver),

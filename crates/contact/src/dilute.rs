@@ -192,7 +192,7 @@ pub(crate) fn solve(
         }
     }
     let ended = problem.ended(attempt, &x, Ending::GaveUp(Why::Iterations));
-    (attempt.start, attempt.effort) = (Some(contact.whole(ended.pressure)), ended.effort);
+    (attempt.start, attempt.effort) = (Some(ended.pressure), ended.effort);
     Ok(None)
 }
 
@@ -205,11 +205,15 @@ impl<'a> Dilute<'a> {
             return None;
         }
         let mut compliance = Cow::from(response.compliance());
+        let mut uniform = 0.0;
         if let Load::Approach(_) = attempt.load {
-            compliance.to_mut()[0] = response.uniform_compliance();
+            uniform = response.uniform_compliance();
+            if response.has_uniform() {
+                compliance.to_mut()[0] = uniform;
+            }
         }
-        let scattered = Scattered::of(response, compliance[0])?;
-        let clearance = &surface.clearance()[share.own()];
+        let scattered = Scattered::of(response, uniform)?;
+        let clearance = surface.clearance();
         let stiffness = response.contact_modulus() * rough_gradient(clearance, share, response.grid().spacing()[1]);
         let (approach, overlap) = match attempt.load {
             Load::MeanPressure(mean) => {
@@ -222,7 +226,7 @@ impl<'a> Dilute<'a> {
         let start = attempt.start.as_deref();
         let touches = |block: &usize| {
             let points = block * LANES..(block + 1) * LANES;
-            let starts = |start: &[f64]| start[share.own()][points.clone()].iter().any(|p| *p > 0.0);
+            let starts = |start: &[f64]| start[points.clone()].iter().any(|p| *p > 0.0);
             clearance[points.clone()].iter().any(|c| *c < overlap) || start.is_some_and(starts)
         };
         let places = if kept.places.is_empty() {
@@ -252,17 +256,12 @@ impl<'a> Dilute<'a> {
             image: Vec::new(),
         };
         problem.allocate();
-        let mut x = vec![0.0; problem.linear.len()];
-        let all = x.as_chunks_mut::<LANES>().0.iter_mut().zip(problem.blocks.places());
-        for ((x, place), linear) in all.zip(problem.linear.as_chunks::<LANES>().0) {
-            match start {
-                Some(start) => x.copy_from_slice(&start[place * LANES..(place + 1) * LANES]),
-                None => x.iter_mut().zip(linear).for_each(|(x, c)| {
-                    let below = overlap - (c + problem.approach);
-                    *x = stiffness * (below / overlap).max(0.0);
-                }),
-            }
-        }
+        let overlapping = |c: &f64| stiffness * ((overlap - (c + problem.approach)) / overlap).max(0.0);
+        let mut x = match start {
+            Some(start) => problem.at_points(start),
+            None => problem.linear.iter().map(overlapping).collect(),
+        };
+        x.resize(problem.linear.len(), 0.0);
         Some((problem, x, overlap))
     }
 
@@ -287,9 +286,8 @@ impl<'a> Dilute<'a> {
     /// Lowers the surface. Behind the points of the blocks come some, up to a whole stretch, that are far from contact.
     fn lower(&mut self, by: f64) {
         self.approach += by;
-        let Contact { scaled, share, .. } = self.contact;
-        self.linear = self.at_points(&scaled.clearance()[share.own()]);
-        let far = 2.0 * self.linear.iter().fold(scaled.mean_clearance(), |far, c| c.max(far));
+        self.linear = self.at_points(self.contact.scaled.clearance());
+        let far = 2.0 * self.linear.iter().fold(self.contact.scaled.mean_clearance(), |far, c| c.max(far));
         self.linear.resize(self.linear.len().next_multiple_of(STRETCH), far);
         self.linear.iter_mut().for_each(|c| *c -= self.approach);
     }
@@ -344,7 +342,7 @@ impl<'a> Dilute<'a> {
         self.displace(x);
         let Self { contact, approach, blocks, displacement, .. } = self;
         let Contact { scaled, share, .. } = contact;
-        let clearance = &scaled.clearance()[share.own()];
+        let clearance = scaled.clearance();
         let (width, before) = (share.columns() / LANES, share.own().start / LANES);
         let lowest = |place: usize| {
             let points = (place - before) * LANES..(place - before + 1) * LANES;

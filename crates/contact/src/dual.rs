@@ -233,7 +233,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
             part = 0;
             let outer = |visitor: &mut dyn Visit| visitor.small(&mut few);
             if let Some(ended) = dilute::solve(&mut attempt, outer, continued.is_some())? {
-                return Ok(Ended { pressure: contact.whole(ended.pressure), ..ended });
+                return Ok(ended);
             }
         }
     }

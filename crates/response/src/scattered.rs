@@ -245,7 +245,7 @@ fn smooth(
 fn compliance_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
     let grid = response.grid();
     let index = grid.index_of(number).or_else(|| grid.index_of(number.map(|number| -number)));
-    index.map_or(0.0, |index| response.compliance()[index])
+    index.map_or(0.0, |index| response.compliance_at(index))
 }
 
 /// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place` between 0 and 1.
