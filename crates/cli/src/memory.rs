@@ -37,13 +37,13 @@ impl Held {
     /// A slab between two surfaces.
     pub const SQUEEZED: Self = Self(50);
     /// A contact with a law that acts across the gap.
-    pub const LAW: Self = Self(27);
+    pub const LAW: Self = Self(29);
     /// The same on a patch, which is solved in a cell of four times its points.
-    pub const LAW_FREE: Self = Self(90);
+    pub const LAW_FREE: Self = Self(98);
     /// A path of u_z alone, with the states before and after a jump.
-    pub const PATH: Self = Self(39);
+    pub const PATH: Self = Self(41);
     /// A path with a law, on a patch.
-    pub const PATH_FREE: Self = Self(133);
+    pub const PATH_FREE: Self = Self(141);
     /// A path that moves all components.
     pub const ALL_COMPONENTS: Self = Self(95);
     /// A path with friction, on a patch.

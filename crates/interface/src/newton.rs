@@ -4,35 +4,71 @@
 //! points by conjugate gradients that stop at the edge of the region or at a negative curvature (Steihaug 1983). The
 //! preconditioner is the compliance, with a smaller weight at points where the law is stiff. The step is then projected on
 //! the wall and shortened until the energy falls. No step raises the energy, so a jump ends in a stable state of lower
-//! energy.
+//! energy. The search for a step of u_z alone has single precision ([`one_component`]); positions, forces and energies have
+//! double precision.
 
+mod all_components;
 mod descent;
+mod one_component;
 mod reaction;
 mod stability;
 mod trust_region;
 mod wall;
 
 use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why};
+use gfmd_response::Elastic;
 
 use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::{Interface, State};
+use all_components::AllComponents;
 use descent::Descent;
+use one_component::OneComponent;
+use trust_region::Model;
 
 /// The solver continues until its residual is this part of the tolerance.
 const SHARE_OF_TOLERANCE: f64 = 0.1;
 
+/// Descends from `start`, which took so many transform pairs `before`, or from the undeformed surface.
 pub(crate) fn descend(
     interface: &Interface,
     frame: &Frame,
     budget: &Budget,
     start: Option<&State>,
+    before: f64,
     watch: &mut dyn Watch,
 ) -> Ended {
-    let mut descent = Descent::new(interface, frame, start);
-    let mut iterations = 0;
+    let elastic = &interface.elastic;
+    let [softest, _] = elastic.stiffness_range();
+    // The preconditioner resists a uniform motion that nothing else does.
+    let resists = |stiffness: &f64| 1.0 / if *stiffness > 0.0 { *stiffness } else { softest };
+    let uniform: Vec<f64> = frame.uniform_stiffness.iter().map(resists).collect();
+    let mut transforms = elastic.transforms();
+    *transforms.counter() += match elastic {
+        // Single transforms.
+        Elastic::Normal(_) => (2.0 * before) as u64,
+        Elastic::Full(_) => before as u64,
+    };
+    match elastic {
+        Elastic::Normal(response) => {
+            let model = OneComponent::new(response, transforms, frame, uniform[0]);
+            descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
+        }
+        Elastic::Full(_) => {
+            let model = AllComponents::new(transforms, frame, uniform);
+            descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
+        }
+    }
+}
+
+fn descend_with<M: Model>(
+    mut descent: Descent<M>,
+    budget: &Budget,
     // True if a jump on the way from the start to the state is an instability.
-    let mut has_start = start.is_some();
+    mut has_start: bool,
+    watch: &mut dyn Watch,
+) -> Ended {
+    let mut iterations = 0;
     macro_rules! visit_all {
         ($visitor:expr) => {{
             let visitor: &mut dyn Visit = $visitor;
@@ -43,7 +79,7 @@ pub(crate) fn descend(
     }
     if let Some(kept) = watch.recall() {
         visit_all!(kept);
-        descent.balance();
+        descent.restored();
     }
     let end = loop {
         watch.checkpoint(&mut |visitor| visit_all!(visitor));

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use crate::{Law, MixedMode, Response};
+use crate::{Law, MixedMode, Opening, Response};
 
 /// A law in other units of stress and length, given in its own. Powers of two keep every digit.
 #[derive(Clone, Debug)]
@@ -41,6 +41,11 @@ impl Law for InUnits {
 
     fn opening_energy(&self, normal: f64) -> f64 {
         self.energy_of(self.law.opening_energy(normal * self.length))
+    }
+
+    fn opening(&self, normal: f64) -> Opening {
+        let Opening { energy, traction, slope } = self.law.opening(normal * self.length);
+        Opening { energy: self.energy_of(energy), traction: traction / self.stress, slope: self.stiffness_of(slope) }
     }
 
     fn has_wall(&self) -> bool {
@@ -88,6 +93,7 @@ mod tests {
                 assert_eq!(scaled.response(normal, sliding), plain.response(normal, sliding), "{}", kind.name());
                 assert_eq!(scaled.energy(normal, sliding), plain.energy(normal, sliding), "{}", kind.name());
                 assert_eq!(scaled.opening_energy(normal), plain.opening_energy(normal), "{}", kind.name());
+                assert_eq!(scaled.opening(normal), plain.opening(normal), "{}", kind.name());
                 assert_eq!(scaled.stiffness_bound(normal), plain.stiffness_bound(normal), "{}", kind.name());
             }
             assert_eq!((scaled.steepness(), scaled.has_wall()), (plain.steepness(), plain.has_wall()));

@@ -13,6 +13,13 @@ pub trait Law: fmt::Debug + Send + Sync {
     /// The potential of T_n(Δ_n, 0), without sliding, which every law has.
     fn opening_energy(&self, normal: f64) -> f64;
 
+    /// The energy, the traction and its slope at the separation Δ_n without sliding: [`opening_energy`](Self::opening_energy) and
+    /// [`response`](Self::response) at once.
+    fn opening(&self, normal: f64) -> Opening {
+        let Response { traction: [traction, _], jacobian: [[slope, _], _], .. } = self.response(normal, 0.0);
+        Opening { energy: self.opening_energy(normal), traction, slope }
+    }
+
     /// Returns true if a hard wall forbids Δ_n < 0, so that the law holds for Δ_n ≥ 0 only.
     fn has_wall(&self) -> bool {
         false
@@ -78,6 +85,10 @@ macro_rules! pointer_is_law {
                 (**self).opening_energy(normal)
             }
 
+            fn opening(&self, normal: f64) -> Opening {
+                (**self).opening(normal)
+            }
+
             fn has_wall(&self) -> bool {
                 (**self).has_wall()
             }
@@ -110,6 +121,17 @@ macro_rules! pointer_is_law {
 }
 pointer_is_law!(Box<dyn Law>);
 pointer_is_law!(Arc<dyn Law>);
+
+/// What a law does at one normal separation, without sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Opening {
+    /// Potential of T_n(Δ_n, 0), energy per area.
+    pub energy: f64,
+    /// Traction T_n, stress.
+    pub traction: f64,
+    /// Slope ∂T_n/∂Δ_n, stress/length.
+    pub slope: f64,
+}
 
 /// The traction of a law and its derivatives at one separation, along one direction of sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -185,6 +207,7 @@ mod tests {
             assert_eq!(pointer.response(normal, 0.04), law.response(normal, 0.04));
             assert_eq!(pointer.energy(normal, 0.04), law.energy(normal, 0.04));
             assert_eq!(pointer.opening_energy(normal), law.opening_energy(normal));
+            assert_eq!(pointer.opening(normal), law.opening(normal));
             assert_eq!(pointer.traction(normal, sliding), law.traction(normal, sliding));
             assert_eq!(pointer.jacobian(normal, sliding), law.jacobian(normal, sliding));
             assert_eq!(pointer.mixed_mode(), law.mixed_mode());

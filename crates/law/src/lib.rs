@@ -48,7 +48,7 @@ pub use coupled_exponential::{CoupledExponential, Npb};
 pub use friction::{Friction, Limit, Rate, Sliding};
 pub use in_units::InUnits;
 pub use kind::{Allowed, Kind, Parameter};
-pub use law::{Jacobian, Law, MixedMode, Response};
+pub use law::{Jacobian, Law, MixedMode, Opening, Response};
 pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};
 pub use npc::Npc;
 pub use separation::{LawError, Separation};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::separation::{finite, positive};
-use crate::{Law, LawError, Response};
+use crate::{Law, LawError, Opening, Response};
 
 /// The hard wall: the surfaces do not interpenetrate and do not attract each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,6 +68,12 @@ impl Law for Exponential {
 
     fn opening_energy(&self, normal: f64) -> f64 {
         -self.energy * (-normal / self.range).exp()
+    }
+
+    fn opening(&self, normal: f64) -> Opening {
+        let e = (-normal / self.range).exp();
+        let traction = self.energy / self.range * e;
+        Opening { energy: -self.energy * e, traction, slope: -traction / self.range }
     }
 
     fn has_wall(&self) -> bool {
@@ -157,6 +163,16 @@ impl Law for Morse {
     fn opening_energy(&self, normal: f64) -> f64 {
         let e = (-normal / self.range).exp();
         self.energy * e * (e - 2.0)
+    }
+
+    fn opening(&self, normal: f64) -> Opening {
+        let e = (-normal / self.range).exp();
+        let strength = 2.0 * self.energy / self.range;
+        Opening {
+            energy: self.energy * e * (e - 2.0),
+            traction: strength * e * (1.0 - e),
+            slope: strength / self.range * e * (2.0 * e - 1.0),
+        }
     }
 
     fn stiffness_bound(&self, lowest: f64) -> f64 {

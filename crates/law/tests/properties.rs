@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use gfmd_law::{
     BoschSchreursGeers, CoupledExponential, Dugdale, Exponential, Friction, HardWall, HarmonicCosine, Kind, Law,
-    LawError, Limit, MixedMode, Morse, Npb, Npc, Rate, Separation, XuNeedleman,
+    LawError, Limit, MixedMode, Morse, Npb, Npc, Opening, Rate, Separation, XuNeedleman,
 };
 use proptest::prelude::*;
 
@@ -53,6 +53,15 @@ fn is_smooth(normal: f64) -> bool {
 }
 
 proptest! {
+    #[test]
+    fn an_opening_has_the_bits_of_its_parts(normal in -0.4..1.2) {
+        for law in all() {
+            let response = law.response(normal, 0.0);
+            let Opening { energy, traction, slope } = law.opening(normal);
+            prop_assert_eq!([energy, traction, slope], [law.opening_energy(normal), response.traction[0], response.jacobian[0][0]]);
+        }
+    }
+
     #[test]
     fn the_jacobian_is_the_derivative_of_the_traction(normal in -0.4..1.2, x in -0.8..0.8, y in -0.8..0.8) {
         prop_assume!(is_smooth(normal));

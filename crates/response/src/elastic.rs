@@ -106,34 +106,32 @@ pub enum Transforms {
 impl Transforms {
     /// `out` ← K `field`, except for the means: the mean of a component is `uniform` times that of `field`.
     pub fn stiffness(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
-        let points = match self {
+        match self {
             Self::Normal(normal) => {
                 let response = Arc::clone(&normal.response);
                 normal.convolve(response.stiffness(), field, out);
-                response.grid().len()
+                add_uniform(field, uniform[0], out);
             }
             Self::Full(full) => {
                 full.stiffness(field, out);
-                full.response.grid().len()
+                set_means(full.response.grid().len(), field, uniform, out);
             }
-        };
-        set_means(points, field, uniform, out);
+        }
     }
 
     /// `out` ← G `field`, except for the means: the mean of a component is `uniform` times that of `field`.
     pub fn compliance(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
-        let points = match self {
+        match self {
             Self::Normal(normal) => {
                 let response = Arc::clone(&normal.response);
                 normal.convolve(response.compliance(), field, out);
-                response.grid().len()
+                add_uniform(field, uniform[0], out);
             }
             Self::Full(full) => {
                 full.compliance(field, out);
-                full.response.grid().len()
+                set_means(full.response.grid().len(), field, uniform, out);
             }
-        };
-        set_means(points, field, uniform, out);
+        }
     }
 
     /// Forward and inverse transforms of one component so far, in pairs.
@@ -260,6 +258,14 @@ impl FullTransforms {
 /// The result of an operation on fields whose size is guaranteed by the caller.
 pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
+}
+
+/// Adds the uniform mode to what a table without it gives, whose mean is zero.
+fn add_uniform(field: &[f64], uniform: f64, out: &mut [f64]) {
+    if uniform != 0.0 {
+        let change = uniform * mean(field);
+        gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
+    }
 }
 
 fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {

@@ -91,23 +91,28 @@ impl RoundedTransforms {
         fits(rounded.transform.convolve_ahead(table, input, source, workspace));
     }
 
-    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    /// Hands on the rows of what [`compliance`](Self::compliance) or [`stiffness_ahead`](Self::stiffness_ahead) has computed.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         self.singles += 1;
         let Self { response, workspace, .. } = self;
         fits(response.rounded().transform.convolve_back(output, sink, workspace));
     }
 
-    /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
-    pub fn stiffness(&mut self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
-        self.singles += 2;
+    /// Computes K u times the unit, of the field u whose rows `source` makes from the rows of `input`; [`rows`](Self::rows)
+    /// hands it on.
+    pub fn stiffness_ahead<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
+        self.singles += 1;
         let Self { response, workspace, own, .. } = self;
         let rounded = response.rounded();
         let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
-        let [_, columns] = response.grid().rows();
-        let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
-        let source = |i: usize, (): (), row: &mut [f32]| source(i, row);
-        fits(rounded.transform.convolve_rows(table, (), source, Rows(out, columns), copy, workspace));
+        fits(rounded.transform.convolve_ahead(table, input, source, workspace));
+    }
+
+    /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
+    pub fn stiffness(&mut self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
+        let [_, columns] = self.response.grid().rows();
+        self.stiffness_ahead((), |i, (), row| source(i, row));
+        self.rows(Rows(out, columns), |_, row, Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row));
     }
 
     /// Σ_r v G v over the unit, over all rows, from one transform.

@@ -1,9 +1,8 @@
 use gfmd_relax::{Variables, Visit};
-use gfmd_response::Transforms;
-use gfmd_vector::{add, dot, for_each, reduce};
+use gfmd_vector::{add, for_each, pass, reduce, sum};
 
 use super::reaction::Reaction;
-use super::trust_region::{Model, TrustRegion};
+use super::trust_region::{Model, Number, TrustRegion, Vectors};
 use super::wall::Wall;
 use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, mean_where};
@@ -17,28 +16,44 @@ const SHARE: f64 = 1e-4;
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// A search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z, step by step.
-pub(crate) struct Descent<'a> {
+pub(super) struct Descent<'a, M: Model> {
     pub(super) interface: &'a Interface,
     pub(super) frame: &'a Frame<'a>,
     wall: Wall,
-    pub(super) curvature: Curvature<'a>,
+    pub(super) model: M,
     /// The present position.
-    here: Placed,
+    pub(super) here: Placed,
     /// The position after the step that is tried.
     trial: Placed,
     /// T − K w + push: the force on a free point.
     pub(super) force: Vec<f64>,
-    pub(super) region: TrustRegion,
+    pub(super) region: TrustRegion<M::Value>,
     /// Lowest curvature that the last search for a direction met, relative to the preconditioner.
     pub(super) lowest: f64,
     /// True if any search met a negative curvature.
     pub(super) met_negative: bool,
 }
 
-/// A displacement w and its elastic traction K w.
-struct Placed {
+/// A displacement w, its elastic traction K w, and what the law answers.
+pub(super) struct Placed {
     w: Vec<f64>,
     elastic: Vec<f64>,
+    pub(super) reaction: Reaction,
+    /// The energy Φ of each point, per area.
+    energy: Vec<f64>,
+}
+
+impl Placed {
+    fn at(w: Vec<f64>, frame: &Frame) -> Self {
+        let (components, points) = (frame.components(), frame.points());
+        let reaction = Reaction::new(components, points);
+        Self { elastic: vec![0.0; w.len()], w, reaction, energy: vec![0.0; points] }
+    }
+
+    /// Computes the answer of the law.
+    fn react(&mut self, interface: &Interface, frame: &Frame) {
+        self.reaction.update(interface.law.as_ref(), frame, &self.w, &mut self.energy);
+    }
 }
 
 /// The change of the energy from here to the trial.
@@ -57,18 +72,17 @@ impl Change {
     }
 }
 
-impl<'a> Descent<'a> {
-    pub(super) fn new(interface: &'a Interface, frame: &'a Frame<'a>, start: Option<&State>) -> Self {
+impl<'a, M: Model> Descent<'a, M> {
+    pub(super) fn new(interface: &'a Interface, frame: &'a Frame<'a>, model: M, start: Option<&State>) -> Self {
         let size = frame.components() * frame.points();
-        let zeros = || vec![0.0; size];
         let mut descent = Self {
             interface,
             frame,
             wall: Wall::new(frame, interface.law.has_wall(), interface.length_scale()),
-            curvature: Curvature::new(interface, frame),
-            here: Placed { w: zeros(), elastic: zeros() },
-            trial: Placed { w: frame.starting_position(&interface.elastic, start), elastic: zeros() },
-            force: zeros(),
+            model,
+            here: Placed::at(vec![0.0; size], frame),
+            trial: Placed::at(frame.starting_position(&interface.elastic, start), frame),
+            force: vec![0.0; size],
             region: TrustRegion::new(size),
             lowest: f64::NAN,
             met_negative: false,
@@ -79,14 +93,15 @@ impl<'a> Descent<'a> {
     }
 
     pub(super) fn into_position_and_pairs(self) -> (Vec<f64>, f64) {
-        (self.here.w, self.curvature.transforms.pairs())
+        (self.here.w, self.model.pairs())
     }
 
-    /// Projects the trial on the allowed displacements and computes its elastic traction.
+    /// Projects the trial on the allowed displacements and computes all that follows from it.
     fn place_trial(&mut self) {
-        let Self { trial, wall, frame, curvature, .. } = self;
+        let Self { interface, trial, wall, frame, model, .. } = self;
         wall.project_keeping_mean(&mut trial.w);
-        curvature.transforms.stiffness(&trial.w, &frame.uniform_stiffness, &mut trial.elastic);
+        model.elastic(&trial.w, &mut trial.elastic);
+        trial.react(interface, frame);
     }
 
     /// Moves to the trial.
@@ -95,14 +110,18 @@ impl<'a> Descent<'a> {
         self.balance();
     }
 
-    /// Computes the tractions of the law and the forces at the present position.
-    pub(super) fn balance(&mut self) {
-        let Self { interface, frame, here, curvature, force, .. } = self;
-        let reaction = &mut curvature.reaction;
-        reaction.update(interface.law.as_ref(), frame, &here.w);
+    /// Computes what follows from a displacement and its elastic traction that were restored.
+    pub(super) fn restored(&mut self) {
+        self.here.react(self.interface, self.frame);
+        self.balance();
+    }
+
+    /// Computes the forces at the present position.
+    fn balance(&mut self) {
+        let Self { frame, here: Placed { elastic, reaction, .. }, force, .. } = self;
         let points = frame.points();
         for (c, force) in force.chunks_exact_mut(points).enumerate() {
-            let (traction, elastic) = (reaction.traction(c), &here.elastic[c * points..][..points]);
+            let (traction, elastic) = (reaction.traction(c), &elastic[c * points..][..points]);
             let push = frame.push_on(c);
             let net = |start: usize, [force]: [&mut [f64]; 1]| {
                 for ((f, t), k) in force.iter_mut().zip(&traction[start..]).zip(&elastic[start..]) {
@@ -116,31 +135,32 @@ impl<'a> Descent<'a> {
     /// Finds the points that the wall holds, subtracts the mean force of components whose mean is held, and returns the
     /// residual.
     pub(super) fn release(&mut self) -> f64 {
-        let Self { interface, frame, wall, curvature: Curvature { reaction, weight, .. }, here, force, .. } = self;
+        let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, .. } = self;
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
         let reference = (softest * stiffest).sqrt();
         let (mut unbalanced, mut largest) = (0.0_f64, softest * interface.surface.rms_height());
         for c in 0..frame.components() {
             let range = c * points..(c + 1) * points;
-            let (force, w) = (&mut force[range.clone()], &here.w[range.clone()]);
+            let (force, w) = (&mut force[range.clone()], &w[range.clone()]);
             let (traction, curvature) = (reaction.traction(c), reaction.diagonal(c));
             let bound = wall.bound(c);
             let touches = |i: usize| bound.is_some_and(|bound| w[i] >= bound[i]);
             let multiplier = if frame.held[c] { mean_where(force, |i| !touches(i)) } else { 0.0 };
-            let weigh = |start: usize, [force, weight]: [&mut [f64]; 2]| {
+            let weigh = |start: usize, (force, weight): (&mut [f64], &mut [M::Value])| {
                 let mut worst = [0.0_f64; 2];
                 for (k, (f, weight)) in force.iter_mut().zip(weight).enumerate() {
                     let i = start + k;
                     *f -= multiplier;
                     let held = touches(i) && *f > 0.0;
-                    *weight = if held { 0.0 } else { (1.0 + curvature[i].max(0.0) / reference).sqrt().recip() };
+                    let free = || (1.0 + curvature[i].max(0.0) / reference).sqrt().recip();
+                    *weight = M::Value::of(if held { 0.0 } else { free() });
                     let free = if held { 0.0 } else { f.abs() };
                     worst = higher_each(worst, [free, (traction[i] - *f).abs()]);
                 }
                 worst
             };
-            let [free, stress] = gfmd_vector::pass([force, &mut weight[range]], &weigh, &higher_each);
+            let [free, stress] = pass((force, &mut model.weight()[range]), &weigh, &higher_each);
             unbalanced = higher(unbalanced, free);
             largest = higher(largest, stress);
         }
@@ -148,18 +168,31 @@ impl<'a> Descent<'a> {
     }
 
     /// Returns true if the surface is pulled and no point attracts it any more.
-    pub(super) fn is_apart(&self) -> bool {
-        let Self { frame, curvature: Curvature { reaction, weight, .. }, .. } = self;
-        let (traction, weight) = (reaction.traction(frame.z()), &weight[frame.z() * frame.points()..]);
-        let apart = |i: usize| weight[i] > 0.0 && traction[i].abs() < 1e-3 * frame.push.abs();
+    pub(super) fn is_apart(&mut self) -> bool {
+        let Self { frame, model, here: Placed { reaction, .. }, .. } = self;
+        let (traction, weight) = (reaction.traction(frame.z()), &model.weight()[frame.z() * frame.points()..]);
+        let apart = |i: usize| weight[i].into() > 0.0 && traction[i].abs() < 1e-3 * frame.push.abs();
         frame.push < 0.0 && reduce(frame.points(), &|mut range| range.all(apart), &|a, b| a && b)
     }
 
     /// Finds the direction of the next step, to the accuracy `accuracy` relative to the force.
     pub(super) fn seek(&mut self, accuracy: f64) {
-        self.region.residual.copy_from_slice(&self.force);
-        let lowest = self.region.step(&mut self.curvature, accuracy);
+        let stress = self.hand_over_force();
+        let lowest = self.region.step(&mut self.model, &self.here.reaction, stress, accuracy);
         self.note(lowest);
+    }
+
+    /// Writes the force into the residual of the region, over a unit of stress that is returned: a power of two that keeps the
+    /// numbers of the search of the order of 1.
+    fn hand_over_force(&mut self) -> f64 {
+        let force = &self.force;
+        let largest = |range: std::ops::Range<usize>| force[range].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let stress = power_of_two(reduce(force.len(), &largest, &f64::max));
+        let scaled = |start: usize, [residual]: [&mut [M::Value]; 1]| {
+            residual.iter_mut().zip(&force[start..]).for_each(|(r, f)| *r = M::Value::of(f / stress));
+        };
+        for_each([&mut self.region.vectors.residual[..]], &scaled);
+        stress
     }
 
     /// Records the lowest curvature of a search.
@@ -187,8 +220,10 @@ impl<'a> Descent<'a> {
 
     /// Moves along the negative gradient, where a short enough step lowers the energy, with or without a wall.
     pub(super) fn slide_downhill(&mut self) -> bool {
-        self.region.direction.copy_from_slice(&self.force);
-        self.curvature.project(&mut self.region.direction);
+        self.region.unit = self.hand_over_force();
+        let Vectors { direction, residual, .. } = &mut self.region.vectors;
+        std::mem::swap(direction, residual);
+        self.model.project(direction);
         let [_, stiffest] = self.interface.elastic.stiffness_range();
         let mut share = 1.0 / stiffest;
         for _ in 0..2 * HALVINGS {
@@ -203,13 +238,14 @@ impl<'a> Descent<'a> {
 
     /// Puts the trial at `share` of the direction.
     pub(super) fn try_step(&mut self, share: f64) -> Change {
+        let share = share * self.region.unit;
         let along = |start: usize, [trial]: [&mut [f64]; 1]| {
-            let from = self.here.w[start..].iter().zip(&self.region.direction[start..]);
-            trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * d);
+            let from = self.here.w[start..].iter().zip(&self.region.vectors.direction[start..]);
+            trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * (*d).into());
         };
         for_each([&mut self.trial.w[..]], &along);
         self.place_trial();
-        let Self { interface, frame, here, trial, force, .. } = self;
+        let Self { frame, here, trial, force, .. } = self;
         let points = frame.points();
         let [change, promised, size] = reduce(
             here.w.len(),
@@ -225,11 +261,8 @@ impl<'a> Descent<'a> {
         let [law, law_size] = reduce(
             points,
             &|range| {
-                range.fold([0.0; 2], |sums, i| {
-                    let before = interface.energy(frame.separation(&here.w, i));
-                    let after = interface.energy(frame.separation(&trial.w, i));
-                    add(sums, [after - before, before.abs()])
-                })
+                let both = here.energy[range.clone()].iter().zip(&trial.energy[range]);
+                both.fold([0.0; 2], |sums, (before, after)| add(sums, [after - before, before.abs()]))
             },
             &add,
         );
@@ -238,83 +271,29 @@ impl<'a> Descent<'a> {
 
     /// The slope of the energy along the direction, negative downhill.
     pub(super) fn slope(&self) -> f64 {
-        -dot(&self.region.direction, &self.force)
+        let (direction, force) = (&self.region.vectors.direction, &self.force);
+        let along = |range: std::ops::Range<usize>| {
+            direction[range.clone()].iter().zip(&force[range]).map(|(d, f)| (*d).into() * f).sum()
+        };
+        -self.region.unit * sum(force.len(), &along)
     }
 }
 
+/// The power of two below a number, which rounds nothing; 1 for a number that is not positive.
+fn power_of_two(x: f64) -> f64 {
+    if x >= f64::MIN_POSITIVE && x.is_finite() { f64::from_bits(x.to_bits() & (0x7ff << 52)) } else { 1.0 }
+}
+
 /// All else follows from these, or is overwritten in an iteration.
-impl Variables for Descent<'_> {
+impl<M: Model> Variables for Descent<'_, M> {
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { here, region, lowest, met_negative, curvature, .. } = self;
+        let Self { here, region, lowest, met_negative, model, .. } = self;
         visitor.field(&mut here.w);
         visitor.field(&mut here.elastic);
         visitor.number(&mut region.radius);
         visitor.number(&mut region.length);
         visitor.number(lowest);
         visitor.flag(met_negative);
-        visitor.count(curvature.transforms.counter());
-    }
-}
-
-/// The matrix K + J on the points that the wall does not hold. The preconditioner is the compliance, with a smaller weight at
-/// points where the law is stiff.
-pub(super) struct Curvature<'a> {
-    transforms: Transforms,
-    frame: &'a Frame<'a>,
-    reaction: Reaction,
-    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
-    weight: Vec<f64>,
-    /// Compliance of the uniform mode in the preconditioner.
-    uniform_compliance: Vec<f64>,
-}
-
-impl<'a> Curvature<'a> {
-    fn new(interface: &'a Interface, frame: &'a Frame<'a>) -> Self {
-        let [softest, _] = interface.elastic.stiffness_range();
-        let resists = |stiffness: &f64| if *stiffness > 0.0 { *stiffness } else { softest };
-        Self {
-            transforms: interface.elastic.transforms(),
-            frame,
-            reaction: Reaction::new(frame.components(), frame.points()),
-            weight: vec![0.0; frame.components() * frame.points()],
-            uniform_compliance: frame.uniform_stiffness.iter().map(|stiffness| 1.0 / resists(stiffness)).collect(),
-        }
-    }
-}
-
-impl Model for Curvature<'_> {
-    fn apply(&mut self, vector: &[f64], out: &mut [f64]) {
-        self.transforms.stiffness(vector, &self.frame.uniform_stiffness, out);
-        self.reaction.add_product(vector, out);
-    }
-
-    fn precondition(&mut self, residual: &[f64], scratch: &mut [f64], out: &mut [f64]) {
-        let Self { transforms, weight, uniform_compliance, .. } = self;
-        let weigh = |start: usize, [weighted]: [&mut [f64]; 1]| {
-            let factors = residual[start..].iter().zip(&weight[start..]);
-            weighted.iter_mut().zip(factors).for_each(|(weighted, (r, w))| *weighted = r * w);
-        };
-        for_each([&mut *scratch], &weigh);
-        transforms.compliance(scratch, uniform_compliance, out);
-        for_each([&mut *out], &|start, [out]| {
-            out.iter_mut().zip(&weight[start..]).for_each(|(out, w)| *out *= w);
-        });
-        self.project(out);
-    }
-
-    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components whose
-    /// mean is held.
-    fn project(&self, vector: &mut [f64]) {
-        let points = self.frame.points();
-        for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {
-            let weight = &self.weight[c * points..][..points];
-            let mean = if *held { mean_where(field, |i| weight[i] > 0.0) } else { 0.0 };
-            let keep = |start: usize, [field]: [&mut [f64]; 1]| {
-                for (v, weight) in field.iter_mut().zip(&weight[start..]) {
-                    *v = if *weight > 0.0 { *v - mean } else { 0.0 };
-                }
-            };
-            for_each([field], &keep);
-        }
+        model.count(visitor);
     }
 }

@@ -1,4 +1,4 @@
-use gfmd_law::Law;
+use gfmd_law::{Law, Opening};
 use gfmd_vector::for_each;
 
 use crate::frame::Frame;
@@ -18,37 +18,42 @@ impl Reaction {
         Self { components, points, tables: vec![0.0; tables * points] }
     }
 
-    /// Computes the traction and the Jacobian of `law` at `position`.
-    pub(crate) fn update(&mut self, law: &dyn Law, frame: &Frame, position: &[f64]) {
+    /// Computes the traction and the Jacobian of `law` at `position`, and its energy.
+    pub(crate) fn update(&mut self, law: &dyn Law, frame: &Frame, position: &[f64], energy: &mut [f64]) {
         let both = |i: usize| {
             let (normal, sliding) = frame.separation(position, i);
-            (law.traction(normal, sliding), law.jacobian(normal, sliding))
+            let energy = law.energy(normal, sliding[0].hypot(sliding[1])).unwrap_or(f64::NAN);
+            (law.traction(normal, sliding), law.jacobian(normal, sliding), energy)
         };
         match self.components {
-            1 => self.fill(|i| {
-                let response = law.response(frame.separation(position, i).0, 0.0);
-                [response.traction[0], response.jacobian[0][0]]
+            1 => self.fill(energy, |i| {
+                let Opening { energy, traction, slope } = law.opening(frame.separation(position, i).0);
+                (energy, [traction, slope])
             }),
-            2 => self.fill(|i| {
-                let ([x, _, z], j) = both(i);
-                [x, z, j.tt[0][0], j.nt[0], j.nn]
+            2 => self.fill(energy, |i| {
+                let ([x, _, z], j, energy) = both(i);
+                (energy, [x, z, j.tt[0][0], j.nt[0], j.nn])
             }),
-            _ => self.fill(|i| {
-                let ([x, y, z], j) = both(i);
-                [x, y, z, j.tt[0][0], j.tt[0][1], j.tt[1][1], j.nt[0], j.nt[1], j.nn]
+            _ => self.fill(energy, |i| {
+                let ([x, y, z], j, energy) = both(i);
+                (energy, [x, y, z, j.tt[0][0], j.tt[0][1], j.tt[1][1], j.nt[0], j.nt[1], j.nn])
             }),
         }
     }
 
-    fn fill<const TABLES: usize>(&mut self, values: impl Fn(usize) -> [f64; TABLES] + Sync) {
-        let leaf = |start: usize, mut tables: [&mut [f64]; TABLES]| {
-            for k in 0..tables[0].len() {
-                for (table, value) in tables.iter_mut().zip(values(start + k)) {
-                    table[k] = value;
-                }
+    fn fill<const TABLES: usize>(
+        &mut self,
+        energies: &mut [f64],
+        values: impl Fn(usize) -> (f64, [f64; TABLES]) + Sync,
+    ) {
+        let leaf = |start: usize, (energies, mut tables): (&mut [f64], [&mut [f64]; TABLES])| {
+            for (k, energy) in energies.iter_mut().enumerate() {
+                let (found, row) = values(start + k);
+                *energy = found;
+                tables.iter_mut().zip(row).for_each(|(table, value)| table[k] = value);
             }
         };
-        for_each(split(&mut self.tables, self.points), &leaf);
+        for_each((energies, split(&mut self.tables, self.points)), &leaf);
     }
 
     /// The traction along component `c`.

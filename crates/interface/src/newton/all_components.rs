@@ -1,0 +1,107 @@
+//! The model of all components, in double precision.
+
+use gfmd_relax::Visit;
+use gfmd_response::Transforms;
+use gfmd_vector::{dot, for_each};
+
+use super::reaction::Reaction;
+use super::trust_region::{Model, Vectors};
+use crate::frame::Frame;
+use crate::numbers::mean_where;
+
+/// The matrix K + J on the points that the wall does not hold.
+pub(super) struct AllComponents<'a> {
+    transforms: Transforms,
+    frame: &'a Frame<'a>,
+    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
+    weight: Vec<f64>,
+    /// Compliance of the uniform mode in the preconditioner.
+    uniform_compliance: Vec<f64>,
+}
+
+impl<'a> AllComponents<'a> {
+    pub(super) fn new(transforms: Transforms, frame: &'a Frame<'a>, uniform_compliance: Vec<f64>) -> Self {
+        let weight = vec![0.0; frame.components() * frame.points()];
+        Self { transforms, frame, weight, uniform_compliance }
+    }
+
+    fn precondition(&mut self, residual: &[f64], scratch: &mut [f64], out: &mut [f64]) {
+        let Self { transforms, weight, uniform_compliance, .. } = self;
+        let weigh = |start: usize, [weighted]: [&mut [f64]; 1]| {
+            let factors = residual[start..].iter().zip(&weight[start..]);
+            weighted.iter_mut().zip(factors).for_each(|(weighted, (r, w))| *weighted = r * w);
+        };
+        for_each([&mut *scratch], &weigh);
+        transforms.compliance(scratch, uniform_compliance, out);
+        for_each([&mut *out], &|start, [out]| {
+            out.iter_mut().zip(&weight[start..]).for_each(|(out, w)| *out *= w);
+        });
+        self.project(out);
+    }
+}
+
+impl Model for AllComponents<'_> {
+    type Value = f64;
+
+    fn unit(&self) -> f64 {
+        1.0
+    }
+
+    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components whose
+    /// mean is held.
+    fn project(&mut self, vector: &mut [f64]) {
+        let points = self.frame.points();
+        for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {
+            let weight = &self.weight[c * points..][..points];
+            let mean = if *held { mean_where(field, |i| weight[i] > 0.0) } else { 0.0 };
+            let keep = |start: usize, [field]: [&mut [f64]; 1]| {
+                for (v, weight) in field.iter_mut().zip(&weight[start..]) {
+                    *v = if *weight > 0.0 { *v - mean } else { 0.0 };
+                }
+            };
+            for_each([field], &keep);
+        }
+    }
+
+    fn advance(&mut self, vectors: &mut Vectors<f64>, step: f64) -> f64 {
+        let Vectors { direction, residual, preconditioned, conjugate, image } = vectors;
+        let add = |start: usize, [d, r]: [&mut [f64]; 2]| {
+            let along = conjugate[start..].iter().zip(&image[start..]);
+            for ((d, r), (p, q)) in d.iter_mut().zip(r).zip(along) {
+                *d += step * p;
+                *r -= step * q;
+            }
+        };
+        for_each([&mut direction[..], &mut residual[..]], &add);
+        self.project(residual);
+        self.precondition(residual, image, preconditioned);
+        dot(residual, preconditioned)
+    }
+
+    fn turn(&mut self, vectors: &mut Vectors<f64>, reaction: &Reaction, turn: f64) -> f64 {
+        let Vectors { preconditioned, conjugate, image, .. } = vectors;
+        let add_turned = |start: usize, [p]: [&mut [f64]; 1]| {
+            p.iter_mut().zip(&preconditioned[start..]).for_each(|(p, z)| *p = z + turn * *p);
+        };
+        for_each([&mut conjugate[..]], &add_turned);
+        self.transforms.stiffness(conjugate, &self.frame.uniform_stiffness, image);
+        reaction.add_product(conjugate, image);
+        dot(conjugate, image)
+    }
+
+    fn weight(&mut self) -> &mut [f64] {
+        &mut self.weight
+    }
+
+    fn elastic(&mut self, w: &[f64], traction: &mut [f64]) {
+        self.transforms.stiffness(w, &self.frame.uniform_stiffness, traction);
+    }
+
+    fn pairs(&self) -> f64 {
+        self.transforms.pairs()
+    }
+
+    fn count(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+    }
+}

@@ -1,0 +1,190 @@
+//! The model of u_z alone. Steps are rounded to single precision, and all sums and products are made in the row loops of the
+//! transforms.
+
+use std::sync::Arc;
+
+use gfmd_field::Rows;
+use gfmd_relax::Visit;
+use gfmd_response::{NormalResponse, RoundedTransforms, Transforms};
+use gfmd_vector::{add, for_each, reduce};
+
+use super::reaction::Reaction;
+use super::trust_region::{Model, Vectors};
+use crate::frame::Frame;
+
+/// The matrix K + J on the points that the wall does not hold.
+pub(super) struct OneComponent<'a> {
+    /// In double precision, for the energy and the force.
+    transforms: Transforms,
+    rounded: RoundedTransforms,
+    frame: &'a Frame<'a>,
+    /// Number of points in a row.
+    row: usize,
+    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
+    weight: Vec<f32>,
+    /// Number of points that the wall does not hold; counted if their mean is held.
+    free: f64,
+    /// The means over the free points of z and of A p, which are to be subtracted; 0 if the mean is not held.
+    of_preconditioned: f32,
+    of_image: f32,
+    /// Two sums of each row.
+    sums: Vec<[f64; 2]>,
+}
+
+impl<'a> OneComponent<'a> {
+    pub(super) fn new(
+        response: &Arc<NormalResponse>,
+        transforms: Transforms,
+        frame: &'a Frame<'a>,
+        uniform_compliance: f64,
+    ) -> Self {
+        let [rows, row] = response.grid().rows();
+        Self {
+            transforms,
+            rounded: RoundedTransforms::of(response, Some([uniform_compliance, frame.uniform_stiffness[0]])),
+            frame,
+            row,
+            weight: vec![0.0; frame.points()],
+            free: 0.0,
+            of_preconditioned: 0.0,
+            of_image: 0.0,
+            sums: vec![[0.0; 2]; rows],
+        }
+    }
+
+    /// The mean over the free points of a field with this sum over them.
+    fn mean(&self, sum: f64) -> f32 {
+        if self.frame.held[0] && self.free > 0.0 { (sum / self.free) as f32 } else { 0.0 }
+    }
+
+    fn total(&self) -> [f64; 2] {
+        reduce(self.sums.len(), &|range| self.sums[range].iter().copied().fold([0.0; 2], add), &add)
+    }
+}
+
+impl Model for OneComponent<'_> {
+    type Value = f32;
+
+    fn unit(&self) -> f64 {
+        self.rounded.unit()
+    }
+
+    fn project(&mut self, vector: &mut [f32]) {
+        (self.of_preconditioned, self.of_image) = (0.0, 0.0);
+        let mut mean = 0.0;
+        if self.frame.held[0] {
+            let weight = &self.weight;
+            let of = |range: std::ops::Range<usize>| {
+                let free = weight[range.clone()].iter().filter(|w| **w > 0.0).count() as f64;
+                [free_sum(&vector[range.clone()], &weight[range]), free]
+            };
+            let [sum, free] = reduce(vector.len(), &of, &add);
+            self.free = free;
+            mean = self.mean(sum);
+        }
+        let weight = &self.weight;
+        let keep = |start: usize, [field]: [&mut [f32]; 1]| {
+            for (v, weight) in field.iter_mut().zip(&weight[start..]) {
+                *v = if *weight > 0.0 { *v - mean } else { 0.0 };
+            }
+        };
+        for_each([vector], &keep);
+    }
+
+    fn advance(&mut self, vectors: &mut Vectors<f32>, step: f64) -> f64 {
+        let Vectors { direction, residual, preconditioned, conjugate, image } = vectors;
+        let Self { rounded, weight, row, sums, of_image, frame, .. } = self;
+        let (step, mean, is_held, row) = (step as f32, *of_image, frame.held[0], *row);
+        let (p, q, w) = (&conjugate[..], &image[..], &weight[..]);
+        let input = Rows((&mut direction[..], &mut residual[..], p, q, w), row);
+        let source = |_: usize, Rows((d, r, p, q, w), _): Rows<Moved>, out: &mut [f32]| {
+            d.iter_mut().zip(p).for_each(|(d, p)| *d += step * p);
+            for ((r, q), (w, out)) in r.iter_mut().zip(q).zip(w.iter().zip(out)) {
+                *r = if *w > 0.0 { *r - step * (q - mean) } else { 0.0 };
+                *out = *r * w;
+            }
+        };
+        rounded.compliance(input, source);
+        let output = (Rows((&mut preconditioned[..], &residual[..], w), row), &mut sums[..]);
+        let sink = |_: usize, made: &mut [f32], (Rows((z, r, w), _), sum): (Rows<Weighed>, &mut [[f64; 2]])| {
+            z.iter_mut().zip(made.iter().zip(w)).for_each(|(z, (made, w))| *z = made * w);
+            sum[0] = [product(r, z), if is_held { free_sum(z, w) } else { 0.0 }];
+        };
+        rounded.rows(output, sink);
+        let [square, sum] = self.total();
+        self.of_preconditioned = self.mean(sum);
+        square
+    }
+
+    fn turn(&mut self, vectors: &mut Vectors<f32>, reaction: &Reaction, turn: f64) -> f64 {
+        let Vectors { preconditioned, conjugate, image, .. } = vectors;
+        let unit = self.unit();
+        let Self { rounded, weight, row, sums, of_preconditioned, frame, .. } = self;
+        let (turn, mean, is_held, row) = (turn as f32, *of_preconditioned, frame.held[0], *row);
+        let (z, w) = (&preconditioned[..], &weight[..]);
+        let source = |_: usize, Rows((p, z, w), _): Rows<Weighed>, out: &mut [f32]| {
+            for ((p, z), (w, out)) in p.iter_mut().zip(z).zip(w.iter().zip(out)) {
+                *p = z - if *w > 0.0 { mean } else { 0.0 } + turn * *p;
+                *out = *p;
+            }
+        };
+        rounded.stiffness_ahead(Rows((&mut conjugate[..], z, w), row), source);
+        let output = (Rows((&mut image[..], &conjugate[..], w, reaction.diagonal(0)), row), &mut sums[..]);
+        let sink = |_: usize, made: &mut [f32], (Rows((q, p, w, j), _), sum): (Rows<Curved>, &mut [[f64; 2]])| {
+            for ((q, made), (p, j)) in q.iter_mut().zip(made.iter()).zip(p.iter().zip(j)) {
+                *q = made + (j * unit) as f32 * p;
+            }
+            sum[0] = [product(p, q), if is_held { free_sum(q, w) } else { 0.0 }];
+        };
+        rounded.rows(output, sink);
+        let [square, sum] = self.total();
+        self.of_image = self.mean(sum);
+        square
+    }
+
+    fn weight(&mut self) -> &mut [f32] {
+        &mut self.weight
+    }
+
+    fn elastic(&mut self, w: &[f64], traction: &mut [f64]) {
+        self.transforms.stiffness(w, &self.frame.uniform_stiffness, traction);
+    }
+
+    fn pairs(&self) -> f64 {
+        self.transforms.pairs() + self.rounded.pairs()
+    }
+
+    fn count(&mut self, visitor: &mut dyn Visit) {
+        visitor.count(self.transforms.counter());
+        visitor.count(self.rounded.counter());
+    }
+}
+
+type Moved<'a> = (&'a mut [f32], &'a mut [f32], &'a [f32], &'a [f32], &'a [f32]);
+type Weighed<'a> = (&'a mut [f32], &'a [f32], &'a [f32]);
+type Curved<'a> = (&'a mut [f32], &'a [f32], &'a [f32], &'a [f64]);
+
+/// Number of sums that are made side by side.
+const LANES: usize = 8;
+
+/// Σ a b in double precision.
+fn product(a: &[f32], b: &[f32]) -> f64 {
+    sum_of(a, b, |a, b| f64::from(a) * f64::from(b))
+}
+
+/// The sum of the values where the weight is positive, in double precision.
+fn free_sum(values: &[f32], weight: &[f32]) -> f64 {
+    sum_of(values, weight, |value, weight| if weight > 0.0 { value.into() } else { 0.0 })
+}
+
+fn sum_of(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f64) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (blocks, others) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = blocks.remainder().iter().zip(others.remainder()).map(|(a, b)| term(*a, *b)).sum();
+    for (a, b) in blocks.zip(others) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += term(*a, *b);
+        }
+    }
+    lanes.iter().sum::<f64>() + rest
+}

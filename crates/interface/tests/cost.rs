@@ -1,0 +1,93 @@
+//! The cost of contacts with a law in transform pairs, which do not depend on the machine, and the states that they reach. The
+//! bounds are about a fifth above the numbers needed when they were set.
+
+use gfmd_contact::{Equilibrium, Load};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{Interface, State};
+use gfmd_law::{Exponential, Law, Morse};
+use gfmd_surface::{Discretisation, SelfAffine};
+
+const N: usize = 128;
+const WORK: f64 = 2e-5;
+
+/// The range at which the steepness of the attraction is about a half of the stiffness of the shortest wave.
+fn shortest_range() -> f64 {
+    let corner = 0.5 * std::f64::consts::PI * N as f64 * std::f64::consts::SQRT_2;
+    (WORK / (0.48 * corner)).sqrt()
+}
+
+fn interface(hurst: f64, law: impl Law + 'static) -> Interface {
+    let grid = Grid::square(N, 1.0).unwrap();
+    let numbers = Discretisation { eps_t_inv: 4.0, eps_f_inv: N as f64 / 32.0, eps_c_inv: 8.0 };
+    let spectrum = SelfAffine { hurst, ..SelfAffine::with_rms_gradient(1.0) };
+    let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 1).unwrap();
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+    let interface = Interface::new(&body, &grid, &heights, law).unwrap();
+    assert!(interface.trapping().is_none());
+    interface
+}
+
+fn exponential(factor: f64) -> Exponential {
+    Exponential::new(factor * WORK, factor * shortest_range()).unwrap()
+}
+
+/// The pairs of loads that follow each other, each from the state of the last one.
+fn pairs(interface: &Interface, loads: &[Load]) -> Vec<f64> {
+    let mut last: Option<State> = None;
+    let pairs = loads.iter().map(|load| {
+        let state = interface.press(*load).starting_from(last.as_ref()).solve().unwrap();
+        assert!(state.residual.worst() <= 1e-8 && state.lowest_curvature > 0.0, "{load:?}: {:?}", state.residual);
+        let pairs = state.effort.transform_pairs;
+        last = Some(state);
+        pairs
+    });
+    pairs.collect()
+}
+
+/// Fails with all numbers if any case takes more pairs than its bound.
+fn assert_within(found: &[(String, Vec<f64>, Vec<f64>)]) {
+    let within = |(_, pairs, bounds): &(String, Vec<f64>, Vec<f64>)| {
+        pairs.len() == bounds.len() && pairs.iter().zip(bounds).all(|(pairs, bound)| pairs <= bound)
+    };
+    assert!(found.iter().all(within), "case, pairs, bounds: {found:#?}");
+}
+
+#[test]
+fn loads_of_a_loop() {
+    let up_and_down = [0.002, 0.006, 0.01, 0.006].map(Load::MeanPressure);
+    let cases = [
+        (0.8, 1.0, [172.0, 244.0, 252.0, 260.0]),
+        (0.3, 1.0, [107.0, 215.0, 208.0, 161.0]),
+        (0.8, 4.0, [91.0, 110.0, 104.0, 102.0]),
+        (0.3, 4.0, [97.0, 89.0, 109.0, 104.0]),
+    ];
+    assert_within(&cases.map(|(hurst, factor, bounds)| {
+        let pairs = pairs(&interface(hurst, exponential(factor)), &up_and_down);
+        (format!("H {hurst}, {factor} times the shortest range"), pairs, bounds.into())
+    }));
+}
+
+#[test]
+fn cold_starts_from_first_touch_to_full_contact() {
+    let interface = interface(0.8, exponential(1.0));
+    let cases = [(1e-3, 122.0), (0.01, 210.0), (0.1, 253.0), (1.0, 164.0)];
+    assert_within(&cases.map(|(pressure, bound)| {
+        (format!("p* {pressure}"), pairs(&interface, &[Load::MeanPressure(pressure)]), vec![bound])
+    }));
+}
+
+#[test]
+fn jumps_under_a_prescribed_approach() {
+    let range = 2.0 * shortest_range();
+    let approaches = [-30.0, -6.0, 0.0, 4.0, -8.0, -24.0].map(|d| Load::Approach(d * range));
+    let pairs = pairs(&interface(0.8, exponential(2.0)), &approaches);
+    assert_within(&[("twice the shortest range".into(), pairs, vec![6.0, 15.0, 43.0, 52.0, 24.0, 10.0])]);
+}
+
+#[test]
+fn a_law_without_a_wall() {
+    let law = Morse::new(WORK, shortest_range()).unwrap();
+    let pairs = pairs(&interface(0.8, law), &[0.002, 0.01].map(Load::MeanPressure));
+    assert_within(&[("Morse".into(), pairs, vec![193.0, 271.0])]);
+}
