@@ -127,7 +127,6 @@ fn what_makes_no_sense_is_refused_by_name() {
         ("path --hardness 0.1 --friction 0.3", "--friction"),
         ("path --boundary free --lateral 0,0.1", "--boundary is free; it must be periodic with --lateral, unless"),
         ("path --boundary free --height 1e-3", "--boundary free: the height of the top layer is 0.001"),
-        ("path --boundary free --friction 0.3 --height 1", "--boundary free: the height is 1"),
         ("path --hardness 0.001", "--p-star, step 0: the mean pressure"),
     ] {
         let output = gfmd(folder.path(), &words(&format!("{flags} --n 24 --eps-f-inv 6 --p-star 0.1")));

@@ -20,7 +20,7 @@ use crate::rounded::power_of_two;
 ///
 /// The compliance is split as Ewald (1921) split Coulomb's sum, with a length s of a few points. The part `g erf(q s)/q`, with g that
 /// of `G = g/q` for the shortest waves, decays in space as `erfc(r/2s)/r`, and is summed over pairs of points. The rest,
-/// `g erfc(q s)/q` on a half-space, has no waves shorter than some s: it is computed on a grid of [`COARSENING`] times the spacing, to
+/// `g erfc(q s)/q` on a half-space, has no waves shorter than some s: it is computed on a grid of four times the spacing, to
 /// which pressures are spread, and from which displacements are interpolated, by B-splines (Essmann et al. 1995). Images are
 /// accurate to some 1e-4 of the largest ones.
 ///
