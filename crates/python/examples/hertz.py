@@ -6,7 +6,7 @@ import gfmd
 import matplotlib.pyplot as plt
 import numpy as np
 
-n, length, radius, e_star = 256, 1.0, 1.0, 1.0
+n, length, radius, e_star = 256, 1.0, 5.0, 1.0
 x = (np.arange(n) - n / 2) * length / n
 distance = np.hypot(*np.meshgrid(x, x, indexing="ij"))
 sphere = gfmd.Surface(-(distance**2) / (2 * radius), size=length)
@@ -19,7 +19,7 @@ hertz = 2 * e_star * a / (np.pi * radius) * np.sqrt(np.maximum(1 - (x / a) ** 2,
 plt.plot(x, c.pressure[:, n // 2], ".", label="gfmd")
 plt.plot(x, hertz, label="Hertz")
 plt.xlim(-0.15, 0.15)
-plt.xlabel("x (radius)")
+plt.xlabel("x (cell)")
 plt.ylabel("pressure (E*)")
 plt.legend()
 plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "hertz.png", bbox_inches="tight")

@@ -187,7 +187,7 @@ def test_paths_are_those_of_the_program(name, run_program, tmp_path):
     assert [dict(leg) for leg in found.sliding] == wanted["sliding"]
     with h5py.File(tmp_path / "p.h5") as file:
         kept = set(file["fields"]) - {"waypoint", "x", "y"}
-        assert kept == {key for key in ("pressure", "gap", "shear_x", "shear_y") if key in found}
+        assert kept == {key for key in ("pressure", "gap", "displacement_z", "shear_x", "shear_y") if key in found}
         for key in kept:
             equal(found[key], file["fields"][key][...], key)
 
