@@ -16,7 +16,7 @@ use crate::dual::MARGIN;
 use crate::{Contact, Load};
 
 /// The largest part of the points that may be in blocks.
-const MOST: f64 = 0.25;
+const MOST: f64 = 0.06;
 
 /// The largest number of pairs of blocks, for each point of the grid.
 const PAIRS: f64 = 0.5;
@@ -494,7 +494,8 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
 /// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
 fn overlap(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
     let asked = (part * share.total() as f64).max(LEAST);
-    let possible = asked <= MOST * share.total() as f64;
+    // Blocks have more points than those that overlap, twice as many at least.
+    let possible = asked <= 0.5 * MOST * share.total() as f64;
     if !possible {
         return None;
     }
