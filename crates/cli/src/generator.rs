@@ -14,7 +14,6 @@ use serde::Serialize;
 use crate::choice::{by_name, parse_choice};
 use crate::failure::{Failure, check_size};
 use crate::memory::{Held, Processes};
-use crate::session::whole;
 
 /// The default number of points along one side.
 const POINTS: usize = 256;
@@ -146,7 +145,7 @@ impl GeneratorArgs {
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
         self.check_normalisation()?;
         match self.method {
-            Method::Psd => self.heights_shared(grid, &whole(grid)),
+            Method::Psd => self.heights_shared(grid, &grid.whole()),
             Method::Sra => self.subdivided(grid, Displaced::AllPoints),
             Method::Rmd => self.subdivided(grid, Displaced::Midpoints),
         }

@@ -126,7 +126,7 @@ impl Session {
     pub(crate) fn share(&self, grid: &Grid) -> Result<Share, Refusal> {
         match &self.ranks {
             Some(ranks) => Contact::share(Arc::clone(ranks), grid),
-            None => Ok(whole(grid)),
+            None => Ok(grid.whole()),
         }
     }
 
@@ -229,12 +229,6 @@ impl Session {
             warnings: self.warnings.clone(),
         }
     }
-}
-
-/// All rows of a grid, for one process.
-pub fn whole(grid: &Grid) -> Share {
-    let [rows, columns] = grid.rows();
-    Share::whole(rows, columns)
 }
 
 impl fmt::Debug for Session {

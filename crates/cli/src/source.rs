@@ -16,7 +16,7 @@ use crate::elastic::sides;
 use crate::failure::{Failure, SIZES, check_size};
 use crate::generator::GeneratorArgs;
 use crate::scan::{Prepared, Scan};
-use crate::session::{Session, whole};
+use crate::session::Session;
 use crate::{processes, rows};
 
 /// Flags that name or describe a surface.
@@ -211,7 +211,7 @@ impl Surface {
         Some(Self {
             heights,
             grid,
-            share: whole(&grid),
+            share: grid.whole(),
             unit: self.unit.clone(),
             statistics,
             boundary,
@@ -354,7 +354,7 @@ impl SourceArgs {
             None => None,
         };
         let origin = self.surface.as_deref().map(origin).transpose()?;
-        Ok(Made { heights, grid, share: whole(&grid), description, scan, origin, second })
+        Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
     }
 
     /// Reads the second surface, which has the cell and the points of the first.

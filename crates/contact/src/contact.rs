@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_field::Grid;
@@ -42,7 +43,7 @@ impl Contact {
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::over(&whole(grid), body, grid, heights)
+        Self::over(&grid.whole(), body, grid, heights)
     }
 
     /// As [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3, restricted lateral
@@ -51,7 +52,7 @@ impl Contact {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn held_sideways(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::held_sideways_over(&whole(grid), body, grid, heights)
+        Self::held_sideways_over(&grid.whole(), body, grid, heights)
     }
 
     /// The rows of a grid that this one of several processes solves for ([`over`](Self::over)).
@@ -250,6 +251,21 @@ impl Contact {
         solution
     }
 
+    /// The compliance of the uniform mode that the search takes part in, if the approach of a periodic surface is prescribed.
+    pub(crate) fn level_under(&self, load: Load) -> Option<f64> {
+        let takes_part = self.free.is_none() && matches!(load, Load::Approach(_));
+        takes_part.then(|| self.response.uniform_compliance())
+    }
+
+    /// G of the periodic modes of this process, with that of the `uniform` mode if there is one.
+    pub(crate) fn table(&self, uniform: Option<f64>) -> Cow<'_, [f64]> {
+        let mut table = Cow::from(self.response.compliance());
+        if let (Some(uniform), true) = (uniform, self.response.has_uniform()) {
+            table.to_mut()[0] = uniform;
+        }
+        table
+    }
+
     /// The compliance of the uniform mode that [`Compliance`] does not contain.
     pub(crate) fn uniform_compliance(&self) -> f64 {
         if self.free.is_some() { 0.0 } else { self.response.uniform_compliance() }
@@ -301,10 +317,4 @@ impl Contact {
         }
         Ok(())
     }
-}
-
-/// All rows of a grid, for one process.
-fn whole(grid: &Grid) -> Share {
-    let [rows, columns] = grid.rows();
-    Share::whole(rows, columns)
 }

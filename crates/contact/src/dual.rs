@@ -63,21 +63,16 @@ pub(crate) const MARGIN: f64 = 0.95;
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, share, .. } = contact;
-        let mut compliance = Cow::from(response.compliance());
         let clearance = surface.clearance();
         let linear = match load {
             Load::MeanPressure(_) => Cow::from(clearance),
             Load::Approach(approach) => clearance.iter().map(|c| c - approach).collect(),
         };
-        let mut level = None;
-        if let (Load::Approach(_), None) = (load, &contact.free) {
-            let uniform = response.uniform_compliance();
-            if response.has_uniform() {
-                compliance.to_mut()[0] = uniform;
-            }
+        let level = contact.level_under(load).map(|uniform| {
             let stiffness = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
-            level = Some([uniform, stiffness]);
-        }
+            [uniform, stiffness]
+        });
+        let compliance = contact.table(level.map(|[uniform, _]| uniform));
         let points = response.grid().points();
         // The waves along the longer side.
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
@@ -238,10 +233,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         }
     }
     let mut dual = Dual::new(contact, attempt.load);
-    let mean = match attempt.load {
-        Load::MeanPressure(mean) => Some(mean),
-        Load::Approach(_) => None,
-    };
+    let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
     let mut pressure = attempt.start.take().unwrap_or_else(|| vec![mean.unwrap_or(0.0); own]);
     let upper = dual.upper();

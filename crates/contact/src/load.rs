@@ -10,6 +10,16 @@ pub enum Load {
     Approach(f64),
 }
 
+impl Load {
+    /// The mean pressure, if it is prescribed.
+    pub(crate) fn mean_pressure(self) -> Option<f64> {
+        match self {
+            Self::MeanPressure(mean) => Some(mean),
+            Self::Approach(_) => None,
+        }
+    }
+}
+
 /// The prescribed motion of the rigid surface: its load, and its lateral displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {

@@ -329,7 +329,7 @@ pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
 }
 
 /// The smaller of two numbers; NaN if either is NaN.
-fn lower(a: f64, b: f64) -> f64 {
+pub(crate) fn lower(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
 }
 

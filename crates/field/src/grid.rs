@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use gfmd_vector::Share;
 use num_complex::Complex64;
 
 /// A periodic rectangular cell and the points on it: point `[i, j]` lies at `(i Lx/nx, j Ly/ny)`.
@@ -123,6 +124,12 @@ impl Grid {
     /// The number of rows of a field, and of points in each. A grid with one point along an axis is a single row.
     pub fn rows(&self) -> [usize; 2] {
         if self.points.contains(&1) { [1, self.len()] } else { self.points }
+    }
+
+    /// All rows, the share of a process that is alone.
+    pub fn whole(&self) -> Share {
+        let [rows, columns] = self.rows();
+        Share::whole(rows, columns)
     }
 
     /// Returns true for a line along x (one point along y).

@@ -5,10 +5,8 @@ use gfmd_measure::{Patches, Surroundings};
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
+use crate::PART;
 use crate::numbering::{CLOSED, Numbering};
-
-/// Cells of a part. Sums are formed for each part first, so that they do not depend on the number of threads.
-const PART: usize = 1 << 12;
 
 /// A face of a cell.
 struct Face {

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-/// Nodes of a part of a graph. Sums are formed for each part first, so that they do not depend on the number of threads.
-const PART: usize = 1 << 12;
+use crate::PART;
 
 /// A graph with weights on its edges, and conductances of its nodes to a reservoir.
 #[derive(Clone, Debug)]

@@ -4,11 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::PART;
 use crate::cells::{Cells, Links};
 use crate::graph::Graph;
-
-/// Rows of a part of a vector.
-const PART: usize = 1 << 12;
 
 impl Cells<'_> {
     /// The graph of the other cells. A cell that is gone leaves an edge between any two of its neighbours, as conductances in a star.

@@ -32,5 +32,9 @@ mod queue;
 mod remaining;
 mod search;
 
+/// The number of cells, and of nodes of a graph, in a part. Sums are formed for each part first, so that they do not depend on the
+/// number of threads.
+const PART: usize = 1 << 12;
+
 pub use flow::{Flow, FlowError, Path, TOLERANCE, flow};
 pub use gfmd_measure::Surroundings;

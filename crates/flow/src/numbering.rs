@@ -35,10 +35,12 @@ impl Numbering {
             let [i, j] = [cell / points[1], cell % points[1]];
             (label > 0 && chosen[label as usize - 1]).then(|| {
                 let block = rows.block(i) * columns.blocks + columns.block(j);
-                match () {
-                    () if (i + j) % 2 == 0 && rows.alternates(i) && columns.alternates(j) => blocks + 1 + block,
-                    () if rows.is_border(i) || columns.is_border(j) => blocks,
-                    () => block,
+                if (i + j) % 2 == 0 && rows.alternates(i) && columns.alternates(j) {
+                    blocks + 1 + block
+                } else if rows.is_border(i) || columns.is_border(j) {
+                    blocks
+                } else {
+                    block
                 }
             })
         };

@@ -1,7 +1,7 @@
 //! The nodes of a graph by their number of edges.
 
-/// No node.
-const NONE: u32 = u32::MAX;
+/// No node, no edge.
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The nodes that are left, by their number of edges.
 pub(crate) struct Queue {

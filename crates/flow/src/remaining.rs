@@ -1,9 +1,6 @@
 //! The graph that is left of one while its nodes are eliminated.
 
-use crate::queue::Queue;
-
-/// No edge, no node.
-const NONE: u32 = u32::MAX;
+use crate::queue::{NONE, Queue};
 
 /// Edges into which one is divided, and are kept between two nodes: each is sampled for itself.
 const COPIES: usize = 2;

@@ -5,7 +5,7 @@ use std::path::Path;
 use gfmd_cli::contact::{Chosen, ContactFile};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recording};
-use gfmd_cli::session::{Common, Session, whole};
+use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
@@ -35,7 +35,7 @@ fn surface_of(
     let grid = grid(py, heights.dim().into(), lengths)?;
     let statistics = quick(py, || Statistics::of(&heights, &grid))?;
     let statistics = statistics.map_err(|error| refused(py, &format!("surface: {error}")))?;
-    let (share, scan, origin, second) = (whole(&grid), None, None, None);
+    let (share, scan, origin, second) = (grid.whole(), None, None, None);
     Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
 }
 
@@ -75,7 +75,8 @@ pub(crate) fn save(
         let recording =
             Recording { is_plastic, is_steep, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
         let provenance = session.provenance(config);
-        let mut file = ContactFile::create(&output, &provenance, &surface, records.len(), recording, Chosen::ALL)?;
+        let mut file =
+            ContactFile::create(Some(&output), &provenance, &surface, records.len(), recording, Chosen::ALL)?;
         if let Some(lower) = &lower {
             file.write_lower(lower)?;
         }

@@ -5,7 +5,7 @@ use gfmd_green::{Body, GreenError, patch_compliance};
 use gfmd_vector::{for_each, total};
 
 use crate::elastic::fits;
-use crate::rounded::power_of_two;
+use crate::units::power_of_two;
 
 /// The compliance of a patch of a half-space that does not repeat: the pressure is constant on the cell around every point
 /// of the grid and zero outside of the patch, and the displacement is that of the points, zero far away (theory.md,

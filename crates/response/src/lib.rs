@@ -70,4 +70,4 @@ pub use operator::{Operator, Workspace};
 pub use plate::{PlateResponse, PlateTransforms};
 pub use rounded::RoundedTransforms;
 pub use scattered::{Blocks, LANES, Scattered, ScatteredMemory};
-pub use units::unit_of;
+pub use units::{power_of_two, unit_of};

@@ -37,7 +37,7 @@ fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
 impl NormalResponse {
     /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
-        Self::over(grid, body, &whole(&grid))
+        Self::over(grid, body, &grid.whole())
     }
 
     /// As [`new`](Self::new), for the rows that are the `share` of this process.
@@ -48,7 +48,7 @@ impl NormalResponse {
     /// As [`new`](Self::new), without lateral displacement of the surface: the stiffness is K_N in place of 1/G_zz
     /// (theory.md, section 3, restricted lateral displacement).
     pub fn held_sideways(grid: Grid, body: &Body) -> Self {
-        Self::held_sideways_over(grid, body, &whole(&grid))
+        Self::held_sideways_over(grid, body, &grid.whole())
     }
 
     /// As [`held_sideways`](Self::held_sideways), for the rows that are the `share` of this process.
@@ -101,7 +101,7 @@ impl NormalResponse {
         let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
         let uniform_compliance = std::mem::take(&mut compliance[0]);
         Ok(Self {
-            share: whole(table.transform.grid()),
+            share: table.transform.grid().whole(),
             transform: table.transform,
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
@@ -178,10 +178,4 @@ impl NormalResponse {
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
-}
-
-/// All rows of a grid, for one process.
-fn whole(grid: &Grid) -> Share {
-    let [rows, columns] = grid.rows();
-    Share::whole(rows, columns)
 }

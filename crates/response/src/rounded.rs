@@ -4,6 +4,7 @@ use gfmd_field::{Grid, Rows, Share, Split, Transform, Workspace};
 
 use crate::NormalResponse;
 use crate::elastic::fits;
+use crate::units::power_of_two;
 
 /// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness times
 /// this unit, so that the softest wave has the compliance 1, about.
@@ -27,11 +28,6 @@ impl Rounded {
             unit,
         }
     }
-}
-
-/// The largest power of two below a positive number: a factor that rounds nothing.
-pub(crate) fn power_of_two(x: f64) -> f64 {
-    x.log2().floor().exp2()
 }
 
 /// The modes with q_x ≥ 0 of a table that is even in q_x; all modes of a line.

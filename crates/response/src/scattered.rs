@@ -13,7 +13,7 @@ use stencil::Stencil;
 
 use crate::NormalResponse;
 use crate::elastic::fits;
-use crate::rounded::power_of_two;
+use crate::units::power_of_two;
 
 /// Compliance and approximate stiffness between few points of a periodic grid, in single precision: for contacts so small that
 /// transforms of the whole surface would mostly move zeros.

@@ -4,6 +4,16 @@ use gfmd_green::Body;
 /// Sizes from the inverse of this number to this number are ordinary; 2¹⁰⁰ is about 10³⁰.
 const ORDINARY: f64 = (1_u128 << 100) as f64;
 
+/// The power of two below a positive number, a factor that rounds nothing; 1 for what is no normal positive number.
+pub fn power_of_two(number: f64) -> f64 {
+    // The exponent bits alone.
+    if number >= f64::MIN_POSITIVE && number.is_finite() {
+        f64::from_bits(number.to_bits() & (0x7ff << 52))
+    } else {
+        1.0
+    }
+}
+
 /// The unit for numbers of the size of `number`: the power of two below it, or 1 for an ordinary number, from 1e-30 to
 /// 1e30, and for zero.
 pub fn unit_of(number: f64) -> f64 {

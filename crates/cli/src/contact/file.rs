@@ -167,26 +167,11 @@ pub(super) fn fields<'s>(recording: Recording, state: &'s impl Recorded, lift: O
 }
 
 impl<'a> ContactFile<'a> {
-    /// A file for `loads` loads of a surface.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn create(
-        output: &'a Output,
-        provenance: &Provenance,
-        surface: &Surface,
-        loads: usize,
-        recording: Recording,
-        chosen: Chosen,
-    ) -> Result<Self, Failure> {
-        Self::create_over(Some(output), provenance, surface, loads, recording, chosen)
-    }
-
-    /// As [`create`](Self::create); processes without an `output` only send their rows.
+    /// A file for `loads` loads of a surface; processes without an `output` only send their rows.
     ///
     /// # Errors
     /// A file that cannot be written, at the process that writes.
-    pub(super) fn create_over(
+    pub fn create(
         output: Option<&'a Output>,
         provenance: &Provenance,
         surface: &Surface,

@@ -66,7 +66,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
         let create = || {
             let loads = controls.len();
-            ContactFile::create_over(output.as_ref(), &provenance, surface, loads, recording, chosen.clone())
+            ContactFile::create(output.as_ref(), &provenance, surface, loads, recording, chosen.clone())
         };
         // All processes take part in writing; if the first one fails, all end.
         let mut file = args.out.as_ref().map(|_| session.agree(create())).transpose()?;

@@ -1,4 +1,5 @@
 use gfmd_relax::{Variables, Visit};
+use gfmd_response::power_of_two;
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
 use super::reaction::Reaction;
@@ -277,11 +278,6 @@ impl<'a, M: Model> Descent<'a, M> {
         };
         -self.region.unit * sum(force.len(), &along)
     }
-}
-
-/// The power of two below a number, which rounds nothing; 1 for a number that is not positive.
-fn power_of_two(x: f64) -> f64 {
-    if x >= f64::MIN_POSITIVE && x.is_finite() { f64::from_bits(x.to_bits() & (0x7ff << 52)) } else { 1.0 }
 }
 
 /// All else follows from these, or is overwritten in an iteration.

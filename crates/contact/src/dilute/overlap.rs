@@ -1,0 +1,96 @@
+//! The points that may touch, by their heights alone.
+
+use gfmd_vector::{Parcel, Share};
+use rayon::prelude::*;
+
+use super::candidates::MOST;
+use crate::{Contact, Load};
+
+/// The number of points that overlap a rigid plane at the start, for each that is expected to touch.
+const OVERLAPPING: f64 = 3.0;
+
+/// The least number of such points.
+const LEAST: f64 = 32.0;
+
+/// a_r g E*/p, about.
+const KAPPA: f64 = 2.0;
+
+/// The number of bins for the clearances below the mean.
+const BINS: usize = 4096;
+
+/// How deep a rigid plane would lie below the highest point of the surface at the start.
+#[derive(Clone, Copy)]
+pub(super) struct Overlap {
+    /// The depth, in length.
+    pub(super) depth: f64,
+    /// E* times the rms gradient, about: the pressure where the overlap is largest.
+    stiffness: f64,
+}
+
+impl Overlap {
+    /// `None` if too many points overlap.
+    pub(super) fn of(contact: &Contact, load: Load) -> Option<Self> {
+        let Contact { response, scaled: surface, share, .. } = contact;
+        let clearance = surface.clearance();
+        let stiffness = response.contact_modulus() * rough_gradient(clearance, share, response.grid().spacing()[1]);
+        let depth = match load {
+            Load::MeanPressure(mean) => {
+                depth_of(clearance, share, surface.mean_clearance(), OVERLAPPING * KAPPA * mean / stiffness)?
+            }
+            Load::Approach(approach) => approach,
+        };
+        Some(Self { depth, stiffness })
+    }
+
+    /// The pressure at a point with this clearance.
+    pub(super) fn pressure(self, clearance: f64) -> f64 {
+        self.stiffness * ((self.depth - clearance) / self.depth).max(0.0)
+    }
+}
+
+/// The values of all processes, of which `own` are the own ones.
+pub(super) fn gathered<T: Copy + Parcel>(share: &Share, own: &[T]) -> Vec<T> {
+    if share.is_whole() { own.to_vec() } else { share.collect(own, &share.each(own.len())) }
+}
+
+/// The rms gradient along the rows of a sixteenth of them, times √2.
+fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
+    let columns = share.columns();
+    let row = |row: &[f64]| row.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+    let own = share.rows().zip(clearance.chunks_exact(columns)).filter(|(number, _)| number.is_multiple_of(16));
+    let squares = gathered(share, &own.map(|(_, values)| row(values)).collect::<Vec<_>>());
+    let count = (squares.len() * (columns - 1)) as f64;
+    (2.0 * squares.iter().sum::<f64>() / count).sqrt() / spacing
+}
+
+/// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
+fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
+    let asked = (part * share.total() as f64).max(LEAST);
+    // Blocks have more points than those that overlap, twice as many at least.
+    let possible = asked <= 0.5 * MOST * share.total() as f64;
+    if !possible {
+        return None;
+    }
+    let scale = BINS as f64 / mean;
+    let counts = clearance.par_chunks(1 << 16).map(|clearance| {
+        let mut counts = vec![0_u64; BINS];
+        for c in clearance {
+            if let Some(count) = counts.get_mut((c * scale) as usize) {
+                *count += 1;
+            }
+        }
+        counts
+    });
+    let add = |mut a: Vec<u64>, b: Vec<u64>| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    let counts = gathered(share, &counts.reduce(|| vec![0; BINS], add));
+    let counts = counts.chunks_exact(BINS).fold(vec![0; BINS], |all, counts| add(all, counts.to_vec()));
+    let mut below = 0;
+    let bin = counts.iter().position(|count| {
+        below += count;
+        below as f64 >= asked
+    })?;
+    Some((bin + 1) as f64 / scale)
+}
