@@ -124,10 +124,8 @@ def layered_matrix(points, lengths, layers, base):
     return tangential_matrix(points, lengths, young, nu) + np.block(more)
 
 
-def slab_matrix(points, lengths, nu, height, base):
-    """The displacement downwards by pressures, E* = 1."""
-    (nx, ny), (lx, ly) = points, lengths
-    a, b = lx / nx, ly / ny
+def slab_quadrature(nu, height, base):
+    """Wavenumbers, their weights, and the compliance over that of a half-space."""
     t, w = np.polynomial.legendre.leggauss(4000)
     last = 30.0 / height
     q, weight = 0.5 * last * (t + 1), 0.5 * last * w
@@ -138,6 +136,29 @@ def slab_matrix(points, lengths, nu, height, base):
         ratio = ((3 - 4 * nu) * tanh - 2 * x * sech) / ((3 - 4 * nu) + (2 * x * x + 5 - 12 * nu + 8 * nu * nu) * sech)
     else:
         ratio = (1 - sech) / (tanh + 2 * x * sech)
+    return q, weight, ratio
+
+
+def profile_matrix(points, lengths, nu, height, base):
+    """As slab_matrix, by pressures on strips, whose transform is that of a cell: G_zz of the slab less (1 - exp(-2 q h)) 2/q, whose
+    transform is ln(1 + 4 h^2/s^2)/pi, with the primitive s ln(1 + 4 h^2/s^2) + 4 h atan(s/(2 h))."""
+    n, a, depth = points[0], lengths[0] / points[0], 2 * height
+    q, weight, ratio = slab_quadrature(nu, height, base)
+    term = weight * 2 / q * (ratio + np.expm1(-q * depth)) / PI * 2 * np.sin(0.5 * q * a) / q
+    primitive = lambda s: (s * np.log1p((depth / s) ** 2) + 2 * depth * np.arctan(s / depth)) / PI
+    x = a * np.arange(n)
+    table = primitive(x + 0.5 * a) - primitive(x - 0.5 * a) + (np.cos(np.outer(x, q)) * term).sum(-1)
+    i = np.arange(n)
+    return table[np.abs(i[:, None] - i)]
+
+
+def slab_matrix(points, lengths, nu, height, base):
+    """The displacement downwards by pressures, E* = 1."""
+    if points[1] == 1:
+        return profile_matrix(points, lengths, nu, height, base)
+    (nx, ny), (lx, ly) = points, lengths
+    a, b = lx / nx, ly / ny
+    q, weight, ratio = slab_quadrature(nu, height, base)
     term = weight * 2 * (ratio - 1) / (2 * PI)
     g, gw = np.polynomial.legendre.leggauss(7)
     table = np.zeros((nx, ny))
@@ -208,6 +229,7 @@ def rounded(values, digits=13):
 
 def main():
     rough24, rough20 = bounded_contacts.rough((24, 24), 11), bounded_contacts.rough((20, 17), 12)
+    profile = bounded_contacts.rough((120, 1), 14)
     result = {"conventions": "peaks point at the body; arrays row by row, x first; shear on the elastic surface [component, x, y]; made by free_contacts.py"}
 
     cases = []
@@ -239,6 +261,9 @@ def main():
         (0.5, 0.3, "bonded", rough24, (1.0, 1.0), None, 0.03),
         (0.0, 0.04, "bonded", rough20, (1.0, 0.9), 0.1, None),
         (0.4, 0.2, "sliding", rough20, (1.0, 0.9), None, 0.02),
+        (0.3, 0.1, "bonded", profile, (1.0, 1.0), 0.02, None),
+        (0.5, 0.3, "bonded", profile, (1.0, 1.0), None, 0.03),
+        (0.1, 0.02, "sliding", profile, (1.0, 1.0), None, 0.01),
     ]:
         G = slab_matrix(heights.shape, lengths, nu, height, base)
         clearance = (heights.max() - heights).ravel()
@@ -257,6 +282,7 @@ def main():
         ("morse", 5e-4, 0.03, None, rough20, (1.0, 0.9), 0.01, None),
         ("morse", 5e-4, 0.03, None, rough20, (1.0, 0.9), None, -0.01),
         ("morse", 5e-4, 0.03, (0.4, 0.2, "sliding"), rough20, (1.0, 0.9), None, 0.02),
+        ("exponential", 2e-4, 0.02, (0.3, 0.1, "bonded"), profile, (1.0, 1.0), None, 0.01),
     ]:
         points = heights.shape
         G = bounded_contacts.free_matrix(points, lengths) if body is None else slab_matrix(points, lengths, *body)

@@ -114,7 +114,7 @@ impl Contact {
     /// points far away, and a mean pressure is the force over Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a body other than a half-space.
+    /// As [`new`](Self::new); and with free boundaries a body without a level far away, or with layers that are too thin.
     pub fn bounded(boundary: Boundary, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let mut contact = Self::new(body, grid, heights)?;
         if boundary == Boundary::Free {
@@ -271,12 +271,17 @@ impl Contact {
         if self.free.is_some() { 0.0 } else { self.response.uniform_compliance() }
     }
 
+    /// False if the displacement is known up to a constant.
+    pub(crate) fn has_level(&self) -> bool {
+        self.free.as_ref().is_none_or(|free| free.has_level())
+    }
+
     /// Checks that the contact can carry `load`.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
         match load {
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
-                if self.free.is_some() && self.surface.grid().is_line() {
+                if !self.has_level() {
                     return Err(Refusal::LineApproach);
                 }
                 let is_fixed = self.free.is_none() && self.response.uniform_compliance() == 0.0;

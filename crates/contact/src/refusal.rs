@@ -128,10 +128,10 @@ pub enum Refusal {
         /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
-    /// The approach to a profile with free boundaries is prescribed.
+    /// The approach to a profile with free boundaries on a half-space is prescribed.
     #[error(
-        "the approach is prescribed; for a profile with free boundaries the mean pressure must be prescribed, since the \
-         displacement is known up to a constant"
+        "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be prescribed, \
+         since the displacement is known up to a constant"
     )]
     LineApproach,
     /// The body cannot have the boundary.

@@ -15,7 +15,7 @@ use crate::{Contact, Effort, Load, Solution};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
     /// In stress/length. Infinite in full contact with a body whose mean level is fixed (periodic half-space, incompressible
-    /// slab); NaN for a profile with free boundaries, whose displacement is known up to a constant.
+    /// slab); NaN for a profile with free boundaries on a half-space, whose displacement is known up to a constant.
     pub value: f64,
     /// The relative error of `value`, from the residual of the linear problem with fresh transforms: ⟨r, M r⟩ / ⟨q, G q⟩ with
     /// M the preconditioner, which is at least about the inverse of G on the contact.
@@ -47,7 +47,7 @@ impl Contact {
         let own = solution.pressure.iter().enumerate().filter(|point| touches(*point)).count();
         let count: usize = self.share.each(own).into_iter().sum();
         let exact = |value| Ok(Stiffness { value, error: 0.0, effort: Effort::default() });
-        if self.free.is_some() && self.surface().grid().is_line() {
+        if !self.has_level() {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
         } else if count == 0 {
             return exact(0.0);

@@ -38,15 +38,12 @@ pub enum GreenError {
         "the base is sliding, which does not hold the body sideways; with free boundaries and shear it must be bonded or half-space"
     )]
     FreeSliding,
-    /// A profile with free boundaries on a body of finite height.
-    #[error("the height is {0}; for a profile with free boundaries it must be inf, a half-space")]
-    FreeProfile(f64),
     /// A patch with free boundaries on a plate.
     #[error("nothing holds the plate; with free boundaries the base must be bonded, sliding or half-space")]
     FreePlate,
     /// Layers that are too thin for a patch.
     #[error(
-        "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: about 1/200 of the diagonal of the patch, and 1/4 of the spacing"
+        "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: about 1/200 of the diagonal of the patch or of the profile, and 1/4 of the spacing"
     )]
     ThinLayer {
         /// The height.

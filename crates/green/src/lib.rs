@@ -65,7 +65,7 @@ pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
-pub use patch::{PatchMatrix, patch_compliance, patch_matrix};
+pub use patch::{PatchMatrix, has_level, patch_compliance, patch_matrix};
 pub use plate::{Plate, PlateCompliance};
 pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use stacking::{BaseKind, UnknownBase};

@@ -14,11 +14,11 @@ use layered::{Correction, MatrixCorrection};
 /// by a uniform unit pressure on the cell that lies `[i, j]` cells away, and zero far away: of a half-space in closed form (Love
 /// 1929), and what layers add to it by quadrature of their compliance over all wavenumbers, to about 1e-12 of the entry `[0, 0]`.
 ///
-/// On a line the cells are strips without end, and the displacement is known up to a constant: it is zero at one length of
-/// the patch from the centre of a strip that is far shorter.
+/// On a line the cells are strips without end. Without a [level](has_level) the displacement is known up to a constant: on a
+/// half-space it is zero at one length of the patch from the centre of a strip that is far shorter.
 ///
 /// # Errors
-/// A plate, which nothing holds; layers on a line; layers thinner than 1/200 of the patch or 1/4 of a cell.
+/// A plate, which nothing holds; layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
     let correction = Correction::of(body, grid)?;
     let modulus = body.contact_modulus();
@@ -28,6 +28,12 @@ pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) 
         let integral = if is_line { -2.0 * strip(at[0], sides[0], length) } else { rectangle(at, sides) };
         integral / (PI * modulus) + correction.as_ref().map_or(0.0, |correction| correction.integral(at))
     })
+}
+
+/// True if the displacement by a pressure on a patch vanishes far away: on a surface, and on a profile if a base holds the
+/// body. Below a profile on a half-space it grows with the logarithm of the distance, and is known up to a constant.
+pub fn has_level(body: &Body, grid: &Grid) -> bool {
+    !grid.is_line() || body.normal_compliance(0.0).is_finite()
 }
 
 /// The compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell by a uniform

@@ -41,7 +41,7 @@ impl Interface {
                 (mean * inside, 0.0)
             }
             Load::Approach(found) => {
-                if self.patch.is_some() && self.surface.grid().is_line() {
+                if self.patch.as_ref().is_some_and(|patch| !patch.has_level()) {
                     return Err(Refusal::LineApproach);
                 }
                 let limit = self.surface.mean_clearance();

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
-use gfmd_green::Body;
+use gfmd_green::{Body, has_level};
 use gfmd_law::{InUnits, Law};
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
@@ -68,7 +68,7 @@ impl Interface {
         let given = RigidSurface::new(grid, heights)?.alone();
         let on_patch = |surface: &RigidSurface, body: &Body| {
             let response = NormalResponse::of_patch(surface.grid(), body)?;
-            let patch = Patch::of(surface, response.grid());
+            let patch = Patch::of(surface, response.grid(), has_level(body, surface.grid()));
             Ok((response.into(), Some(patch)))
         };
         Self::with_surface(body, given.into(), law, on_patch)

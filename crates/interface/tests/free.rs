@@ -180,6 +180,11 @@ fn what_has_no_level_far_away_is_refused() {
     let interface = on_patch(&line, &rough([32, 1]), Exponential::new(1e-4, 2e-3).unwrap());
     let error = interface.press(Load::Approach(0.01)).solve().unwrap_err();
     assert!(matches!(error, SolveError::Refused(Refusal::LineApproach)), "{error}");
+    // A profile on a slab has one.
+    let slab = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap();
+    let law = Exponential::new(1e-4, 2e-3).unwrap();
+    let interface = Interface::bounded(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
+    assert!(interface.press(Load::Approach(0.01)).solve().unwrap().mean_pressure > 0.0);
     let plate = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap().on(gfmd_green::Base::Free).unwrap();
     let grid = Grid::square(8, 1.0).unwrap();
     let error = Interface::bounded(Boundary::Free, &plate, &grid, &rough([8, 8]), HardWall).unwrap_err();

@@ -1,15 +1,15 @@
 use std::sync::Arc;
 
 use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Split};
-use gfmd_green::{Body, GreenError, patch_compliance};
+use gfmd_green::{Body, GreenError, has_level, patch_compliance};
 use gfmd_vector::{for_each, total};
 
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// The compliance of a patch of a half-space that does not repeat: the pressure is constant on the cell around every point
-/// of the grid and zero outside of the patch, and the displacement is that of the points, zero far away (theory.md,
-/// section 3.1). It is built once and shared between problems and threads.
+/// The compliance of a patch of a body that does not repeat: the pressure is constant on the cell around every point
+/// of the grid and zero outside of the patch, and the displacement is that of the points, zero far away if it
+/// [has a level](Self::has_level) (theory.md, section 3.1). It is built once and shared between problems and threads.
 ///
 /// Its inverse, the stiffness, is known approximately: in cosine waves, whose stiffness is the inverse of the mean compliance
 /// of the wave on the patch, between weights that raise the stiffness towards the edges, where the pressure of a given
@@ -27,6 +27,7 @@ pub struct FreeCompliance {
     weights: [Vec<f32>; 2],
     /// The pressure of a uniform displacement over its sum.
     uniform: Vec<f32>,
+    has_level: bool,
 }
 
 /// The excess of the weight one cell from the edge, and the power with which it falls with the distance. The eigenvalues of
@@ -41,7 +42,7 @@ impl FreeCompliance {
     /// Tabulates the compliance of `body` on `grid`.
     ///
     /// # Errors
-    /// A body other than a half-space.
+    /// A body without a level far away; layers that are too thin ([`patch_compliance`]).
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
         let compliance = patch_compliance(body, &grid)?;
         let convolution = Convolution::new(grid, &compliance);
@@ -53,7 +54,8 @@ impl FreeCompliance {
         let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points) as f32).collect());
         let weights = if grid.is_line() { swapped(weights) } else { weights };
         let mut uniform = vec![0.0; grid.len()];
-        let free = Self { convolution, rounded, unit, cosines, stiffness, weights, uniform: Vec::new() };
+        let has_level = has_level(body, &grid);
+        let free = Self { convolution, rounded, unit, cosines, stiffness, weights, uniform: Vec::new(), has_level };
         free.weighted(|_, row| row.fill(1.0), &mut uniform, &mut free.cosines.workspace());
         let sum = total(&uniform);
         uniform.iter_mut().for_each(|p| *p = (f64::from(*p) / sum) as f32);
@@ -63,6 +65,11 @@ impl FreeCompliance {
     /// The grid of the patch.
     pub fn grid(&self) -> &Grid {
         self.convolution.grid()
+    }
+
+    /// True if displacements are those against points far away; false if they are known up to a constant.
+    pub fn has_level(&self) -> bool {
+        self.has_level
     }
 
     /// `out` ← the approximate stiffness, times the unit, of the displacement whose rows `source(i, row)` fills.

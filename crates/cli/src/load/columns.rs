@@ -70,7 +70,7 @@ pub const STIFFNESS: &[Column<LoadRecord>] = &[
         "stiffness",
         "stress/length",
         "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; infinite \
-         in full contact if the mean level is fixed, NaN with a law and for a profile with free boundaries",
+         in full contact if the mean level is fixed, NaN with a law and for a profile with free boundaries on a half-space",
         |r| r.stiffness,
     ),
     Column::new(
