@@ -7,10 +7,12 @@ mod overlap;
 use std::ops::ControlFlow;
 
 use candidates::Candidates;
+pub(crate) use candidates::is_dilute;
 use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target, Visit, Watch, Why};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
 use overlap::Overlap;
+pub(crate) use overlap::gathered;
 
 use crate::Load;
 use crate::attempt::{Attempt, Ended};

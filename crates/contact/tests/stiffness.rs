@@ -167,6 +167,28 @@ fn it_costs_about_half_of_the_contact_from_first_touch_to_nearly_full_contact() 
     }
 }
 
+/// A hardness that is not reached changes nothing, but for the corrections on few points, which it does without.
+#[test]
+fn few_points_have_the_stiffness_of_the_whole_surface_for_few_transforms() {
+    let grid = Grid::new([256, 320], [1.0, 1.25]).unwrap();
+    let slab = Body::slab(material(0.3), 0.1).unwrap();
+    for body in [half_space(), slab] {
+        let contact = Contact::new(&body, &grid, &rough(&grid)).unwrap();
+        for p_star in [1e-6, 1e-4, 1e-3] {
+            let load = Load::MeanPressure(p_star * contact.reduced_pressure_unit());
+            let state = contact.press(load).solve().unwrap();
+            let few = contact.stiffness(&state).unwrap();
+            let all = contact.clone().with_hardness(1e6).unwrap().stiffness(&state).unwrap();
+            assert!(few.error <= 1e-9, "{p_star}: {few:?}");
+            approx::assert_relative_eq!(few.value, all.value, max_relative = 1e-9);
+            assert!(
+                few.effort.transform_pairs <= 7.0 && few.effort.transform_pairs < all.effort.transform_pairs,
+                "{p_star}: {few:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn threads_change_no_bit() {
     let grid = Grid::square(96, 1.0).unwrap();

@@ -258,7 +258,7 @@ impl<'a> Candidates<'a> {
 }
 
 /// True if sums over pairs of points take less time than transforms of the whole surface.
-fn is_dilute(blocks: &Blocks, points: usize) -> bool {
+pub(crate) fn is_dilute(blocks: &Blocks, points: usize) -> bool {
     (blocks.len() * LANES) as f64 <= MOST * points as f64 && blocks.pairs_near() as f64 <= PAIRS * points as f64
 }
 

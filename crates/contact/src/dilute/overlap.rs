@@ -49,7 +49,7 @@ impl Overlap {
 }
 
 /// The values of all processes, of which `own` are the own ones.
-pub(super) fn gathered<T: Copy + Parcel>(share: &Share, own: &[T]) -> Vec<T> {
+pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: &[T]) -> Vec<T> {
     if share.is_whole() { own.to_vec() } else { share.collect(own, &share.each(own.len())) }
 }
 

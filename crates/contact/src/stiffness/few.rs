@@ -1,0 +1,126 @@
+//! The linear problem of the stiffness on few points, with compliance and approximate stiffness between these only.
+
+use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
+use gfmd_vector::{Share, dot, total};
+
+use crate::dilute::{gathered, is_dilute};
+use crate::{Contact, Effort};
+
+/// The relative square of the residual that is left of one correction. Images between the points have errors of 1e-4.
+const TOLERANCE: f64 = 1e-11;
+
+/// The largest number of iterations of one correction.
+const ITERATIONS: usize = 60;
+
+/// The points in contact, in blocks, all of which every process knows.
+pub(super) struct Few {
+    scattered: Scattered,
+    memory: ScatteredMemory,
+    blocks: Blocks,
+    share: Share,
+    /// 1 for points in contact.
+    touching: Vec<f32>,
+    /// S 1 on the contact, with the stiffness S between the points.
+    constant: Vec<f32>,
+    images: u64,
+}
+
+impl Few {
+    /// The points of the own rows with positive `pressure`; `None` if they are too many, or the contact is not periodic.
+    pub(super) fn of(contact: &Contact, pressure: &[f64]) -> Option<Self> {
+        if contact.free.is_some() || contact.hardness.is_some() {
+            return None;
+        }
+        let scattered = Scattered::of(&contact.response, 0.0)?;
+        let share = contact.share.clone();
+        let first = share.own().start / LANES;
+        let own: Vec<(usize, [f64; LANES])> = (pressure.as_chunks::<LANES>().0.iter().enumerate())
+            .filter(|(_, values)| values.iter().any(|p| *p > 0.0))
+            .map(|(place, values)| (first + place, values.map(|p| f64::from(u8::from(p > 0.0)))))
+            .collect();
+        let places = gathered(&share, &own.iter().map(|(place, _)| *place).collect::<Vec<_>>());
+        let touching = gathered(&share, &own.iter().flat_map(|(_, touching)| *touching).collect::<Vec<_>>());
+        let touching: Vec<f32> = touching.into_iter().map(|touches| touches as f32).collect();
+        let blocks = Blocks::new(&scattered, contact.response.grid(), places);
+        if blocks.is_empty() || !is_dilute(&blocks, share.total()) {
+            return None;
+        }
+        let mut constant = vec![0.0; touching.len()];
+        scattered.stiffness(&blocks, &touching, &mut constant);
+        keep(&mut constant, &touching);
+        Some(Self { memory: scattered.memory(), scattered, blocks, share, touching, constant, images: 0 })
+    }
+
+    pub(super) fn effort(&self) -> Effort {
+        Effort { iterations: self.images, transform_pairs: self.images as f64 * self.scattered.effort() }
+    }
+
+    /// Adds to `pressure` about the one without a sum whose displacement is opposite to `residual` on the contact, but for a
+    /// constant. Both are those of the own rows, the residual in this `unit` of compliances.
+    pub(super) fn correct(&mut self, residual: &[f32], unit: f64, pressure: &mut [f32]) {
+        let factor = unit / self.scattered.unit();
+        let mut residual = self.at_points(residual);
+        residual.iter_mut().for_each(|r| *r = (f64::from(*r) * factor) as f32);
+        let n = residual.len();
+        let (mut correction, mut direction, mut image) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let [mut first, mut last] = [0.0, f64::INFINITY];
+        for iteration in 0..ITERATIONS {
+            self.level(&mut residual);
+            self.precondition(&residual, &mut image);
+            let slope = dot(&residual, &image);
+            if iteration == 0 {
+                first = slope;
+            }
+            let goes_on = slope > TOLERANCE * first;
+            if !goes_on {
+                break;
+            }
+            let beta = (slope / last) as f32;
+            direction.iter_mut().zip(&image).for_each(|(d, z)| *d = z + beta * *d);
+            let Self { scattered, blocks, memory, touching, .. } = self;
+            scattered.compliance(blocks, &direction, memory, &mut image);
+            keep(&mut image, touching);
+            self.images += 1;
+            let step = (slope / dot(&direction, &image)) as f32;
+            correction.iter_mut().zip(&direction).for_each(|(q, d)| *q -= step * d);
+            residual.iter_mut().zip(&image).for_each(|(r, g)| *r -= step * g);
+            last = slope;
+        }
+        let own = self.share.own();
+        for (place, correction) in self.blocks.places().iter().zip(correction.as_chunks::<LANES>().0) {
+            if own.contains(&(place * LANES)) {
+                let points = pressure[place * LANES - own.start..][..LANES].iter_mut();
+                points.zip(correction).for_each(|(p, q)| *p += q);
+            }
+        }
+    }
+
+    /// The values at the points of the blocks, of which `own` are those of the own rows; zero beside the contact.
+    fn at_points(&self, own: &[f32]) -> Vec<f32> {
+        let start = self.share.own().start;
+        let places = self.blocks.places().iter().map(|place| place * LANES);
+        let here = places.filter(|first| self.share.own().contains(first)).map(|first| &own[first - start..][..LANES]);
+        let values = here.flatten().map(|value| f64::from(*value)).collect::<Vec<_>>();
+        let values = gathered(&self.share, &values).into_iter().zip(&self.touching);
+        values.map(|(value, touching)| if *touching > 0.0 { value as f32 } else { 0.0 }).collect()
+    }
+
+    /// Removes the mean over the contact.
+    fn level(&self, residual: &mut [f32]) {
+        let mean = (total(residual) / total(&self.touching)) as f32;
+        residual.iter_mut().zip(&self.touching).for_each(|(r, touching)| *r -= mean * touching);
+    }
+
+    /// `out` ← S − S 1 1ᵀS/(1ᵀS 1) of the residual, which has no sum.
+    fn precondition(&self, residual: &[f32], out: &mut [f32]) {
+        self.scattered.stiffness(&self.blocks, residual, out);
+        keep(out, &self.touching);
+        let level = (total(out) / total(&self.constant)) as f32;
+        out.iter_mut().zip(&self.constant).for_each(|(out, constant)| *out -= level * constant);
+    }
+}
+
+/// Sets values beside the contact to zero.
+fn keep(values: &mut [f32], touching: &[f32]) {
+    values.iter_mut().zip(touching).for_each(|(value, touching)| *value *= touching);
+}
