@@ -95,7 +95,7 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
     let law = "--law exponential --param gamma=1e-4,range=4e-3";
     for (flags, told) in [
         ("contact --height 0.2 --base free", "--boundary free: nothing holds the plate"),
-        ("contact --dim 2 --height 0.2", "--boundary free: the height is 0.2; for a profile"),
+        ("contact --dim 2 --height 1e-3", "--boundary free: the height of the top layer is 0.001"),
         (
             "contact --height 1e-4",
             "--boundary free: the height of the top layer is 0.0001; with free boundaries it must be at least",

@@ -13,12 +13,13 @@
 //! operations per point. The map E is linear; its transpose applies the steps with equal weights in the opposite order.
 
 mod level;
+mod rows;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gfmd_relax::Ceiling;
 use gfmd_vector::Share;
-use level::{Level, held_row, row_of, weight};
+use level::{Level, held_row, row_of};
 
 /// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
 pub(crate) struct PullPush {
@@ -49,6 +50,11 @@ pub(crate) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
+    /// The points of row i.
+    fn row(&self, i: usize, columns: usize) -> rows::Points<'a> {
+        (row_of(self.x, i, columns), row_of(self.gradient, i, columns), self.bounds(i, columns))
+    }
+
     /// The upper bounds of row i.
     fn bounds(&self, i: usize, columns: usize) -> Ceiling<'a> {
         self.upper.part(i * columns..(i + 1) * columns)
@@ -170,13 +176,7 @@ impl PullPush {
         let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
         let Some(first) = self.levels.first_mut() else { return };
         first.pull(points, |i, weights, values| {
-            let (level, i) = (known.level, i - start);
-            let points = row_of(known.x, i, columns).iter().zip(row_of(known.gradient, i, columns));
-            let upper = known.bounds(i, columns);
-            for (j, ((weight, value), (x, gradient))) in weights.iter_mut().zip(values).zip(points).enumerate() {
-                *weight = f32::from(u8::from((*x > 0.0) & (*x < upper.at(j))));
-                *value = *weight * (gradient - level);
-            }
+            rows::see(known.row(i - start, columns), known.level, weights, values);
         });
         let learn = |number: usize, level: &mut Level| {
             if number < shared {
@@ -189,11 +189,7 @@ impl PullPush {
         learn(0, first);
         upwards(&mut self.levels, |number, above, below| {
             above.pull(below.cells, |i, weights, values| {
-                let cells = below.known(i).iter().zip(below.value(i));
-                for ((weight, product), (known, value)) in weights.iter_mut().zip(values).zip(cells) {
-                    *weight = below.weight(*known);
-                    *product = *weight * value;
-                }
+                rows::weigh(below.full, (below.known(i), below.value(i)), weights, values);
             });
             learn(number, above);
         });
@@ -204,10 +200,7 @@ impl PullPush {
             let held = below.values();
             let first = held.1.start;
             above.push(edges, held, columns, |i, value, pushed| {
-                for ((value, known), pushed) in value.iter_mut().zip(row_of(&known, i - first, columns)).zip(pushed) {
-                    let weight = weight(*known, full);
-                    *value = weight * *value + (1.0 - weight) * pushed;
-                }
+                rows::blend(full, row_of(&known, i - first, columns), pushed, value);
             });
             below.known = known;
             if number < shared {
@@ -223,21 +216,7 @@ impl PullPush {
             Some(first) => first.interpolate(self.edges, self.share.rows().start + i, out),
             None => out.fill(0.0),
         }
-        let points = row_of(known.x, i, columns).chunks(BITS).zip(row_of(known.gradient, i, columns).chunks(BITS));
-        let upper = known.bounds(i, columns);
-        let all = out.chunks_mut(BITS).zip(points).zip(words(&self.kept, i, columns)).enumerate();
-        for (chunk, ((out, (x, gradient)), kept)) in all {
-            let mut bits = 0;
-            for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
-                let own = gradient - known.level;
-                let full = *x >= upper.at(chunk * BITS + j);
-                let enters = if full { (own > 0.0) & (own > *out) } else { (own < 0.0) & (own < *out) };
-                let keeps = ((*x > 0.0) & !full) | enters;
-                *out = if keeps { own } else { *out };
-                bits |= u64::from(keeps) << j;
-            }
-            kept.store(bits, Ordering::Relaxed);
-        }
+        rows::keep(known.row(i, columns), known.level, words(&self.kept, i, columns), out);
     }
 
     /// `t` ← Eᵀ t, with the map E of the last rows.
@@ -264,12 +243,7 @@ impl PullPush {
         first.push_transposed(edges, points, |i, line, part| {
             let row = held_row(handed, &t_beside, &own, points, i);
             let kept = held_row(&self.kept, &kept_beside, &own, [points[0], width], i);
-            for ((line, t), kept) in line.chunks_mut(BITS).zip(row.chunks(BITS)).zip(kept) {
-                let kept = kept.load(Ordering::Relaxed);
-                for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
-                    *line += if kept >> j & 1 == 0 { part * t } else { 0.0 };
-                }
-            }
+            rows::hand_on(row, kept, part, line);
         });
         let learn = |number: usize, level: &mut Level| {
             if number < shared {
@@ -279,10 +253,7 @@ impl PullPush {
         learn(0, first);
         upwards(&mut self.levels, |number, above, below| {
             above.push_transposed(edges, below.cells, |i, line, part| {
-                let cells = below.value(i).iter().zip(below.known(i));
-                for (line, (image, known)) in line.iter_mut().zip(cells) {
-                    *line += part * (1.0 - below.weight(*known)) * image;
-                }
+                rows::hand_up(below.full, (below.known(i), below.value(i)), part, line);
             });
             learn(number, above);
         });
@@ -293,26 +264,13 @@ impl PullPush {
             let held = below.values();
             let first = held.1.start;
             above.pull_transposed(held, columns, |i, image, share| {
-                for ((image, known), share) in image.iter_mut().zip(row_of(&known, i - first, columns)).zip(share) {
-                    *image = weight(*known, full) * (*image + share);
-                }
+                rows::receive(full, row_of(&known, i - first, columns), share, image);
             });
             below.known = known;
         });
         self.levels[0].pull_transposed((t, own.clone()), columns, |i, t, share| {
             let i = i - own.start;
-            let points = share.chunks(BITS).zip(row_of(known.x, i, columns).chunks(BITS));
-            let upper = known.bounds(i, columns);
-            for (chunk, ((t, (share, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept(i)).enumerate() {
-                let kept = kept.load(Ordering::Relaxed);
-                for (j, (t, (share, x))) in t.iter_mut().zip(share.iter().zip(x)).enumerate() {
-                    *t = if kept >> j & 1 == 0 {
-                        0.0
-                    } else {
-                        *t + f32::from(u8::from((*x > 0.0) & (*x < upper.at(chunk * BITS + j)))) * share
-                    };
-                }
-            }
+            rows::end(row_of(known.x, i, columns), known.bounds(i, columns), kept(i), share, t);
         });
     }
 }

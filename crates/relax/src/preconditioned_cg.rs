@@ -2,8 +2,9 @@ mod path;
 mod sums;
 
 use gfmd_vector::{LEAF, Share, add, for_each, pass, pass_by};
+use multiversion::multiversion;
 use path::{Path, Start};
-use sums::{BLOCK, Sums, View, active_blocks, is_idle, lane_sums};
+use sums::{BLOCK, Sums, View, active_blocks, block_sums, find_active};
 
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale};
 use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
@@ -251,12 +252,7 @@ impl Search {
         let Self { upper, gradient, direction, image, parts, .. } = self;
         let upper = upper.ceiling();
         problem.image((&mut x[..], &mut direction[..], upper), |(x, z, upper), row| {
-            for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
-                let end = path.factor * path.end(*x, *z, upper.at(i));
-                *z = ((end - *x) / view.step) as f32;
-                *x = end;
-                *row = *z;
-            }
+            go(path, view.step, (x, z, upper), row);
         });
         type Parts<'a> = (&'a mut [f32], &'a mut [f32], &'a [f64], &'a [f32], Ceiling<'a>);
         let sink = |row: &[f32], (gradient, image, x, step, upper): Parts| {
@@ -264,7 +260,7 @@ impl Search {
                 (gradient, (image, row), x, step, upper),
                 &|_, (gradient, (image, row), x, step, upper)| {
                     image.copy_from_slice(row);
-                    gradient.iter_mut().zip(row).for_each(|(g, y)| *g += y);
+                    add_to(gradient, row);
                     view.measure(gradient, x, step, upper)
                 },
                 &Sums::merge,
@@ -313,7 +309,7 @@ impl Search {
                         let g = f64::from(g) - offset;
                         [z * y, s * y, z * g, if z != 0.0 { s * g } else { 0.0 }]
                     };
-                    add(sums, lane_sums((z, s, y, g), terms))
+                    add(sums, block_sums((z, s, y, g), terms))
                 })
             },
             &add,
@@ -321,9 +317,7 @@ impl Search {
         let beta = z_image / s_image;
         if z_gradient - beta * s_gradient >= LEAST_DESCENT * z_gradient {
             let beta = beta as f32;
-            for_each((&mut direction[..], &last_step[..]), &|_, (z, s)| {
-                z.iter_mut().zip(s).for_each(|(z, s)| *z -= if *z != 0.0 { beta * s } else { 0.0 });
-            });
+            for_each((&mut direction[..], &last_step[..]), &|_, (z, s)| subtract(beta, s, z));
         }
     }
 
@@ -335,10 +329,7 @@ impl Search {
             &mut self.active[..],
             &|start, active| {
                 let first = start * BLOCK;
-                let blocks = x[first..].chunks(BLOCK).zip(direction[first..].chunks(BLOCK));
-                for (active, (x, z)) in active.iter_mut().zip(blocks) {
-                    *active = !is_idle(x, z);
-                }
+                find_active(&x[first..], &direction[first..], active);
             },
             &|(), ()| (),
         );
@@ -381,6 +372,30 @@ impl Search {
         let upper = upper.ceiling();
         Start { share, x, direction, gradient, active, view: self.view(), upper }.downhill(length, mean)
     }
+}
+
+/// x ← the end of the path along z; z and `row` ← the step there, in the unit of steps.
+#[multiversion(targets("x86_64+avx2"))]
+fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], Ceiling<'_>), row: &mut [f32]) {
+    let (x, z, upper) = ends;
+    for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
+        let end = path.factor * path.end(*x, *z, upper.at(i));
+        *z = ((end - *x) / unit) as f32;
+        *x = end;
+        *row = *z;
+    }
+}
+
+/// g ← g + y.
+#[multiversion(targets("x86_64+avx2"))]
+fn add_to(gradient: &mut [f32], image: &[f32]) {
+    gradient.iter_mut().zip(image).for_each(|(g, y)| *g += y);
+}
+
+/// z ← z − β s where z ≠ 0.
+#[multiversion(targets("x86_64+avx2"))]
+fn subtract(beta: f32, step: &[f32], direction: &mut [f32]) {
+    direction.iter_mut().zip(step).for_each(|(z, s)| *z -= if *z != 0.0 { beta * s } else { 0.0 });
 }
 
 /// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding errors.

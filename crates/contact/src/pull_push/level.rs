@@ -5,7 +5,7 @@ use std::ops::Range;
 use gfmd_vector::Share;
 use rayon::prelude::*;
 
-use super::Edges;
+use super::{Edges, rows as row};
 
 pub(super) struct Level {
     /// Those of all processes.
@@ -30,8 +30,7 @@ pub(super) struct Level {
 /// Rows of a level that other processes hold: the one before the own rows, and the one behind them.
 type Beside = [Vec<f32>; 2];
 
-/// The steps from one level to the next, row by row. Loops run over whole rows, without branches and with local
-/// constants, so that compilers vectorise them.
+/// The steps from one level to the next, row by row.
 impl Level {
     pub(super) fn new(cells: [usize; 2], full: f32, trust: f32) -> Self {
         let (rows, values) = (0..cells[0], cells[0] * cells[1]);
@@ -110,7 +109,7 @@ impl Level {
     }
 
     pub(super) fn weight(&self, known: f32) -> f32 {
-        weight(known, self.full)
+        row::weight(known, self.full)
     }
 
     /// Computes the weighted mean of the children; `read(i, weights, weights times values)` reads row i below.
@@ -126,35 +125,27 @@ impl Level {
                 let a = first + a;
                 for i in 2 * a..height.min(2 * a + 2) {
                     read(i, weights, values);
-                    add_pairs(weights, known);
-                    add_pairs(values, value);
+                    row::add_pairs(weights, known);
+                    row::add_pairs(values, value);
                 }
-                for (value, known) in value.iter_mut().zip(known) {
-                    *value = if *known > 0.0 { *value / *known } else { 0.0 };
-                }
+                row::divide(value, known);
             },
         );
     }
 
     /// Interpolates row i of the level below bilinearly.
-    pub(super) fn interpolate(&self, edges: Edges, i: usize, row: &mut [f32]) {
+    pub(super) fn interpolate(&self, edges: Edges, i: usize, children: &mut [f32]) {
         let [height, width] = self.cells;
         let beside = if i % 2 == 1 { edges.after(i / 2, height) } else { edges.before(i / 2, height) };
         let (near, far) = (self.value(i / 2), self.value(beside));
-        let [close, distant] = [0.75, 0.25].map(|part| part * self.trust);
-        let children = |near: &[f32], far: &[f32]| {
-            let [before, own, after]: [f32; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
-            [before, after].map(|other| 0.75 * own + 0.25 * other)
-        };
+        let parts = [0.75, 0.25].map(|part| part * self.trust);
         for b in [0, width - 1] {
             let three = [edges.before(b, width), b, edges.after(b, width)];
-            let pair = children(&three.map(|b| near[b]), &three.map(|b| far[b]));
-            row[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
+            let pair = row::pair_of(three.map(|b| near[b]), three.map(|b| far[b]), parts);
+            children[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
         }
-        let inner = row.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
-        for ((pair, near), far) in inner.iter_mut().zip(near.windows(3)).zip(far.windows(3)) {
-            *pair = children(near, far);
-        }
+        let inner = children.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
+        row::interpolate(near, far, parts, inner);
     }
 
     /// Interpolates the whole level below and calls `write(i, row, interpolated)` for each of its rows.
@@ -193,10 +184,7 @@ impl Level {
                     add(i, &mut line[..columns], part);
                 }
                 let pairs = line.as_chunks::<2>().0;
-                for (image, window) in image[1..].iter_mut().zip(pairs.windows(3)) {
-                    let [before, own, after] = [window[0], window[1], window[2]];
-                    *image = self.trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
-                }
+                row::gather(pairs, self.trust, &mut image[1..]);
                 for b in [0, width - 1] {
                     let along = edges.children(b, width).map(|(j, part)| part * line[j]);
                     image[b] = self.trust * along.into_iter().sum::<f32>();
@@ -218,10 +206,7 @@ impl Level {
             || vec![0.0; 2 * width],
             |share, (i, row)| {
                 let i = held.start + i;
-                let parents = self.value(i / 2).iter().zip(self.known(i / 2));
-                for (pair, (image, known)) in share.as_chunks_mut::<2>().0.iter_mut().zip(parents) {
-                    *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
-                }
+                row::split(self.known(i / 2), self.value(i / 2), share.as_chunks_mut::<2>().0);
                 write(i, row, share);
             },
         );
@@ -256,20 +241,6 @@ fn learn(
         *beside = share.beside(&field[..width], &field[field.len() - width..]);
     } else {
         *field = share.gather_rows(&field[own.start * width..own.end * width], width, parts);
-    }
-}
-
-pub(super) fn weight(known: f32, full: f32) -> f32 {
-    if known < full { known / full } else { 1.0 }
-}
-
-fn add_pairs(line: &[f32], sums: &mut [f32]) {
-    let (pairs, last) = line.as_chunks::<2>();
-    for (sum, pair) in sums.iter_mut().zip(pairs) {
-        *sum += pair[0] + pair[1];
-    }
-    if let (Some(sum), Some(last)) = (sums.last_mut(), last.first()) {
-        *sum += last;
     }
 }
 

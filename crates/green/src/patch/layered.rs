@@ -401,7 +401,7 @@ mod tests {
             let coated = Body::slab(material(ratio, 0.4), 0.7).unwrap().bonded_to(base.clone()).unwrap();
             let [found, wanted] = [&coated, &base].map(|body| patch_compliance(body, &grid).unwrap());
             let off = |i: usize| (found([i, 0]) - wanted([i, 0])).abs() / (wanted([31, 0]) - wanted([63, 0]));
-            assert!(off(63) < 0.01 && off(63) < 0.6 * off(31), "{ratio}: {} {}", off(31), off(63));
+            assert!(off(63) < 0.02 && off(63) < 0.5 * off(31), "{ratio}: {} {}", off(31), off(63));
         }
     }
 

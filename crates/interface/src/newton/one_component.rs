@@ -7,6 +7,7 @@ use gfmd_field::Rows;
 use gfmd_relax::Visit;
 use gfmd_response::{NormalResponse, RoundedTransforms, Transforms};
 use gfmd_vector::{add, for_each, reduce};
+use multiversion::multiversion;
 
 use super::reaction::Reaction;
 use super::trust_region::{Model, Vectors};
@@ -98,16 +99,14 @@ impl Model for OneComponent<'_> {
         let (p, q, w) = (&conjugate[..], &image[..], &weight[..]);
         let input = Rows((&mut direction[..], &mut residual[..], p, q, w), row);
         let source = |_: usize, Rows((d, r, p, q, w), _): Rows<Moved>, out: &mut [f32]| {
-            d.iter_mut().zip(p).for_each(|(d, p)| *d += step * p);
-            for ((r, q), (w, out)) in r.iter_mut().zip(q).zip(w.iter().zip(out)) {
-                *r = if *w > 0.0 { *r - step * (q - mean) } else { 0.0 };
-                *out = *r * w;
-            }
+            go(step, p, d);
+            lessen(step, (q, mean), w, r);
+            multiply(r, w, out);
         };
         rounded.compliance(input, source);
         let output = (Rows((&mut preconditioned[..], &residual[..], w), row), &mut sums[..]);
         let sink = |_: usize, made: &mut [f32], (Rows((z, r, w), _), sum): (Rows<Weighed>, &mut [[f64; 2]])| {
-            z.iter_mut().zip(made.iter().zip(w)).for_each(|(z, (made, w))| *z = made * w);
+            multiply(made, w, z);
             sum[0] = [product(r, z), if is_held { free_sum(z, w) } else { 0.0 }];
         };
         rounded.rows(output, sink);
@@ -123,17 +122,13 @@ impl Model for OneComponent<'_> {
         let (turn, mean, is_held, row) = (turn as f32, *of_preconditioned, frame.held[0], *row);
         let (z, w) = (&preconditioned[..], &weight[..]);
         let source = |_: usize, Rows((p, z, w), _): Rows<Weighed>, out: &mut [f32]| {
-            for ((p, z), (w, out)) in p.iter_mut().zip(z).zip(w.iter().zip(out)) {
-                *p = z - if *w > 0.0 { mean } else { 0.0 } + turn * *p;
-                *out = *p;
-            }
+            conjugate_to(turn, (z, mean), w, p);
+            out.copy_from_slice(p);
         };
         rounded.stiffness_ahead(Rows((&mut conjugate[..], z, w), row), source);
         let output = (Rows((&mut image[..], &conjugate[..], w, reaction.diagonal(0)), row), &mut sums[..]);
         let sink = |_: usize, made: &mut [f32], (Rows((q, p, w, j), _), sum): (Rows<Curved>, &mut [[f64; 2]])| {
-            for ((q, made), (p, j)) in q.iter_mut().zip(made.iter()).zip(p.iter().zip(j)) {
-                *q = made + (j * unit) as f32 * p;
-            }
+            add_diagonal(made, (j, unit), p, q);
             sum[0] = [product(p, q), if is_held { free_sum(q, w) } else { 0.0 }];
         };
         rounded.rows(output, sink);
@@ -164,6 +159,45 @@ type Moved<'a> = (&'a mut [f32], &'a mut [f32], &'a [f32], &'a [f32], &'a [f32])
 type Weighed<'a> = (&'a mut [f32], &'a [f32], &'a [f32]);
 type Curved<'a> = (&'a mut [f32], &'a [f32], &'a [f32], &'a [f64]);
 
+/// d ← d + `step` p.
+#[multiversion(targets("x86_64+avx2"))]
+fn go(step: f32, p: &[f32], d: &mut [f32]) {
+    d.iter_mut().zip(p).for_each(|(d, p)| *d += step * p);
+}
+
+/// r ← r − `step` (q − mean) on the free points, where w > 0; zero elsewhere.
+#[multiversion(targets("x86_64+avx2"))]
+fn lessen(step: f32, image: (&[f32], f32), w: &[f32], r: &mut [f32]) {
+    let (q, mean) = image;
+    for (r, (q, w)) in r.iter_mut().zip(q.iter().zip(w)) {
+        *r = if *w > 0.0 { *r - step * (q - mean) } else { 0.0 };
+    }
+}
+
+/// out ← a b.
+#[multiversion(targets("x86_64+avx2"))]
+fn multiply(a: &[f32], b: &[f32], out: &mut [f32]) {
+    out.iter_mut().zip(a.iter().zip(b)).for_each(|(out, (a, b))| *out = a * b);
+}
+
+/// p ← z + `turn` p, with z less its mean on the free points.
+#[multiversion(targets("x86_64+avx2"))]
+fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f32]) {
+    let (z, mean) = preconditioned;
+    for (p, (z, w)) in p.iter_mut().zip(z.iter().zip(w)) {
+        *p = z - if *w > 0.0 { mean } else { 0.0 } + turn * *p;
+    }
+}
+
+/// q ← `made` + J p, for J in this unit.
+#[multiversion(targets("x86_64+avx2"))]
+fn add_diagonal(made: &[f32], diagonal: (&[f64], f64), p: &[f32], q: &mut [f32]) {
+    let (j, unit) = diagonal;
+    for ((q, made), (p, j)) in q.iter_mut().zip(made).zip(p.iter().zip(j)) {
+        *q = made + (j * unit) as f32 * p;
+    }
+}
+
 /// Number of sums that are made side by side.
 const LANES: usize = 8;
 
@@ -177,7 +211,8 @@ fn free_sum(values: &[f32], weight: &[f32]) -> f64 {
     sum_of(values, weight, |value, weight| if weight > 0.0 { value.into() } else { 0.0 })
 }
 
-fn sum_of(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f64) -> f64 {
+#[multiversion(targets("x86_64+avx2"))]
+fn sum_of<F: Fn(f32, f32) -> f64>(a: &[f32], b: &[f32], term: F) -> f64 {
     let mut lanes = [0.0; LANES];
     let (blocks, others) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest: f64 = blocks.remainder().iter().zip(others.remainder()).map(|(a, b)| term(*a, *b)).sum();

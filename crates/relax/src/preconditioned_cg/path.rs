@@ -2,7 +2,7 @@
 
 use gfmd_vector::{Share, add};
 
-use super::sums::{View, active_blocks, lane_sums};
+use super::sums::{View, active_blocks, block_sums};
 use crate::Ceiling;
 
 /// Largest number of times that a step is halved until it begins downhill.
@@ -73,9 +73,9 @@ impl Start<'_> {
                                 sums,
                                 match ceiling {
                                     Ceiling::All(upper) => {
-                                        lane_sums((x, z, gradient, gradient), |x, z, g, _| terms(x, z, g, upper))
+                                        block_sums((x, z, gradient, gradient), |x, z, g, _| terms(x, z, g, upper))
                                     }
-                                    Ceiling::Each(upper) => lane_sums((x, z, gradient, upper), terms),
+                                    Ceiling::Each(upper) => block_sums((x, z, gradient, upper), terms),
                                 },
                             )
                         })

@@ -2,16 +2,14 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Parcel, Share, add, reduce};
+use gfmd_vector::{Parcel, Share, reduce};
+use multiversion::multiversion;
 
 use crate::quadratic::Optimality;
 use crate::{Ceiling, Visit};
 
 /// Number of variables in a block. Most blocks of a small contact are idle, and are not swept.
 pub(super) const BLOCK: usize = 64;
-
-/// Number of sums that a processor forms side by side.
-const LANES: usize = 4;
 
 /// Sums over one iterate; gradients are relative to the multiplier before it.
 #[derive(Clone, Copy)]
@@ -161,34 +159,39 @@ impl View {
 
     /// The sums over a stretch after a step.
     pub(super) fn measure(&self, gradient: &[f32], x: &[f64], step: &[f32], upper: Ceiling) -> Sums {
-        let mut sums = Sums::EMPTY;
-        let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
-        for (block, ((g, x), s)) in blocks.enumerate() {
-            if is_idle(x, s) {
-                sums.lowest = lower(sums.lowest, self.own(lowest(g)));
-            } else if upper.is_finite() {
-                let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
-                let all = x.iter().zip(g).zip(s).enumerate();
-                all.for_each(|(i, ((x, g), s))| sums.see(*x, self.own(*g), self.step(*s), upper.at(i)));
-            } else {
-                sums.lowest = lower(sums.lowest, self.own(lowest(g)));
-                let [x_sum, x_gradient, positive, positive_gradient, slope, clipped] =
-                    lane_sums((x, g, s, s), |x, g, s, _| {
-                        let (own, s) = (self.own(g), self.step(s));
-                        let touches = if x > 0.0 { 1.0 } else { 0.0 };
-                        let leaves = if (x <= 0.0) & (s < 0.0) { 1.0 } else { 0.0 };
-                        [x, x * own, touches, touches * own, own * s, leaves]
-                    });
-                sums.x += x_sum;
-                sums.x_gradient += x_gradient;
-                sums.positive += positive as usize;
-                sums.positive_gradient += positive_gradient;
-                sums.slope += slope;
-                sums.clipped += clipped as usize;
-            }
-        }
-        sums
+        measure(*self, gradient, x, step, upper)
     }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn measure(view: View, gradient: &[f32], x: &[f64], step: &[f32], upper: Ceiling<'_>) -> Sums {
+    let mut sums = Sums::EMPTY;
+    let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
+    for (block, ((g, x), s)) in blocks.enumerate() {
+        if is_idle(x, s) {
+            sums.lowest = lower(sums.lowest, view.own(lowest(g)));
+        } else if upper.is_finite() {
+            let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
+            let all = x.iter().zip(g).zip(s).enumerate();
+            all.for_each(|(i, ((x, g), s))| sums.see(*x, view.own(*g), view.step(*s), upper.at(i)));
+        } else {
+            sums.lowest = lower(sums.lowest, view.own(lowest(g)));
+            let [x_sum, x_gradient, positive, positive_gradient, slope, clipped] =
+                block_sums((x, g, s, s), |x, g, s, _| {
+                    let (own, s) = (view.own(g), view.step(s));
+                    let touches = if x > 0.0 { 1.0 } else { 0.0 };
+                    let leaves = if (x <= 0.0) & (s < 0.0) { 1.0 } else { 0.0 };
+                    [x, x * own, touches, touches * own, own * s, leaves]
+                });
+            sums.x += x_sum;
+            sums.x_gradient += x_gradient;
+            sums.positive += positive as usize;
+            sums.positive_gradient += positive_gradient;
+            sums.slope += slope;
+            sums.clipped += clipped as usize;
+        }
+    }
+    sums
 }
 
 /// The blocks of the range, which begins with a block, that are active.
@@ -197,36 +200,56 @@ pub(super) fn active_blocks(active: &[bool], range: Range<usize>) -> impl Iterat
     blocks.filter(|block| active[block.start / BLOCK])
 }
 
-/// The sums of terms over a block, in an order that processors can follow in parallel.
-pub(super) fn lane_sums<A: Copy, B: Copy, C: Copy, D: Copy, const K: usize>(
-    (a, b, c, d): (&[A], &[B], &[C], &[D]),
-    terms: impl Fn(A, B, C, D) -> [f64; K],
+/// The sums of terms over a block, pairwise, as processors can form several at once.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -> [f64; K], const K: usize>(
+    fields: (&[A], &[B], &[C], &[D]),
+    terms: F,
 ) -> [f64; K] {
-    let mut lanes = [[0.0; LANES]; K];
-    // The compiler vectorises the loop over a whole block, whose length it knows.
+    let (a, b, c, d) = fields;
     let whole = a.first_chunk::<BLOCK>().zip(b.first_chunk::<BLOCK>());
     let whole = whole.zip(c.first_chunk::<BLOCK>().zip(d.first_chunk::<BLOCK>()));
+    const HALF: usize = BLOCK / 2;
+    let mut values = [[0.0; HALF]; K];
     if let Some(((a, b), (c, d))) = whole {
-        for start in 0..BLOCK / LANES {
-            for lane in 0..LANES {
-                let i = start * LANES + lane;
-                let terms = terms(a[i], b[i], c[i], d[i]);
-                lanes.iter_mut().zip(terms).for_each(|(lanes, term)| lanes[lane] += term);
+        // The compiler vectorises a loop whose length it knows.
+        for half in [0, HALF] {
+            for i in 0..HALF {
+                let terms = terms(a[half + i], b[half + i], c[half + i], d[half + i]);
+                for k in 0..K {
+                    values[k][i] += terms[k];
+                }
             }
         }
-        return lanes.map(|lanes| lanes.iter().sum());
+    } else {
+        for i in 0..a.len() {
+            let terms = terms(a[i], b[i], c[i], d[i]);
+            for k in 0..K {
+                values[k][i % HALF] += terms[k];
+            }
+        }
     }
-    let quads = a.len() - a.len() % LANES;
-    for i in 0..quads {
-        let terms = terms(a[i], b[i], c[i], d[i]);
-        lanes.iter_mut().zip(terms).for_each(|(lanes, term)| lanes[i % LANES] += term);
+    let mut sums = [0.0; K];
+    for (sum, values) in sums.iter_mut().zip(&values) {
+        let by_16: [f64; 16] = std::array::from_fn(|i| values[i] + values[i + 16]);
+        let by_8: [f64; 8] = std::array::from_fn(|i| by_16[i] + by_16[i + 8]);
+        let by_4: [f64; 4] = std::array::from_fn(|i| by_8[i] + by_8[i + 4]);
+        *sum = (by_4[0] + by_4[1]) + (by_4[2] + by_4[3]);
     }
-    let sums = lanes.map(|lanes| lanes.iter().sum());
-    (quads..a.len()).fold(sums, |sums, i| add(sums, terms(a[i], b[i], c[i], d[i])))
+    sums
+}
+
+/// Tells of each block whether a variable is not zero or has a direction.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn find_active(x: &[f64], direction: &[f32], active: &mut [bool]) {
+    for (active, (x, z)) in active.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {
+        *active = !is_idle(x, z);
+    }
 }
 
 /// True if all variables of a block are zero, and have no direction.
-pub(super) fn is_idle(x: &[f64], z: &[f32]) -> bool {
+#[inline(always)]
+fn is_idle(x: &[f64], z: &[f32]) -> bool {
     !x.iter().fold(false, |any, x| any | (*x != 0.0)) & !z.iter().fold(false, |any, z| any | (*z != 0.0))
 }
 
@@ -236,6 +259,7 @@ fn lower(a: f64, b: f64) -> f64 {
 }
 
 /// The lowest value; NaN if any is NaN.
+#[inline(always)]
 fn lowest(values: &[f32]) -> f32 {
     let lower = |a: f32, b: f32| if b < a || b.is_nan() { b } else { a };
     let mut lanes = [f32::INFINITY; 8];

@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use gfmd_field::Grid;
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::stencil::Stencil;
@@ -172,20 +173,27 @@ impl Pairs {
         let filled: Vec<u8> = values.iter().map(filled).collect();
         let out = out.as_chunks_mut::<LANES>().0;
         out.par_iter_mut().take(self.ends.len()).enumerate().with_min_len(64).for_each(|(block, out)| {
-            let mut sums = [0.0; LANES];
             let start = if block > 0 { self.ends[block - 1] } else { 0 };
-            for source in &self.sources[start..self.ends[block]] {
-                let mut bits = filled[source.block as usize];
-                let values = &values[source.block as usize];
-                while bits != 0 {
-                    let lane = bits.trailing_zeros() as usize % LANES;
-                    let (value, kernel) = (values[lane], stencil.values(source.place, lane));
-                    sums.iter_mut().zip(kernel).for_each(|(sum, kernel)| *sum += value * kernel);
-                    bits &= bits - 1;
-                }
-            }
+            let mut sums = sum(&self.sources[start..self.ends[block]], stencil, values, &filled);
             more(block, &mut sums);
             *out = sums;
         });
     }
+}
+
+/// The sums over all sources of the kernel times their values, of which `filled` has a bit for each that is not zero.
+#[multiversion(targets("x86_64+avx2"))]
+fn sum(sources: &[Source], stencil: &Stencil, values: &[[f32; LANES]], filled: &[u8]) -> [f32; LANES] {
+    let mut sums = [0.0; LANES];
+    for source in sources {
+        let mut bits = filled[source.block as usize];
+        let values = &values[source.block as usize];
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize % LANES;
+            let (value, kernel) = (values[lane], stencil.values(source.place, lane));
+            sums.iter_mut().zip(kernel).for_each(|(sum, kernel)| *sum += value * kernel);
+            bits &= bits - 1;
+        }
+    }
+    sums
 }

@@ -1,0 +1,159 @@
+//! The steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers vectorise
+//! them, for processors with wide vectors too.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use gfmd_relax::Ceiling;
+use multiversion::multiversion;
+
+use super::BITS;
+
+/// The values of the points of a row: x, gradient, and the upper bounds of x.
+pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
+
+/// The weights of known points, and their values times these.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn see(points: Points<'_>, level: f32, weights: &mut [f32], values: &mut [f32]) {
+    let (x, gradient, upper) = points;
+    for (j, ((weight, value), (x, gradient))) in weights.iter_mut().zip(values).zip(x.iter().zip(gradient)).enumerate()
+    {
+        *weight = if (*x > 0.0) & (*x < upper.at(j)) { 1.0 } else { 0.0 };
+        *value = *weight * (gradient - level);
+    }
+}
+
+/// The weights of cells with these known weights, and their values times these.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn weigh(full: f32, cells: (&[f32], &[f32]), weights: &mut [f32], products: &mut [f32]) {
+    let (known, values) = cells;
+    for ((own, product), (known, value)) in weights.iter_mut().zip(products).zip(known.iter().zip(values)) {
+        *own = weight(*known, full);
+        *product = *own * value;
+    }
+}
+
+/// Adds pairs of the row below; with an odd number the last is alone.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn add_pairs(line: &[f32], sums: &mut [f32]) {
+    let (pairs, last) = line.as_chunks::<2>();
+    for (sum, pair) in sums.iter_mut().zip(pairs) {
+        *sum += pair[0] + pair[1];
+    }
+    if let (Some(sum), Some(last)) = (sums.last_mut(), last.first()) {
+        *sum += last;
+    }
+}
+
+/// values ← values / known, zero where nothing is known.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn divide(values: &mut [f32], known: &[f32]) {
+    for (value, known) in values.iter_mut().zip(known) {
+        *value = if *known > 0.0 { *value / *known } else { 0.0 };
+    }
+}
+
+/// The children of the inner cells of a row, from the rows nearest and next to theirs, times these parts.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn interpolate(near: &[f32], far: &[f32], parts: [f32; 2], children: &mut [[f32; 2]]) {
+    let windows = near.windows(3).zip(far.windows(3));
+    for (pair, (near, far)) in children.iter_mut().zip(windows) {
+        *pair = pair_of([near[0], near[1], near[2]], [far[0], far[1], far[2]], parts);
+    }
+}
+
+/// The two children of a cell, between three cells of two rows.
+pub(super) fn pair_of(near: [f32; 3], far: [f32; 3], [close, distant]: [f32; 2]) -> [f32; 2] {
+    let [before, own, after]: [f32; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
+    [before, after].map(|other| 0.75 * own + 0.25 * other)
+}
+
+/// The inner cells of a row of images, from a line of pairs of children: the transpose of [`interpolate`].
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn gather(line: &[[f32; 2]], trust: f32, images: &mut [f32]) {
+    for (image, window) in images.iter_mut().zip(line.windows(3)) {
+        let [before, own, after] = [window[0], window[1], window[2]];
+        *image = trust * (0.75 * (own[0] + own[1]) + 0.25 * (before[1] + after[0]));
+    }
+}
+
+/// Blends the values of cells with those of the level above, as far as they are not known.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]) {
+    for ((value, known), pushed) in values.iter_mut().zip(known).zip(pushed) {
+        let weight = weight(*known, full);
+        *value = weight * *value + (1.0 - weight) * pushed;
+    }
+}
+
+/// `out`, the extended values of points ← their own ones where these are kept; one bit for each tells where.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn keep(points: Points<'_>, level: f32, kept: &[AtomicU64], out: &mut [f32]) {
+    let (x, gradient, upper) = points;
+    let all = out.chunks_mut(BITS).zip(x.chunks(BITS).zip(gradient.chunks(BITS))).zip(kept).enumerate();
+    for (chunk, ((out, (x, gradient)), kept)) in all {
+        let mut bits = 0;
+        for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
+            let own = gradient - level;
+            let full = *x >= upper.at(chunk * BITS + j);
+            let enters = if full { (own > 0.0) & (own > *out) } else { (own < 0.0) & (own < *out) };
+            let keeps = ((*x > 0.0) & !full) | enters;
+            *out = if keeps { own } else { *out };
+            bits |= u64::from(keeps) << j;
+        }
+        kept.store(bits, Ordering::Relaxed);
+    }
+}
+
+/// Adds `part` times the entries of points that did not keep their value to `line`.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]) {
+    for ((line, t), kept) in line.chunks_mut(BITS).zip(t.chunks(BITS)).zip(kept) {
+        let kept = kept.load(Ordering::Relaxed);
+        for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
+            *line += if kept >> j & 1 == 0 { part * t } else { 0.0 };
+        }
+    }
+}
+
+/// Adds `part` times what cells with these images pass to the level above.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut [f32]) {
+    let (known, images) = cells;
+    for (line, (image, known)) in line.iter_mut().zip(images.iter().zip(known)) {
+        *line += part * (1.0 - weight(*known, full)) * image;
+    }
+}
+
+/// The shares of the two children of each cell in its image.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn split(known: &[f32], images: &[f32], shares: &mut [[f32; 2]]) {
+    for (pair, (image, known)) in shares.iter_mut().zip(images.iter().zip(known)) {
+        *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
+    }
+}
+
+/// images ← the weight of the cells times images and the shares in the level above.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f32]) {
+    for ((image, known), share) in images.iter_mut().zip(known).zip(shares) {
+        *image = weight(*known, full) * (*image + share);
+    }
+}
+
+/// t ← t of points that kept their values, with the shares of known ones; zero elsewhere.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn end(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f32], t: &mut [f32]) {
+    let points = shares.chunks(BITS).zip(x.chunks(BITS));
+    for (chunk, ((t, (shares, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept).enumerate() {
+        let kept = kept.load(Ordering::Relaxed);
+        for (j, (t, (share, x))) in t.iter_mut().zip(shares.iter().zip(x)).enumerate() {
+            let known = (*x > 0.0) & (*x < upper.at(chunk * BITS + j));
+            let whole = *t + if known { *share } else { 0.0 };
+            *t = if kept >> j & 1 == 0 { 0.0 } else { whole };
+        }
+    }
+}
+
+pub(super) fn weight(known: f32, full: f32) -> f32 {
+    if known < full { known / full } else { 1.0 }
+}
