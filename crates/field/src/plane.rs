@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use gfmd_vector::{Rows, Split};
+use multiversion::multiversion;
 use num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
@@ -195,9 +196,7 @@ impl<T: Real> Plane<T> {
         let scale = self.scale();
         self.ahead(column, scratch);
         let (stored, mirrored) = column.split_at_mut(kernel.len());
-        for (mode, k) in stored.iter_mut().zip(kernel) {
-            *mode *= *k * scale;
-        }
+        multiply(stored, kernel, scale);
         for (mode, k) in mirrored.iter_mut().rev().zip(&kernel[1..]) {
             *mode *= *k * scale;
         }
@@ -406,6 +405,14 @@ impl<T: Real> Plane<T> {
 /// The pieces of `length` of all blocks, without locking: the caller has them exclusively.
 fn portions<T: Real>(blocks: &mut [Block<T>], length: usize) -> impl Iterator<Item = &mut [Complex<T>]> + Send {
     blocks.iter_mut().flat_map(move |block| block.get_mut().unwrap_or_else(PoisonError::into_inner).chunks_mut(length))
+}
+
+/// Multiplies modes by their part of the kernel and a factor.
+#[multiversion(targets("x86_64+avx2"))]
+fn multiply<T: Real>(modes: &mut [Complex<T>], kernel: &[T], factor: T) {
+    for (mode, k) in modes.iter_mut().zip(kernel) {
+        *mode *= *k * factor;
+    }
 }
 
 /// The sum Σ k |f̃|², in an order that depends on the length alone.

@@ -4,7 +4,7 @@ mod sums;
 use gfmd_vector::{LEAF, Share, add, for_each, pass, pass_by};
 use multiversion::multiversion;
 use path::{Path, Start};
-use sums::{BLOCK, Sums, View, active_blocks, block_sums, find_active};
+use sums::{BLOCK, Sums, View, active_blocks, block_sums, find_active, measure};
 
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale};
 use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
@@ -172,14 +172,8 @@ impl Search {
             pass(
                 (gradient, row, x, step, upper),
                 &|_, (gradient, row, x, step, upper)| {
-                    let mut sums = Sums::EMPTY;
-                    let all = gradient.iter_mut().zip(row.iter().zip(x).zip(step)).enumerate();
-                    for (i, (g, ((row, x), s))) in all {
-                        let own = row - view.level;
-                        *g = (own / view.gradient) as f32;
-                        sums.see(*x, own, view.step(*s), upper.at(i));
-                    }
-                    sums
+                    round(row, view, gradient);
+                    measure(view, |row| row - view.level, (row, x, step, upper))
                 },
                 &Sums::merge,
             )
@@ -260,8 +254,8 @@ impl Search {
                 (gradient, (image, row), x, step, upper),
                 &|_, (gradient, (image, row), x, step, upper)| {
                     image.copy_from_slice(row);
-                    add_to(gradient, row);
-                    view.measure(gradient, x, step, upper)
+                    add_to(gradient, 1.0, row);
+                    measure(view, |g| view.own(g), (&*gradient, x, step, upper))
                 },
                 &Sums::merge,
             )
@@ -281,16 +275,17 @@ impl Search {
         self.sums = share.pass(
             (&mut x[..], &mut gradient[..], &image[..], &last_step[..], upper),
             &|_, (x, gradient, image, step, upper)| {
-                let back = rest as f32;
-                gradient.iter_mut().zip(image).for_each(|(g, y)| *g -= back * y);
-                for (i, (x, s)) in x.iter_mut().zip(step).enumerate().filter(|(_, (_, s))| **s != 0.0) {
-                    *x = (*x - rest * view.step(*s)).max(0.0).min(upper.at(i));
-                }
-                view.measure(gradient, x, step, upper)
+                add_to(gradient, -(rest as f32), image);
+                retreat(rest * view.step, step, upper, x);
+                measure(view, |g| view.own(g), (&*gradient, x, step, upper))
             },
             &Sums::merge,
         );
-        keep_mean(share, x, mean, upper);
+        if upper.is_finite() {
+            keep_mean(share, x, mean, upper);
+        } else if self.sums.x > 0.0 {
+            rescale(share, x, self.sums.x, mean);
+        }
     }
 
     /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
@@ -374,22 +369,40 @@ impl Search {
     }
 }
 
+/// The gradient in its unit, less the level.
+#[multiversion(targets("x86_64+avx2"))]
+fn round(row: &[f64], view: View, gradient: &mut [f32]) {
+    // The unit is a power of two.
+    let factor = 1.0 / view.gradient;
+    gradient.iter_mut().zip(row).for_each(|(g, row)| *g = ((row - view.level) * factor) as f32);
+}
+
 /// x ← the end of the path along z; z and `row` ← the step there, in the unit of steps.
 #[multiversion(targets("x86_64+avx2"))]
 fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], Ceiling<'_>), row: &mut [f32]) {
     let (x, z, upper) = ends;
+    // The unit is a power of two.
+    let steps = 1.0 / unit;
     for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
         let end = path.factor * path.end(*x, *z, upper.at(i));
-        *z = ((end - *x) / unit) as f32;
+        *z = ((end - *x) * steps) as f32;
         *x = end;
         *row = *z;
     }
 }
 
-/// g ← g + y.
+/// g ← g + `part` y.
 #[multiversion(targets("x86_64+avx2"))]
-fn add_to(gradient: &mut [f32], image: &[f32]) {
-    gradient.iter_mut().zip(image).for_each(|(g, y)| *g += y);
+fn add_to(gradient: &mut [f32], part: f32, image: &[f32]) {
+    gradient.iter_mut().zip(image).for_each(|(g, y)| *g += part * y);
+}
+
+/// x ← x − `rest` s, between the bounds.
+#[multiversion(targets("x86_64+avx2"))]
+fn retreat(rest: f64, step: &[f32], upper: Ceiling<'_>, x: &mut [f64]) {
+    for (i, (x, s)) in x.iter_mut().zip(step).enumerate() {
+        *x = (*x - rest * f64::from(*s)).max(0.0).min(upper.at(i));
+    }
 }
 
 /// z ← z − β s where z ≠ 0.

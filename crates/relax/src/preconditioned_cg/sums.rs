@@ -156,29 +156,29 @@ impl View {
     pub(super) fn step(&self, step: f32) -> f64 {
         f64::from(step) * self.step
     }
-
-    /// The sums over a stretch after a step.
-    pub(super) fn measure(&self, gradient: &[f32], x: &[f64], step: &[f32], upper: Ceiling) -> Sums {
-        measure(*self, gradient, x, step, upper)
-    }
 }
 
+/// The gradients of a stretch, variables, steps, upper bounds.
+type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>);
+
+/// The sums over a stretch after a step; `own` makes the gradient less the multiplier.
 #[multiversion(targets("x86_64+avx2"))]
-fn measure(view: View, gradient: &[f32], x: &[f64], step: &[f32], upper: Ceiling<'_>) -> Sums {
+pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: Stretch<'_, G>) -> Sums {
+    let (gradient, x, step, upper) = stretch;
     let mut sums = Sums::EMPTY;
     let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
     for (block, ((g, x), s)) in blocks.enumerate() {
         if is_idle(x, s) {
-            sums.lowest = lower(sums.lowest, view.own(lowest(g)));
+            sums.lowest = lower(sums.lowest, own(lowest(g)));
         } else if upper.is_finite() {
             let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
             let all = x.iter().zip(g).zip(s).enumerate();
-            all.for_each(|(i, ((x, g), s))| sums.see(*x, view.own(*g), view.step(*s), upper.at(i)));
+            all.for_each(|(i, ((x, g), s))| sums.see(*x, own(*g), view.step(*s), upper.at(i)));
         } else {
-            sums.lowest = lower(sums.lowest, view.own(lowest(g)));
+            sums.lowest = lower(sums.lowest, own(lowest(g)));
             let [x_sum, x_gradient, positive, positive_gradient, slope, clipped] =
                 block_sums((x, g, s, s), |x, g, s, _| {
-                    let (own, s) = (view.own(g), view.step(s));
+                    let (own, s) = (own(g), view.step(s));
                     let touches = if x > 0.0 { 1.0 } else { 0.0 };
                     let leaves = if (x <= 0.0) & (s < 0.0) { 1.0 } else { 0.0 };
                     [x, x * own, touches, touches * own, own * s, leaves]
@@ -253,19 +253,73 @@ fn is_idle(x: &[f64], z: &[f32]) -> bool {
     !x.iter().fold(false, |any, x| any | (*x != 0.0)) & !z.iter().fold(false, |any, z| any | (*z != 0.0))
 }
 
+/// A number of single or double precision.
+pub(super) trait Float: Copy + PartialOrd {
+    const INFINITY: Self;
+}
+
+impl Float for f32 {
+    const INFINITY: Self = Self::INFINITY;
+}
+
+impl Float for f64 {
+    const INFINITY: Self = Self::INFINITY;
+}
+
 /// The smaller of two numbers; NaN if either is NaN.
-fn lower(a: f64, b: f64) -> f64 {
-    if b < a || b.is_nan() { b } else { a }
+#[inline(always)]
+#[expect(clippy::eq_op, reason = "NaN alone differs from itself")]
+fn lower<T: Float>(a: T, b: T) -> T {
+    if b < a || b != b { b } else { a }
 }
 
 /// The lowest value; NaN if any is NaN.
 #[inline(always)]
-fn lowest(values: &[f32]) -> f32 {
-    let lower = |a: f32, b: f32| if b < a || b.is_nan() { b } else { a };
-    let mut lanes = [f32::INFINITY; 8];
+fn lowest<T: Float>(values: &[T]) -> T {
+    let mut lanes = [T::INFINITY; 8];
     let (wide, rest) = values.as_chunks::<8>();
     for values in wide {
         lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = lower(*lane, *value));
     }
-    lanes.iter().chain(rest).fold(f32::INFINITY, |lowest, value| lower(lowest, *value))
+    lanes.iter().chain(rest).fold(T::INFINITY, |lowest, value| lower(lowest, *value))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::hint::black_box;
+
+    use super::*;
+
+    /// Whatever vectors a processor has.
+    #[test]
+    fn a_block_has_the_sums_of_its_terms_in_one_order() {
+        for length in [BLOCK, BLOCK - 1, 40, 1] {
+            let field = |seed: f64| (0..length).map(|i| ((i as f64 + 1.0) * seed).sin()).collect::<Vec<f64>>();
+            let (a, b) = (field(0.618), field(1.414));
+            let [products, squares] = block_sums((&a, &b, &a, &a), |a, b, _, _| [a * b, a * a]);
+            let mut sums = [[0.0; BLOCK / 2]; 2];
+            for i in 0..length {
+                sums[0][i % (BLOCK / 2)] += black_box(a[i] * b[i]);
+                sums[1][i % (BLOCK / 2)] += black_box(a[i] * a[i]);
+            }
+            for half in [16, 8, 4] {
+                for i in 0..half {
+                    sums.iter_mut().for_each(|sum| sum[i] = black_box(sum[i] + sum[i + half]));
+                }
+            }
+            let all = sums.map(|sum| black_box(sum[0] + sum[1]) + black_box(sum[2] + sum[3]));
+            assert_eq!([products, squares], all, "{length}");
+        }
+    }
+
+    #[test]
+    fn the_lowest_value_is_nan_if_one_is() {
+        let mut values = [3.0_f32; BLOCK];
+        values[37] = -2.0;
+        assert_eq!(lowest(&values), -2.0);
+        values[11] = f32::NAN;
+        assert!(lowest(&values).is_nan());
+        values[37] = 3.0;
+        assert!(lowest(&values).is_nan() && lowest(&values[12..]) == 3.0);
+    }
 }
