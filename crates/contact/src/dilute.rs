@@ -3,16 +3,16 @@
 
 mod candidates;
 mod overlap;
+mod points;
 
 use std::ops::ControlFlow;
 
 use candidates::Candidates;
-pub(crate) use candidates::is_dilute;
 use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target, Visit, Watch, Why};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
 use overlap::Overlap;
-pub(crate) use overlap::gathered;
+pub(crate) use points::{at_points, few_blocks, gathered, own_blocks};
 
 use crate::Load;
 use crate::attempt::{Attempt, Ended};

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Ceiling, Upper};
-use gfmd_vector::{Share, add, for_each};
+use gfmd_vector::{Share, add, for_each, lower};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
 use crate::{Effort, Fields, Load, RigidSurface, Units};
@@ -326,11 +326,6 @@ fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize)
 /// Converts values, row by row, to a field on the rows of this process.
 pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
     Array2::from_shape_vec(surface.shape(), values).expect("every field has the rows of this process")
-}
-
-/// The smaller of two numbers; NaN if either is NaN.
-pub(crate) fn lower(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a < b { a } else { b }
 }
 
 /// The larger of two numbers; NaN if either is NaN.

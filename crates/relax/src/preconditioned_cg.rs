@@ -1,7 +1,7 @@
 mod path;
 mod sums;
 
-use gfmd_vector::{LEAF, Share, add, for_each, pass, pass_by};
+use gfmd_vector::{LEAF, Share, add, add_times, for_each, pass, pass_by};
 use multiversion::multiversion;
 use path::{Path, Start};
 use sums::{BLOCK, Sums, View, active_blocks, block_sums, find_active, measure};
@@ -254,7 +254,7 @@ impl Search {
                 (gradient, (image, row), x, step, upper),
                 &|_, (gradient, (image, row), x, step, upper)| {
                     image.copy_from_slice(row);
-                    add_to(gradient, 1.0, row);
+                    add_times(gradient, 1.0, row);
                     measure(view, |g| view.own(g), (&*gradient, x, step, upper))
                 },
                 &Sums::merge,
@@ -275,7 +275,7 @@ impl Search {
         self.sums = share.pass(
             (&mut x[..], &mut gradient[..], &image[..], &last_step[..], upper),
             &|_, (x, gradient, image, step, upper)| {
-                add_to(gradient, -(rest as f32), image);
+                add_times(gradient, -(rest as f32), image);
                 retreat(rest * view.step, step, upper, x);
                 measure(view, |g| view.own(g), (&*gradient, x, step, upper))
             },
@@ -389,12 +389,6 @@ fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], Ceiling<'_>), row: 
         *x = end;
         *row = *z;
     }
-}
-
-/// g ← g + `part` y.
-#[multiversion(targets("x86_64+avx2"))]
-fn add_to(gradient: &mut [f32], part: f32, image: &[f32]) {
-    gradient.iter_mut().zip(image).for_each(|(g, y)| *g += part * y);
 }
 
 /// x ← x − `rest` s, between the bounds.

@@ -39,6 +39,7 @@ mod split;
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 pub use parcel::{Parcel, Word};
 pub use ranks::{Alone, Letters, Pending, Ranks};
 pub use rehearsal::Rehearsal;
@@ -140,6 +141,19 @@ pub fn dot<T: Copy + Into<f64> + Sync>(a: &[T], b: &[T]) -> f64 {
     sum(a.len().min(b.len()), &|range| {
         a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum()
     })
+}
+
+/// y ← y + `factor` x, over the shorter length.
+#[multiversion(targets("x86_64+avx2"))]
+pub fn add_times(y: &mut [f32], factor: f32, x: &[f32]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// The smaller of two numbers; NaN if either is NaN.
+#[inline]
+#[expect(clippy::eq_op, reason = "NaN alone differs from itself")]
+pub fn lower<T: Copy + PartialOrd>(a: T, b: T) -> T {
+    if b < a || b != b { b } else { a }
 }
 
 /// The index at which a stretch longer than a leaf is cut, a whole number of leaves; `None` for a shorter stretch.

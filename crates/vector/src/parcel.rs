@@ -32,6 +32,18 @@ impl Parcel for f64 {
     }
 }
 
+impl Parcel for f32 {
+    const WORDS: usize = 1;
+
+    fn put(&self, words: &mut [u64]) {
+        words[0] = self.to_bits().into();
+    }
+
+    fn get(words: &[u64]) -> Self {
+        Self::from_bits(words[0] as u32)
+    }
+}
+
 impl Parcel for u64 {
     const WORDS: usize = 1;
 

@@ -5,20 +5,14 @@ use std::borrow::Cow;
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Ending, Preconditioned, Visit};
 use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
-use gfmd_vector::pass_by;
+use gfmd_vector::{lower, pass_by};
 use rayon::prelude::*;
 
-use super::overlap::{Overlap, gathered};
+use super::overlap::Overlap;
+use super::points::{at_points, few_blocks, gathered, is_dilute, own_blocks};
 use crate::Contact;
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::Compliance;
-use crate::solution::lower;
-
-/// The largest part of the points that may be in blocks.
-pub(super) const MOST: f64 = 0.06;
-
-/// The largest number of pairs of blocks, for each point of the grid.
-const PAIRS: f64 = 0.5;
 
 /// The part of the deepest penetration below which a gap makes a point part of the search.
 const NEARLY: f64 = 0.25;
@@ -84,10 +78,7 @@ impl<'a> Candidates<'a> {
         overlap: Overlap,
     ) -> Option<(Self, Vec<f64>)> {
         let contact = attempt.contact;
-        let blocks = Blocks::new(&scattered, contact.response.grid(), places);
-        if blocks.is_empty() || !is_dilute(&blocks, contact.share.total()) {
-            return None;
-        }
+        let blocks = few_blocks(&scattered, contact.response.grid(), places)?;
         let mut problem = Self {
             contact,
             compliance: contact.table(contact.level_under(attempt.load)),
@@ -134,11 +125,7 @@ impl<'a> Candidates<'a> {
 
     /// The values at the points of the blocks, of which `own` are those of the own rows.
     fn at_points(&self, own: &[f64]) -> Vec<f64> {
-        let share = &self.contact.share;
-        let start = share.own().start;
-        let places = self.blocks.places().iter().map(|place| place * LANES);
-        let here = places.filter(|first| share.own().contains(first)).map(|first| &own[first - start..][..LANES]);
-        gathered(share, &here.flatten().copied().collect::<Vec<_>>())
+        at_points(&self.blocks, &self.contact.share, own)
     }
 
     /// Allocates the vectors for the present blocks.
@@ -244,22 +231,15 @@ impl<'a> Candidates<'a> {
     }
 
     pub(super) fn ended(&self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
-        let own = self.contact.share.own();
-        let mut pressure = vec![0.0; own.len()];
-        for (place, x) in self.blocks.places().iter().zip(x.as_chunks::<LANES>().0) {
-            if own.contains(&(place * LANES)) {
-                pressure[place * LANES - own.start..][..LANES].copy_from_slice(x);
-            }
+        let share = &self.contact.share;
+        let mut pressure = vec![0.0; share.own().len()];
+        for (values, row) in own_blocks(&self.blocks, share) {
+            pressure[row].copy_from_slice(&x[values]);
         }
         let mut effort = attempt.effort;
         effort.transform_pairs += self.transforms.pairs() + self.images as f64 * self.scattered.effort();
         Ended { pressure, effort, ending }
     }
-}
-
-/// True if sums over pairs of points take less time than transforms of the whole surface.
-pub(crate) fn is_dilute(blocks: &Blocks, points: usize) -> bool {
-    (blocks.len() * LANES) as f64 <= MOST * points as f64 && blocks.pairs_near() as f64 <= PAIRS * points as f64
 }
 
 impl Preconditioned for Candidates<'_> {

@@ -1,9 +1,9 @@
 //! The points that may touch, by their heights alone.
 
-use gfmd_vector::{Parcel, Share};
+use gfmd_vector::Share;
 use rayon::prelude::*;
 
-use super::candidates::MOST;
+use super::points::{MOST, gathered};
 use crate::{Contact, Load};
 
 /// The number of points that overlap a rigid plane at the start, for each that is expected to touch.
@@ -46,11 +46,6 @@ impl Overlap {
     pub(super) fn pressure(self, clearance: f64) -> f64 {
         self.stiffness * ((self.depth - clearance) / self.depth).max(0.0)
     }
-}
-
-/// The values of all processes, of which `own` are the own ones.
-pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: &[T]) -> Vec<T> {
-    if share.is_whole() { own.to_vec() } else { share.collect(own, &share.each(own.len())) }
 }
 
 /// The rms gradient along the rows of a sixteenth of them, times √2.

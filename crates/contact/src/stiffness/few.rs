@@ -3,7 +3,7 @@
 use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
 use gfmd_vector::{Share, dot, total};
 
-use crate::dilute::{gathered, is_dilute};
+use crate::dilute::{at_points, few_blocks, gathered, own_blocks};
 use crate::{Contact, Effort};
 
 /// The relative square of the residual that is left of one correction. Images between the points have errors of 1e-4.
@@ -34,17 +34,12 @@ impl Few {
         let scattered = Scattered::of(&contact.response, 0.0)?;
         let share = contact.share.clone();
         let first = share.own().start / LANES;
-        let own: Vec<(usize, [f64; LANES])> = (pressure.as_chunks::<LANES>().0.iter().enumerate())
-            .filter(|(_, values)| values.iter().any(|p| *p > 0.0))
-            .map(|(place, values)| (first + place, values.map(|p| f64::from(u8::from(p > 0.0)))))
-            .collect();
-        let places = gathered(&share, &own.iter().map(|(place, _)| *place).collect::<Vec<_>>());
-        let touching = gathered(&share, &own.iter().flat_map(|(_, touching)| *touching).collect::<Vec<_>>());
-        let touching: Vec<f32> = touching.into_iter().map(|touches| touches as f32).collect();
-        let blocks = Blocks::new(&scattered, contact.response.grid(), places);
-        if blocks.is_empty() || !is_dilute(&blocks, share.total()) {
-            return None;
-        }
+        let touches = |(_, values): &(usize, &[f64; LANES])| values.iter().any(|p| *p > 0.0);
+        let own = pressure.as_chunks().0.iter().enumerate().filter(touches).map(|(place, _)| first + place);
+        let places = gathered(&share, &own.collect::<Vec<_>>());
+        let blocks = few_blocks(&scattered, contact.response.grid(), places)?;
+        let touches = |p: f64| if p > 0.0 { 1.0 } else { 0.0 };
+        let touching: Vec<f32> = at_points(&blocks, &share, pressure).into_iter().map(touches).collect();
         let mut constant = vec![0.0; touching.len()];
         scattered.stiffness(&blocks, &touching, &mut constant);
         keep(&mut constant, &touching);
@@ -86,23 +81,15 @@ impl Few {
             residual.iter_mut().zip(&image).for_each(|(r, g)| *r -= step * g);
             last = slope;
         }
-        let own = self.share.own();
-        for (place, correction) in self.blocks.places().iter().zip(correction.as_chunks::<LANES>().0) {
-            if own.contains(&(place * LANES)) {
-                let points = pressure[place * LANES - own.start..][..LANES].iter_mut();
-                points.zip(correction).for_each(|(p, q)| *p += q);
-            }
+        for (values, row) in own_blocks(&self.blocks, &self.share) {
+            pressure[row].iter_mut().zip(&correction[values]).for_each(|(p, q)| *p += q);
         }
     }
 
     /// The values at the points of the blocks, of which `own` are those of the own rows; zero beside the contact.
     fn at_points(&self, own: &[f32]) -> Vec<f32> {
-        let start = self.share.own().start;
-        let places = self.blocks.places().iter().map(|place| place * LANES);
-        let here = places.filter(|first| self.share.own().contains(first)).map(|first| &own[first - start..][..LANES]);
-        let values = here.flatten().map(|value| f64::from(*value)).collect::<Vec<_>>();
-        let values = gathered(&self.share, &values).into_iter().zip(&self.touching);
-        values.map(|(value, touching)| if *touching > 0.0 { value as f32 } else { 0.0 }).collect()
+        let values = at_points(&self.blocks, &self.share, own).into_iter().zip(&self.touching);
+        values.map(|(value, touching)| if *touching > 0.0 { value } else { 0.0 }).collect()
     }
 
     /// Removes the mean over the contact.

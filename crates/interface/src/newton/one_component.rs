@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gfmd_field::Rows;
 use gfmd_relax::Visit;
 use gfmd_response::{NormalResponse, RoundedTransforms, Transforms};
-use gfmd_vector::{add, for_each, reduce};
+use gfmd_vector::{add, add_times, for_each, reduce};
 use multiversion::multiversion;
 
 use super::reaction::Reaction;
@@ -99,7 +99,7 @@ impl Model for OneComponent<'_> {
         let (p, q, w) = (&conjugate[..], &image[..], &weight[..]);
         let input = Rows((&mut direction[..], &mut residual[..], p, q, w), row);
         let source = |_: usize, Rows((d, r, p, q, w), _): Rows<Moved>, out: &mut [f32]| {
-            go(step, p, d);
+            add_times(d, step, p);
             lessen(step, (q, mean), w, r);
             multiply(r, w, out);
         };
@@ -158,12 +158,6 @@ impl Model for OneComponent<'_> {
 type Moved<'a> = (&'a mut [f32], &'a mut [f32], &'a [f32], &'a [f32], &'a [f32]);
 type Weighed<'a> = (&'a mut [f32], &'a [f32], &'a [f32]);
 type Curved<'a> = (&'a mut [f32], &'a [f32], &'a [f32], &'a [f64]);
-
-/// d ← d + `step` p.
-#[multiversion(targets("x86_64+avx2"))]
-fn go(step: f32, p: &[f32], d: &mut [f32]) {
-    d.iter_mut().zip(p).for_each(|(d, p)| *d += step * p);
-}
 
 /// r ← r − `step` (q − mean) on the free points, where w > 0; zero elsewhere.
 #[multiversion(targets("x86_64+avx2"))]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Parcel, Share, reduce};
+use gfmd_vector::{Parcel, Share, lower, reduce};
 use multiversion::multiversion;
 
 use crate::quadratic::Optimality;
@@ -264,13 +264,6 @@ impl Float for f32 {
 
 impl Float for f64 {
     const INFINITY: Self = Self::INFINITY;
-}
-
-/// The smaller of two numbers; NaN if either is NaN.
-#[inline(always)]
-#[expect(clippy::eq_op, reason = "NaN alone differs from itself")]
-fn lower<T: Float>(a: T, b: T) -> T {
-    if b < a || b != b { b } else { a }
 }
 
 /// The lowest value; NaN if any is NaN.
