@@ -538,3 +538,17 @@ fn the_history_of_a_contact_ends_at_its_state() {
     let approach = number(&report["loads"][0], "displacement");
     assert_relative_eq!(points[points.len() - 1], u[0] + approach, epsilon = 1e-6 * approach);
 }
+
+/// The fields of a contact of any extent, and what the program needs beside them; a stiffness needs no more.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_is_bounded_at_small_loads_and_large_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    for load in ["1e-4", "0.001", "0.01", "0.05", "0.3"] {
+        let flags = format!("contact --n 1024 --hurst 0.8 --p-star {load} --threads 2 --json --quiet");
+        let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+        let peak = number(&report, "peak_bytes");
+        let fields = (peak - f64::from(32 << 20)) / (8.0 * 1024.0 * 1024.0);
+        assert!(fields < 10.5, "{peak} bytes at {load}: {fields} fields");
+    }
+}

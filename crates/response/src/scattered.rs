@@ -292,7 +292,7 @@ mod tests {
             let response = response(points, lengths, height);
             let (grid, uniform) = (*response.grid(), response.uniform_compliance());
             let scattered = Scattered::of(&response, uniform).unwrap();
-            let blocks = Blocks::new(&scattered, &grid, places(&grid));
+            let blocks = Blocks::new(&scattered, &grid, places(&grid), usize::MAX).unwrap();
             let noise = |i: usize| ((i as f64 + 1.0) * 0.618_034).fract();
             // Among them some that are zero.
             let values: Vec<f32> = (0..LANES * blocks.len()).map(|i| (noise(i) as f32 - 0.3).max(0.0)).collect();
@@ -323,7 +323,7 @@ mod tests {
     fn the_stiffness_is_symmetric_and_positive() {
         let response = response([128, 128], [1.0, 1.0], None);
         let scattered = Scattered::of(&response, 0.0).unwrap();
-        let blocks = Blocks::new(&scattered, response.grid(), places(response.grid()));
+        let blocks = Blocks::new(&scattered, response.grid(), places(response.grid()), usize::MAX).unwrap();
         let field = |seed: f32| (0..LANES * blocks.len()).map(|i| (seed * i as f32).sin()).collect::<Vec<f32>>();
         let image = |field: &[f32]| {
             let mut out = vec![f32::NAN; field.len()];

@@ -9,7 +9,7 @@ use gfmd_vector::{lower, pass_by};
 use rayon::prelude::*;
 
 use super::overlap::Overlap;
-use super::points::{at_points, few_blocks, gathered, is_dilute, own_blocks};
+use super::points::{at_points, few_blocks, gathered, own_blocks};
 use crate::Contact;
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::Compliance;
@@ -215,7 +215,7 @@ impl<'a> Candidates<'a> {
         (-least, gathered(share, &found.collect::<Vec<_>>()))
     }
 
-    /// Adds blocks; false if they become too many.
+    /// Adds blocks, unless they become too many: then false.
     pub(super) fn widen(&mut self, found: &[usize], x: &mut Vec<f64>) -> bool {
         let old: Vec<(usize, [f64; LANES])> =
             self.blocks.places().iter().copied().zip(x.as_chunks().0.iter().copied()).collect();
@@ -223,11 +223,12 @@ impl<'a> Candidates<'a> {
         let mut all: Vec<(usize, [f64; LANES])> = old.into_iter().chain(new).collect();
         all.sort_unstable_by_key(|(place, _)| *place);
         let (places, values): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-        self.blocks = Blocks::new(&self.scattered, self.contact.response.grid(), places);
+        let Some(blocks) = few_blocks(&self.scattered, self.contact.response.grid(), places) else { return false };
+        self.blocks = blocks;
         self.allocate();
         *x = values.concat();
         x.resize(self.linear.len(), 0.0);
-        is_dilute(&self.blocks, self.contact.share.total())
+        true
     }
 
     pub(super) fn ended(&self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {

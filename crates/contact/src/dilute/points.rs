@@ -14,13 +14,9 @@ const PAIRS: f64 = 0.5;
 
 /// The blocks at these places; `None` if there are none, or so many that transforms of the whole surface take less time.
 pub(crate) fn few_blocks(scattered: &Scattered, grid: &Grid, places: Vec<usize>) -> Option<Blocks> {
-    let blocks = Blocks::new(scattered, grid, places);
-    (!blocks.is_empty() && is_dilute(&blocks, grid.len())).then_some(blocks)
-}
-
-/// True if sums over pairs of points take less time than transforms of the whole surface, of so many points.
-pub(super) fn is_dilute(blocks: &Blocks, points: usize) -> bool {
-    (blocks.len() * LANES) as f64 <= MOST * points as f64 && blocks.pairs_near() as f64 <= PAIRS * points as f64
+    let points = grid.len() as f64;
+    let few = !places.is_empty() && (places.len() * LANES) as f64 <= MOST * points;
+    few.then(|| Blocks::new(scattered, grid, places, (PAIRS * points) as usize))?
 }
 
 /// The blocks in the own rows: the places of their values among those of all blocks, and among the own rows.

@@ -22,8 +22,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks at these places among all of `grid`, in ascending order.
-    pub fn new(scattered: &Scattered, grid: &Grid, places: Vec<usize>) -> Self {
+    /// The blocks at these places among all of `grid`, in ascending order; `None` if there are more than `most` pairs of blocks that
+    /// are near each other: these are the effort of a sum over short waves, and most of the memory.
+    pub fn new(scattered: &Scattered, grid: &Grid, places: Vec<usize>, most: usize) -> Option<Self> {
         let [rows, columns] = grid.points();
         let width = columns / LANES;
         let mut starts = vec![0; rows + 1];
@@ -32,8 +33,8 @@ impl Blocks {
             starts[row + 1] += starts[row];
         }
         let blocks = Self { width, places, starts, near: Pairs::default(), stiff: Pairs::default() };
-        let (near, stiff) = (blocks.pairs(&scattered.near), blocks.pairs(&scattered.stiff));
-        Self { near, stiff, ..blocks }
+        let (near, stiff) = (blocks.pairs(&scattered.near, most)?, blocks.pairs(&scattered.stiff, most)?);
+        Some(Self { near, stiff, ..blocks })
     }
 
     /// The number of blocks.
@@ -56,11 +57,6 @@ impl Blocks {
         self.starts[row]..self.starts[row + 1]
     }
 
-    /// The number of pairs of blocks that are near each other: the effort of a sum over short waves.
-    pub fn pairs_near(&self) -> usize {
-        self.near.sources.len()
-    }
-
     pub(super) fn row(&self, block: usize) -> usize {
         self.places[block] / self.width
     }
@@ -69,53 +65,76 @@ impl Blocks {
         self.places[block] % self.width
     }
 
-    fn pairs(&self, stencil: &Stencil) -> Pairs {
-        let rows = 0..self.starts.len() - 1;
-        let of_rows: Vec<Pairs> = rows.into_par_iter().map(|row| self.pairs_of_row(row, stencil)).collect();
-        let mut pairs = Pairs { ends: Vec::with_capacity(self.len()), sources: Vec::new() };
-        pairs.sources.reserve(of_rows.iter().map(|row| row.sources.len()).sum());
-        for row in of_rows {
-            let before = pairs.sources.len();
-            pairs.ends.extend(row.ends.iter().map(|end| before + end));
-            pairs.sources.extend(row.sources);
+    /// The pairs of blocks that are as near as the stencil reaches; `None` if there are more than `most`.
+    fn pairs(&self, stencil: &Stencil, most: usize) -> Option<Pairs> {
+        let rows = self.starts.len() - 1;
+        let mut ends: Vec<usize> = (0..rows).into_par_iter().flat_map_iter(|row| self.counts(row, stencil)).collect();
+        for block in 1..ends.len() {
+            ends[block] += ends[block - 1];
         }
-        pairs
+        let start = |block: usize| if block > 0 { ends[block - 1] } else { 0 };
+        let all = start(self.len());
+        if all > most {
+            return None;
+        }
+        let mut sources = vec![Source { block: 0, place: 0 }; all];
+        let mut rest = &mut sources[..];
+        let of_row = |row| {
+            let number = start(self.starts[row + 1]) - start(self.starts[row]);
+            rest.split_off_mut(..number).map(|sources| (row, sources))
+        };
+        let of_rows: Vec<_> = (0..rows).filter_map(of_row).collect();
+        of_rows.into_par_iter().for_each(|(row, sources)| self.fill(row, stencil, sources));
+        Some(Pairs { ends, sources })
     }
 
-    fn pairs_of_row(&self, row: usize, stencil: &Stencil) -> Pairs {
-        let (rows, reach) = (self.starts.len() - 1, stencil.reach);
-        let mut pairs = Pairs::default();
-        if self.in_row(row).is_empty() {
-            return pairs;
-        }
-        // The target lies between `reach` rows before the source and as many behind it.
-        let mut windows: Vec<Window> = (0..=2 * reach).map(|k| self.window((row + rows + reach - k) % rows)).collect();
-        for target in self.in_row(row) {
-            let column = self.column(target) as isize;
-            for (down, window) in (-(reach as isize)..).zip(&mut windows) {
-                let beside = window.around(column, stencil.blocks as isize);
-                let source = |(block, along)| Source { block, place: stencil.place(down, along) };
-                pairs.sources.extend(beside.map(source));
+    /// The number of blocks that are near each block of a row.
+    fn counts(&self, row: usize, stencil: &Stencil) -> Vec<usize> {
+        let mut counts = vec![0; self.in_row(row).len()];
+        self.visit(row, stencil, |target, _, window| counts[target] += window.near.len());
+        counts
+    }
+
+    /// Writes the blocks that are near those of a row.
+    fn fill(&self, row: usize, stencil: &Stencil, sources: &mut [Source]) {
+        let mut sources = sources.iter_mut();
+        self.visit(row, stencil, |target, down, window| {
+            let column = self.column(self.in_row(row).start + target) as isize;
+            for ((block, found), source) in window.near.clone().map(|number| window.block(number)).zip(&mut sources) {
+                *source = Source { block: (window.first + block) as u32, place: stencil.place(down, column - found) };
             }
-            pairs.ends.push(pairs.sources.len());
+        });
+    }
+
+    /// Visits each block of a row, and for each the rows that are near it, with the number of rows by which it lies behind them.
+    fn visit(&self, row: usize, stencil: &Stencil, mut visitor: impl FnMut(usize, isize, &Window)) {
+        let (rows, reach) = (self.starts.len() - 1, stencil.reach);
+        if self.in_row(row).is_empty() {
+            return;
         }
-        pairs
+        let mut windows: Vec<Window> = (0..=2 * reach).map(|k| self.window((row + rows + reach - k) % rows)).collect();
+        for (target, block) in self.in_row(row).enumerate() {
+            for (down, window) in (-(reach as isize)..).zip(&mut windows) {
+                window.move_to(self.column(block) as isize, stencil.blocks as isize);
+                visitor(target, down, window);
+            }
+        }
     }
 
     fn window(&self, row: usize) -> Window<'_> {
         let blocks = self.in_row(row);
-        let all = blocks.len() as isize;
-        Window { first: blocks.start, places: &self.places[blocks], row, width: self.width, low: -all }
+        let before = -(blocks.len() as isize);
+        Window { first: blocks.start, places: &self.places[blocks], row, width: self.width, near: before..before }
     }
 }
 
-/// The blocks of a row from some column on, continued periodically.
+/// The blocks of a row, continued periodically, of which some are near a column.
 struct Window<'a> {
     first: usize,
     places: &'a [usize],
     row: usize,
     width: usize,
-    low: isize,
+    near: Range<isize>,
 }
 
 impl Window<'_> {
@@ -127,18 +146,17 @@ impl Window<'_> {
         (within, column + number.div_euclid(all) * self.width as isize)
     }
 
-    /// The blocks at most `reach` blocks beside a column, with the number of blocks by which it lies behind them. Columns ascend from
-    /// call to call.
-    fn around(&mut self, column: isize, reach: isize) -> impl Iterator<Item = (u32, isize)> {
-        let any = !self.places.is_empty();
-        while any && self.block(self.low).1 < column - reach {
-            self.low += 1;
+    /// Makes those near that are at most `reach` blocks beside a column. Columns ascend from call to call.
+    fn move_to(&mut self, column: isize, reach: isize) {
+        if self.places.is_empty() {
+            return;
         }
-        let end = if any { isize::MAX } else { self.low };
-        let this = &*self;
-        let all = (this.low..end).map(|number| this.block(number));
-        let beside = all.take_while(move |(_, found)| *found <= column + reach);
-        beside.map(move |(within, found)| ((this.first + within) as u32, column - found))
+        while self.block(self.near.start).1 < column - reach {
+            self.near.start += 1;
+        }
+        while self.block(self.near.end).1 <= column + reach {
+            self.near.end += 1;
+        }
     }
 }
 
