@@ -15,7 +15,7 @@
 mod level;
 mod rows;
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use gfmd_relax::Ceiling;
 use gfmd_vector::Share;
@@ -34,6 +34,8 @@ pub(crate) struct PullPush {
     levels: Vec<Level>,
     /// One bit per point, row by row in whole words; set if the point keeps its own value.
     kept: Vec<AtomicU64>,
+    /// For each of these words whether a point of it is above zero.
+    above: Vec<AtomicBool>,
 }
 
 /// The known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is negative
@@ -132,7 +134,8 @@ impl PullPush {
         if let (true, Some(top)) = (floating, levels.last_mut()) {
             top.full = 0.0;
         }
-        Self { points, share: Share::whole(points[0], points[1]), shared: 0, edges, levels, kept: bits(points) }
+        let share = Share::whole(points[0], points[1]);
+        Self { points, share, shared: 0, edges, levels, kept: words_of(points), above: words_of(points) }
     }
 
     /// The number of levels of which a process holds its own rows only, or computes them: all levels with many cells.
@@ -152,7 +155,7 @@ impl PullPush {
             level.over(share, height, height as usize == self.shared);
         }
         self.points[0] = share.rows().len();
-        self.kept = bits(self.points);
+        (self.kept, self.above) = (words_of(self.points), words_of(self.points));
         self.share = share.clone();
         self
     }
@@ -176,7 +179,8 @@ impl PullPush {
         let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
         let Some(first) = self.levels.first_mut() else { return };
         first.pull(points, |i, weights, values| {
-            rows::see(known.row(i - start, columns), known.level, weights, values);
+            let i = i - start;
+            rows::see(known.row(i, columns), known.level, words(&self.above, i, columns), weights, values);
         });
         let learn = |number: usize, level: &mut Level| {
             if number < shared {
@@ -216,7 +220,8 @@ impl PullPush {
             Some(first) => first.interpolate(self.edges, self.share.rows().start + i, out),
             None => out.fill(0.0),
         }
-        rows::keep(known.row(i, columns), known.level, words(&self.kept, i, columns), out);
+        let (above, kept) = (words(&self.above, i, columns), words(&self.kept, i, columns));
+        rows::keep(known.row(i, columns), known.level, above, kept, out);
     }
 
     /// `t` ← Eᵀ t, with the map E of the last rows.
@@ -298,15 +303,15 @@ fn downwards(levels: &mut [Level], mut step: impl FnMut(usize, &Level, &mut Leve
     }
 }
 
-/// Memory for the kept bits of so many points.
-fn bits([rows, columns]: [usize; 2]) -> Vec<AtomicU64> {
-    (0..rows * columns.div_ceil(BITS)).map(|_| AtomicU64::new(0)).collect()
+/// Something for each word of bits of so many points.
+fn words_of<T: Default>([rows, columns]: [usize; 2]) -> Vec<T> {
+    (0..rows * columns.div_ceil(BITS)).map(|_| T::default()).collect()
 }
 
-/// The words of row i of the kept bits.
-fn words(kept: &[AtomicU64], i: usize, columns: usize) -> &[AtomicU64] {
+/// What belongs to the words of row i.
+fn words<T>(of_all: &[T], i: usize, columns: usize) -> &[T] {
     let words = columns.div_ceil(BITS);
-    &kept[i * words..][..words]
+    &of_all[i * words..][..words]
 }
 
 #[cfg(test)]

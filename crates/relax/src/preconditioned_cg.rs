@@ -1,10 +1,12 @@
+mod active;
 mod path;
 mod sums;
 
-use gfmd_vector::{LEAF, Share, add, add_times, for_each, pass, pass_by};
+use active::{Active, BLOCK, Flags};
+use gfmd_vector::{Share, add, add_times, for_each, pass};
 use multiversion::multiversion;
 use path::{Path, Start};
-use sums::{BLOCK, Sums, View, active_blocks, block_sums, find_active, measure};
+use sums::{Sums, View, block_sums, measure};
 
 use crate::quadratic::{Iterate, LEAST_DESCENT, Minimum, Target, rescale};
 use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
@@ -109,8 +111,7 @@ struct Search {
     last_step: Vec<f32>,
     /// The image of the last step.
     image: Vec<f32>,
-    /// For each [`BLOCK`] of variables, whether one of them is not zero or has a direction.
-    active: Vec<bool>,
+    active: Active,
     sums: Sums,
     /// One for each stretch.
     parts: Vec<Sums>,
@@ -138,7 +139,7 @@ impl Search {
             direction: vec![0.0; n],
             last_step: vec![0.0; n],
             image: vec![0.0; n],
-            active: vec![false; n.div_ceil(BLOCK)],
+            active: Active::all(n, problem.stretch()),
             sums: Sums::EMPTY,
             parts: (0..n / problem.stretch()).map(|_| Sums::EMPTY).collect(),
             length: 1.0,
@@ -173,7 +174,7 @@ impl Search {
                 (gradient, row, x, step, upper),
                 &|_, (gradient, row, x, step, upper)| {
                     round(row, view, gradient);
-                    measure(view, |row| row - view.level, (row, x, step, upper))
+                    measure(view, |row| row - view.level, (row, x, step, upper, Flags::Unknown))
                 },
                 &Sums::merge,
             )
@@ -197,7 +198,7 @@ impl Search {
         let mut path = None;
         if self.iteration % PLAIN != PLAIN - 1 {
             problem.precondition(x, &self.gradient, view.offset as f32, &mut self.direction);
-            self.survey(x);
+            self.active.survey(x, &self.direction);
             if self.settled {
                 self.conjugate();
             }
@@ -206,7 +207,7 @@ impl Search {
         let preconditioned = path.is_some();
         if path.is_none() {
             let squares = self.steepest(x, mean.is_some());
-            self.survey(x);
+            self.active.survey(x, &self.direction);
             path = self.downhill(x, squares / problem.curvature(&self.direction), mean);
         }
         let Some(path) = path else { return false };
@@ -243,24 +244,24 @@ impl Search {
     /// x ← the end of the path; the gradient there follows from the image of the step.
     fn advance<P: Preconditioned>(&mut self, problem: &mut P, x: &mut [f64], path: &Path) {
         let view = self.view();
-        let Self { upper, gradient, direction, image, parts, .. } = self;
-        let upper = upper.ceiling();
-        problem.image((&mut x[..], &mut direction[..], upper), |(x, z, upper), row| {
-            go(path, view.step, (x, z, upper), row);
+        let Self { upper, gradient, direction, image, active, parts, .. } = self;
+        let bounds = (upper.ceiling(), active.flags());
+        problem.image((&mut x[..], &mut direction[..], bounds), |(x, z, bounds), row| {
+            go(path, view.step, (x, z, bounds), row);
         });
-        type Parts<'a> = (&'a mut [f32], &'a mut [f32], &'a [f64], &'a [f32], Ceiling<'a>);
-        let sink = |row: &[f32], (gradient, image, x, step, upper): Parts| {
+        type Parts<'a> = (&'a mut [f32], &'a mut [f32], &'a [f64], &'a [f32], (Ceiling<'a>, Flags<'a>));
+        let sink = |row: &[f32], (gradient, image, x, step, bounds): Parts| {
             pass(
-                (gradient, (image, row), x, step, upper),
-                &|_, (gradient, (image, row), x, step, upper)| {
+                (gradient, (image, row), x, step, bounds),
+                &|_, (gradient, (image, row), x, step, (upper, flags))| {
                     image.copy_from_slice(row);
                     add_times(gradient, 1.0, row);
-                    measure(view, |g| view.own(g), (&*gradient, x, step, upper))
+                    measure(view, |g| view.own(g), (&*gradient, x, step, upper, flags))
                 },
                 &Sums::merge,
             )
         };
-        problem.collect((&mut gradient[..], &mut image[..], &*x, &direction[..], upper), sink, parts);
+        problem.collect((&mut gradient[..], &mut image[..], &*x, &direction[..], bounds), sink, parts);
         self.sums = Sums::all(&self.share, parts);
         self.is_fresh = false;
         std::mem::swap(&mut self.direction, &mut self.last_step);
@@ -270,14 +271,14 @@ impl Search {
     fn step_back(&mut self, x: &mut [f64], part: f64, mean: Option<f64>) {
         let view = self.view();
         let rest = 1.0 - part;
-        let Self { share, upper, gradient, last_step, image, .. } = self;
+        let Self { share, upper, gradient, last_step, image, active, .. } = self;
         let upper = upper.ceiling();
         self.sums = share.pass(
-            (&mut x[..], &mut gradient[..], &image[..], &last_step[..], upper),
-            &|_, (x, gradient, image, step, upper)| {
+            (&mut x[..], &mut gradient[..], &image[..], &last_step[..], (upper, active.flags())),
+            &|_, (x, gradient, image, step, (upper, flags))| {
                 add_times(gradient, -(rest as f32), image);
-                retreat(rest * view.step, step, upper, x);
-                measure(view, |g| view.own(g), (&*gradient, x, step, upper))
+                retreat(rest * view.step, step, (upper, flags), x);
+                measure(view, |g| view.own(g), (&*gradient, x, step, upper, flags))
             },
             &Sums::merge,
         );
@@ -296,8 +297,7 @@ impl Search {
         let (z, s, y, g) = (&*direction, &*last_step, &*image, &*gradient);
         let [z_image, s_image, z_gradient, s_gradient] = share.reduce(
             &|range| {
-                let blocks = active_blocks(active, range);
-                blocks.fold([0.0; 4], |sums, block| {
+                active.blocks(range).fold([0.0; 4], |sums, block| {
                     let [z, s, y, g] = [z, s, y, g].map(|field| &field[block.clone()]);
                     let terms = |z: f32, s: f32, y: f32, g: f32| {
                         let [z, s, y] = [z, s, y].map(f64::from);
@@ -312,22 +312,10 @@ impl Search {
         let beta = z_image / s_image;
         if z_gradient - beta * s_gradient >= LEAST_DESCENT * z_gradient {
             let beta = beta as f32;
-            for_each((&mut direction[..], &last_step[..]), &|_, (z, s)| subtract(beta, s, z));
+            for_each((&mut direction[..], &last_step[..], active.flags()), &|_, (z, s, flags)| {
+                subtract(beta, s, flags, z);
+            });
         }
-    }
-
-    /// Finds the active blocks.
-    fn survey(&mut self, x: &[f64]) {
-        let direction = &self.direction[..];
-        pass_by(
-            LEAF / BLOCK,
-            &mut self.active[..],
-            &|start, active| {
-                let first = start * BLOCK;
-                find_active(&x[first..], &direction[first..], active);
-            },
-            &|(), ()| (),
-        );
     }
 
     /// z ← g − λ on the free variables, with zero mean if the mean is prescribed; zero elsewhere. Returns ⟨z, z⟩.
@@ -379,30 +367,48 @@ fn round(row: &[f64], view: View, gradient: &mut [f32]) {
 
 /// x ← the end of the path along z; z and `row` ← the step there, in the unit of steps.
 #[multiversion(targets("x86_64+avx2"))]
-fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], Ceiling<'_>), row: &mut [f32]) {
-    let (x, z, upper) = ends;
+fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], (Ceiling<'_>, Flags<'_>)), row: &mut [f32]) {
+    let (x, z, (upper, flags)) = ends;
     // The unit is a power of two.
     let steps = 1.0 / unit;
-    for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
-        let end = path.factor * path.end(*x, *z, upper.at(i));
-        *z = ((end - *x) * steps) as f32;
-        *x = end;
-        *row = *z;
+    let blocks = x.chunks_mut(BLOCK).zip(z.chunks_mut(BLOCK)).zip(row.chunks_mut(BLOCK));
+    for (block, ((x, z), row)) in blocks.enumerate() {
+        if flags.idle(block) {
+            row.fill(0.0);
+            continue;
+        }
+        let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
+        for (i, ((x, z), row)) in x.iter_mut().zip(z).zip(row).enumerate() {
+            let end = path.factor * path.end(*x, *z, upper.at(i));
+            *z = ((end - *x) * steps) as f32;
+            *x = end;
+            *row = *z;
+        }
     }
 }
 
 /// x ← x − `rest` s, between the bounds.
 #[multiversion(targets("x86_64+avx2"))]
-fn retreat(rest: f64, step: &[f32], upper: Ceiling<'_>, x: &mut [f64]) {
-    for (i, (x, s)) in x.iter_mut().zip(step).enumerate() {
-        *x = (*x - rest * f64::from(*s)).max(0.0).min(upper.at(i));
+fn retreat(rest: f64, step: &[f32], bounds: (Ceiling<'_>, Flags<'_>), x: &mut [f64]) {
+    let (upper, flags) = bounds;
+    for (block, (x, step)) in x.chunks_mut(BLOCK).zip(step.chunks(BLOCK)).enumerate() {
+        if !flags.idle(block) {
+            let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
+            for (i, (x, s)) in x.iter_mut().zip(step).enumerate() {
+                *x = (*x - rest * f64::from(*s)).max(0.0).min(upper.at(i));
+            }
+        }
     }
 }
 
 /// z ← z − β s where z ≠ 0.
 #[multiversion(targets("x86_64+avx2"))]
-fn subtract(beta: f32, step: &[f32], direction: &mut [f32]) {
-    direction.iter_mut().zip(step).for_each(|(z, s)| *z -= if *z != 0.0 { beta * s } else { 0.0 });
+fn subtract(beta: f32, step: &[f32], flags: Flags<'_>, direction: &mut [f32]) {
+    for (block, (z, s)) in direction.chunks_mut(BLOCK).zip(step.chunks(BLOCK)).enumerate() {
+        if !flags.idle(block) {
+            z.iter_mut().zip(s).for_each(|(z, s)| *z -= if *z != 0.0 { beta * s } else { 0.0 });
+        }
+    }
 }
 
 /// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding errors.

@@ -1,7 +1,7 @@
 //! The steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers vectorise
 //! them, for processors with wide vectors too.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use gfmd_relax::Ceiling;
 use multiversion::multiversion;
@@ -11,14 +11,26 @@ use super::BITS;
 /// The values of the points of a row: x, gradient, and the upper bounds of x.
 pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
 
-/// The weights of known points, and their values times these.
+/// The weights of known points, and their values times these; for each word of bits a flag whether a point of it is above zero.
 #[multiversion(targets("x86_64+avx2"))]
-pub(super) fn see(points: Points<'_>, level: f32, weights: &mut [f32], values: &mut [f32]) {
+pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights: &mut [f32], values: &mut [f32]) {
     let (x, gradient, upper) = points;
-    for (j, ((weight, value), (x, gradient))) in weights.iter_mut().zip(values).zip(x.iter().zip(gradient)).enumerate()
-    {
-        *weight = if (*x > 0.0) & (*x < upper.at(j)) { 1.0 } else { 0.0 };
-        *value = *weight * (gradient - level);
+    let points = x.chunks(BITS).zip(gradient.chunks(BITS)).zip(above);
+    let out = weights.chunks_mut(BITS).zip(values.chunks_mut(BITS));
+    for (chunk, (((x, gradient), above), (weights, values))) in points.zip(out).enumerate() {
+        let any = x.iter().fold(false, |any, x| any | (*x > 0.0));
+        above.store(any, Ordering::Relaxed);
+        if !any {
+            weights.fill(0.0);
+            values.fill(0.0);
+            continue;
+        }
+        let upper = upper.part(chunk * BITS..chunk * BITS + x.len());
+        let out = weights.iter_mut().zip(values);
+        for (j, ((weight, value), (x, gradient))) in out.zip(x.iter().zip(gradient)).enumerate() {
+            *weight = if (*x > 0.0) & (*x < upper.at(j)) { 1.0 } else { 0.0 };
+            *value = *weight * (gradient - level);
+        }
     }
 }
 
@@ -87,10 +99,13 @@ pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]
 
 /// `out`, the extended values of points ← their own ones where these are kept; one bit for each tells where.
 #[multiversion(targets("x86_64+avx2"))]
-pub(super) fn keep(points: Points<'_>, level: f32, kept: &[AtomicU64], out: &mut [f32]) {
+pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &[AtomicU64], out: &mut [f32]) {
     let (x, gradient, upper) = points;
-    let all = out.chunks_mut(BITS).zip(x.chunks(BITS).zip(gradient.chunks(BITS))).zip(kept).enumerate();
-    for (chunk, ((out, (x, gradient)), kept)) in all {
+    let all = out.chunks_mut(BITS).zip(x.chunks(BITS).zip(gradient.chunks(BITS))).zip(above.iter().zip(kept));
+    for (chunk, ((out, (x, gradient)), (above, kept))) in all.enumerate() {
+        // What is zero need not be read.
+        let is_zero = !above.load(Ordering::Relaxed);
+        let x = if is_zero { &[0.0; BITS][..x.len()] } else { x };
         let mut bits = 0;
         for (j, (out, (x, gradient))) in out.iter_mut().zip(x.iter().zip(gradient)).enumerate() {
             let own = gradient - level;
@@ -146,6 +161,10 @@ pub(super) fn end(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f
     let points = shares.chunks(BITS).zip(x.chunks(BITS));
     for (chunk, ((t, (shares, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept).enumerate() {
         let kept = kept.load(Ordering::Relaxed);
+        if kept == 0 {
+            t.fill(0.0);
+            continue;
+        }
         for (j, (t, (share, x))) in t.iter_mut().zip(shares.iter().zip(x)).enumerate() {
             let known = (*x > 0.0) & (*x < upper.at(chunk * BITS + j));
             let whole = *t + if known { *share } else { 0.0 };

@@ -2,7 +2,8 @@
 
 use gfmd_vector::{Share, add};
 
-use super::sums::{View, active_blocks, block_sums};
+use super::active::Active;
+use super::sums::{View, block_sums};
 use crate::Ceiling;
 
 /// Largest number of times that a step is halved until it begins downhill.
@@ -20,7 +21,7 @@ pub(super) struct Start<'a> {
     pub(super) x: &'a [f64],
     pub(super) direction: &'a [f32],
     pub(super) gradient: &'a [f32],
-    pub(super) active: &'a [bool],
+    pub(super) active: &'a Active,
     pub(super) view: View,
     pub(super) upper: Ceiling<'a>,
 }
@@ -61,7 +62,7 @@ impl Start<'_> {
             loop {
                 let [sum, positive, slope, along] = share.reduce(
                     &|range| {
-                        active_blocks(active, range).fold([0.0; 4], |sums, block| {
+                        active.blocks(range).fold([0.0; 4], |sums, block| {
                             let ceiling = upper.part(block.clone());
                             let (x, z, gradient) = (&x[block.clone()], &z[block.clone()], &gradient[block]);
                             let terms = |x: f64, z: f32, g: f32, upper: f64| {

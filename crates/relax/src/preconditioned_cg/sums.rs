@@ -5,11 +5,9 @@ use std::ops::Range;
 use gfmd_vector::{Parcel, Share, lower, reduce};
 use multiversion::multiversion;
 
+use super::active::{BLOCK, Flags, is_idle};
 use crate::quadratic::Optimality;
 use crate::{Ceiling, Visit};
-
-/// Number of variables in a block. Most blocks of a small contact are idle, and are not swept.
-pub(super) const BLOCK: usize = 64;
 
 /// Sums over one iterate; gradients are relative to the multiplier before it.
 #[derive(Clone, Copy)]
@@ -158,17 +156,17 @@ impl View {
     }
 }
 
-/// The gradients of a stretch, variables, steps, upper bounds.
-type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>);
+/// The gradients of a stretch, variables, steps, upper bounds, active blocks.
+type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>, Flags<'a>);
 
 /// The sums over a stretch after a step; `own` makes the gradient less the multiplier.
 #[multiversion(targets("x86_64+avx2"))]
 pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: Stretch<'_, G>) -> Sums {
-    let (gradient, x, step, upper) = stretch;
+    let (gradient, x, step, upper, flags) = stretch;
     let mut sums = Sums::EMPTY;
     let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
     for (block, ((g, x), s)) in blocks.enumerate() {
-        if is_idle(x, s) {
+        if flags.idle(block) || is_idle(x, s) {
             sums.lowest = lower(sums.lowest, own(lowest(g)));
         } else if upper.is_finite() {
             let upper = upper.part(block * BLOCK..block * BLOCK + x.len());
@@ -192,12 +190,6 @@ pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: St
         }
     }
     sums
-}
-
-/// The blocks of the range, which begins with a block, that are active.
-pub(super) fn active_blocks(active: &[bool], range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let blocks = range.clone().step_by(BLOCK).map(move |start| start..range.end.min(start + BLOCK));
-    blocks.filter(|block| active[block.start / BLOCK])
 }
 
 /// The sums of terms over a block, pairwise, as processors can form several at once.
@@ -237,20 +229,6 @@ pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -
         *sum = (by_4[0] + by_4[1]) + (by_4[2] + by_4[3]);
     }
     sums
-}
-
-/// Tells of each block whether a variable is not zero or has a direction.
-#[multiversion(targets("x86_64+avx2"))]
-pub(super) fn find_active(x: &[f64], direction: &[f32], active: &mut [bool]) {
-    for (active, (x, z)) in active.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {
-        *active = !is_idle(x, z);
-    }
-}
-
-/// True if all variables of a block are zero, and have no direction.
-#[inline(always)]
-fn is_idle(x: &[f64], z: &[f32]) -> bool {
-    !x.iter().fold(false, |any, x| any | (*x != 0.0)) & !z.iter().fold(false, |any, z| any | (*z != 0.0))
 }
 
 /// A number of single or double precision.
