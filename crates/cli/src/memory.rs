@@ -65,22 +65,28 @@ impl Held {
     /// # Errors
     /// A need of more memory than is available.
     pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        self.check_shared(name, points, Processes::ALONE)
+        self.check_beside(0, name, points, Processes::ALONE)
     }
 
-    /// As [`check`](Self::check), for what the processes of this machine hold together.
+    /// As [`check`](Self::check), for what the processes of this machine hold together. What they hold already, such as the
+    /// surface and [freed memory](crate::program::keep_freed_memory), is part of the problem.
     ///
     /// # Errors
     /// A need of more memory than is available.
     pub(crate) fn check_shared(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+        let held = own_size(1).unwrap_or(0).saturating_mul(processes.here as u64);
+        self.check_beside(held, name, points, processes)
+    }
+
+    fn check_beside(self, held: u64, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
         let ([nx, ny], Processes { here, all }) = (points, processes);
-        let (held, whose) = if all > 1 {
+        let (fields, whose) = if all > 1 {
             (Self(self.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
         } else {
             (self, String::new())
         };
-        let needed = u128::from(held.bytes(points)) * here as u128 / all.max(1) as u128;
-        check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX))
+        let needed = u128::from(fields.bytes(points)) * here as u128 / all.max(1) as u128;
+        check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX), held)
     }
 }
 
@@ -89,11 +95,13 @@ impl Held {
 /// # Errors
 /// A need of more memory than is available.
 pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), Failure> {
-    check(name, &format!("{count} {what}"), count.saturating_mul(each))
+    check(name, &format!("{count} {what}"), count.saturating_mul(each), 0)
 }
 
-fn check(name: &str, what: &str, needed: u64) -> Result<(), Failure> {
-    let Some(available) = available_bytes().filter(|available| needed > *available) else { return Ok(()) };
+/// Refuses a need that exceeds what is available and what is `held` of it already.
+fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
+    let available = available_bytes().map(|available| available.saturating_add(held));
+    let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     let reason = format!("{what} need {:.1} GiB; {:.1} GiB are available", gib(needed), gib(available));
     Err(Failure::input(name, reason))
@@ -105,11 +113,15 @@ fn available_bytes() -> Option<u64> {
     [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
 }
 
-/// The memory below the limit of the control group, such as a container.
+/// The memory below the limit of the control group, such as a container. Copies of files that have not been read lately count as
+/// used, but make room.
 fn of_control_group() -> Option<u64> {
-    let number = |name: &str| std::fs::read_to_string(name).ok()?.trim().parse::<u64>().ok();
-    let limit = number("/sys/fs/cgroup/memory.max")?;
-    Some(limit.saturating_sub(number("/sys/fs/cgroup/memory.current")?))
+    let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
+    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
+    let limit = number("max")?;
+    let files =
+        text("stat").and_then(|all| all.lines().find_map(|line| line.strip_prefix("inactive_file ")?.parse().ok()));
+    Some(limit.saturating_sub(number("current")?).saturating_add(files.unwrap_or(0)).min(limit))
 }
 
 /// The addresses below the limit of the process (`ulimit -v`).
@@ -118,15 +130,22 @@ fn of_process() -> Option<u64> {
     {
         use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
         let (limit, _) = getrlimit(Resource::RLIMIT_AS).ok().filter(|(limit, _)| *limit != RLIM_INFINITY)?;
-        let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().next()?.parse().ok()?;
-        Some(limit.saturating_sub(pages.saturating_mul(PAGE)))
+        Some(limit.saturating_sub(own_size(0)?))
     }
     #[cfg(not(target_os = "linux"))]
     None
 }
 
+/// The size of this process in bytes: all addresses (0), or those in memory (1); `None` if the system does not report it.
+fn own_size(number: usize) -> Option<u64> {
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
+    let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().nth(number)?.parse().ok()?;
+    Some(pages.saturating_mul(PAGE))
+}
+
 /// The size in which Linux counts addresses on most machines, in bytes.
-#[cfg(target_os = "linux")]
 const PAGE: u64 = 4096;
 
 fn of_machine() -> Option<u64> {
@@ -170,6 +189,8 @@ mod tests {
             Held::HARD_WALL.check_shared("the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
         let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
         assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
+        let held = Held::HARD_WALL.check_beside(u64::MAX, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
+        assert!(held.is_ok(), "what is held already need not be available");
         for count in [1 << 40, u64::MAX] {
             assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
         }

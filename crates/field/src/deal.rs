@@ -5,24 +5,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use rayon::prelude::*;
 
 /// Applies `work` to every item, on one thread for each of the `seats`; a thread that is free takes the next item. Each item
-/// owns the memory that it writes, so the result does not depend on the assignment. With a single seat the calling thread
-/// takes all items in order.
+/// owns the memory that it writes, so the result does not depend on the assignment. Also a single seat is served in the pool: from
+/// another thread each sum over a long row would enter the pool anew.
 pub(crate) fn deal<I: Send, S: Send>(
     seats: &mut [S],
     items: impl Iterator<Item = I> + Send,
     work: impl Fn(I, &mut S) + Sync,
 ) {
-    if let [seat] = seats {
-        items.for_each(|item| work(item, seat));
-        return;
-    }
     let items = Mutex::new(items);
     let next = || lock(&items).next();
-    seats.par_iter_mut().with_max_len(1).for_each(|seat| {
+    let serve = |seat: &mut S| {
         while let Some(item) = next() {
             work(item, seat);
         }
-    });
+    };
+    rayon::join(|| seats.par_iter_mut().with_max_len(1).for_each(serve), || ());
 }
 
 /// Locks `mutex` and ignores poisoning: a panic of an earlier call leaves no state that matters, since every call writes all
@@ -41,6 +38,7 @@ mod tests {
             let mut done = vec![0; 100];
             let mut counts = vec![0; seats];
             deal(&mut counts, done.iter_mut().enumerate(), |(number, done), count| {
+                assert!(rayon::current_thread_index().is_some(), "in the pool");
                 *done += number;
                 *count += 1;
             });
