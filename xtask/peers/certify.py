@@ -1,10 +1,10 @@
 """Judges final pressures of any program: contact residuals from fresh transforms, and differences from a reference.
 
-    certify.py '{"heights": FILE.npy, "mean_pressure": P, "fields": {NAME: FILE, ...}, "reference": NAME,
+    certify.py '{"heights": FILE.npy, "mean_pressure": P, "fields": {NAME: FILE.npy, ...}, "reference": NAME,
                  "boundary": "periodic" or "free", "hardness": P or null}'
 
 Half-space with E* = 1 in a cell of length 1, or, with free boundaries, loaded on this cell alone; heights have their peaks
-pointing at the body. A field is FILE.npy, or the first load of /fields/pressure in FILE.h5. Prints one JSON object: for every
+pointing at the body. Prints one JSON object: for every
 name the residuals (defined below), contact area fraction, approach beyond first touch, elastic energy per area, and the
 differences from the reference. A field that has a point that is no number, or carries no load, is left out.
 """
@@ -13,15 +13,6 @@ import json
 import sys
 
 import numpy as np
-
-
-def read(file):
-    if not file.endswith(".h5"):
-        return np.load(file)
-    import h5py
-
-    with h5py.File(file, "r") as archive:
-        return archive["/fields/pressure"][0]
 
 
 # A pressure that is less than the hardness by this part of it is at the hardness.
@@ -93,10 +84,10 @@ def differ(pressure, reference):
 def main():
     task = json.loads(sys.argv[1])
     heights = np.load(task["heights"])
-    reference = read(task["fields"][task["reference"]])
+    reference = np.load(task["fields"][task["reference"]])
     judged = {}
     for name, file in task["fields"].items():
-        pressure = read(file)
+        pressure = np.load(file)
         if pressure.shape != heights.shape:
             sys.exit(f"{name}: pressure on {pressure.shape} points, heights on {heights.shape}")
         if np.isfinite(pressure).all() and pressure.sum() > 0:

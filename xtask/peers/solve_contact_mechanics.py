@@ -1,7 +1,7 @@
 """Runs one solve of ContactMechanics.
 
     solve_contact_mechanics.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "solver": S, "out": FILE.npy,
-                                 "boundary": "periodic" or "free", "hardness": P or null, "answer": FILE.h5}'
+                                 "boundary": "periodic" or "free", "hardness": P or null, "answer": FILE.npy}'
 
 S is the solver. "default" is the constrained conjugate gradient method of the package, under a load. "no-restart" and
 "no-restart-load" are those of NuMPI without restart (Bugnicourt et al. 2018) with the operator of the package: the first at
@@ -28,10 +28,7 @@ def peak_bytes():
 
 def displacement(system, file):
     """Computes the rigid displacement for which the pressure in `file` is the solution."""
-    import h5py
-
-    with h5py.File(file, "r") as archive:
-        pressure = archive["/fields/pressure"][0]
+    pressure = np.load(file)
     gap = system.substrate.evaluate_disp(-pressure / pressure.size) - system.surface.heights()
     return gap[pressure > 0].mean()
 

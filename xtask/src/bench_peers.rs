@@ -10,6 +10,7 @@ mod measure;
 mod process;
 mod python;
 mod report;
+mod solve;
 mod table;
 mod tolerance;
 
@@ -34,6 +35,7 @@ use contestant::{Contestant, Problem};
 use measure::Bench;
 use python::Environment;
 pub use report::{Case, Entry, Report, Timing};
+pub use solve::{Args as SolveArgs, Solve, run as solve};
 
 /// Flags of `bench-peers`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -263,9 +265,6 @@ impl Args {
 const EPS_T_INV: f64 = 2.0;
 const EPS_C_INV: f64 = 4.0;
 
-/// Points along the side of a surface that needs a negligible amount of memory.
-const SMALL: usize = 32;
-
 /// Spectral rms gradient of every surface.
 const RMS_GRADIENT: f64 = 0.1;
 
@@ -333,8 +332,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     if !too_many.is_empty() {
         report.notes.push(format!("Numbers of threads {too_many:?} were left out: the machine has {cores} cores."));
     }
-    let small = problems(args, SMALL, 0.8, environment.scratch())?;
-    let mut bench = Bench::new(args, possible, &small[0], environment, session)?;
+    let mut bench = Bench::new(args, possible, environment, session);
     for &points in &args.sizes {
         for &hurst in &args.hurst {
             let problems = problems(args, points, hurst, environment.scratch())?;

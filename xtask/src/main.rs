@@ -12,6 +12,9 @@ enum Command {
     Gfmd(gfmd_cli::program::Command),
     /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),
+    /// Solve one contact for bench-peers
+    #[command(hide = true)]
+    BenchSolve(bench_peers::SolveArgs),
     /// Compute and draw the figures of the source, chapters 2 to 4, and write docs/source/README.md
     Reproduce(Box<reproduce::Args>),
     /// Draw the figures and write the tables of docs/results.md from data/results
@@ -24,6 +27,7 @@ fn main() -> ExitCode {
     start("cargo xtask", |command: &Command, session| match command {
         Command::Gfmd(command) => command.run(session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
+        Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),
         Command::Results(args) => print(&results::run(args)?, session),
         Command::Verify(args) => conclude(verify::run(args, session)?, session),

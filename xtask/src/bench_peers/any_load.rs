@@ -15,11 +15,12 @@ use gfmd_cli::session::{Session, machine};
 use gfmd_contact::{Boundary, Solver};
 use serde::Serialize;
 
-use super::contestant::{Contestant, Place, Problem, Solve};
+use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::measure::median;
 use super::process::Ended;
 use super::python::Environment;
+use super::solve::Solve;
 use super::table::{Table, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, problems};
 
@@ -285,7 +286,7 @@ impl Trial<'_> {
 
     fn place(&self) -> Place<'_> {
         let limit = Duration::from_secs_f64(self.args.patience());
-        Place { environment: self.environment, session: self.session, limit, own_baseline: 0 }
+        Place { environment: self.environment, session: self.session, limit }
     }
 }
 

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use gfmd_cli::session::Session;
 use gfmd_contact::{Boundary, Solver};
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::process::{Ended, output};
 use super::python::{Environment, LONG, Script};
+use super::solve::Solve;
 use super::{Peer, TamaasFftw};
 
 /// A program with one of its solvers.
@@ -56,32 +56,6 @@ pub(super) struct Problem {
     pub(super) answer: PathBuf,
 }
 
-/// The measurements of one solve.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Solve {
-    /// Wall time of the solve without set-up.
-    pub(super) seconds: f64,
-    pub(super) iterations: Option<u64>,
-    pub(super) transform_pairs: Option<f64>,
-    /// Largest resident memory of the process.
-    pub(super) peak_bytes: u64,
-    /// Resident memory before the surface was read; for this program, memory of a solve with few points.
-    pub(super) baseline_bytes: u64,
-    /// The reason why the program itself says that it has not reached its tolerance.
-    #[serde(default)]
-    pub(super) failure: Option<String>,
-}
-
-impl Solve {
-    /// This solve, unless the program itself says that it has not reached its tolerance.
-    pub(super) fn converged(self) -> Result<Self, Ended> {
-        match self.failure {
-            Some(failure) => Err(Ended::Failed(failure)),
-            None => Ok(self),
-        }
-    }
-}
-
 /// The settings of a solve.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
@@ -89,8 +63,6 @@ pub(super) struct Place<'a> {
     pub(super) session: &'a Session,
     /// Time after which a peer is stopped.
     pub(super) limit: Duration,
-    /// Memory of this program for a problem with few points.
-    pub(super) own_baseline: u64,
 }
 
 impl Contestant {
@@ -121,13 +93,13 @@ impl Contestant {
     pub(super) fn pressure_file(&self, folder: &Path, threads: usize) -> PathBuf {
         let name = self.to_string().replace([' ', ','], "-");
         folder.join(match self {
-            Self::Own(_) => format!("{name}.h5"),
+            Self::Own(_) => format!("{name}.npy"),
             Self::Peer(_) => format!("{name}-{threads}.npy"),
         })
     }
 
-    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`: .h5 for
-    /// this program, which writes no file if `out` is `None`; .npy for peers, which need a file.
+    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`, in .npy. This
+    /// program writes no file if `out` is `None`; peers need one.
     pub(super) fn solve(
         &self,
         problem: &Problem,
@@ -179,21 +151,6 @@ impl Contestant {
     }
 }
 
-/// The part of the JSON output of `contact` that is needed here.
-#[derive(Deserialize)]
-struct Contact {
-    loads: Vec<Load>,
-    peak_bytes: u64,
-}
-
-/// The part of a load: other numbers may be `null`, such as the stiffness in full contact.
-#[derive(Deserialize)]
-struct Load {
-    seconds: f64,
-    iterations: u64,
-    transform_pairs: f64,
-}
-
 /// Solves with this program in a new process, so that its memory can be measured and caches are as cold as for peers.
 fn own(
     solver: Solver,
@@ -205,31 +162,25 @@ fn own(
 ) -> Result<Solve, Ended> {
     let program = std::env::current_exe().map_err(|error| Ended::Failed(error.to_string()))?;
     let mut command = Command::new(program);
-    command.args(["contact", "--json", "--quiet", "--length", "1", "--e-star", "1"]);
+    command.args([
+        "bench-solve",
+        "--json",
+        "--quiet",
+        "--solver",
+        solver.name(),
+        "--boundary",
+        problem.boundary.name(),
+    ]);
     command.arg("--surface").arg(&problem.heights);
     command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
     command.arg("--tol").arg(format!("{tolerance:e}"));
     command.arg("--threads").arg(threads.to_string());
-    command.args(["--boundary", problem.boundary.name()]);
     if let Some(hardness) = problem.hardness {
         command.arg("--hardness").arg(format!("{hardness:?}"));
-    }
-    if solver != Solver::Auto {
-        command.arg("--solver").arg(solver.name());
     }
     if let Some(out) = out {
         command.arg("--out").arg(out);
     }
     let printed = output(&mut command, LONG, place.session)?;
-    let unreadable = |what: &str| Ended::Failed(format!("the output of contact has {what}"));
-    let contact: Contact = serde_json::from_str(&printed).map_err(|error| unreadable(&error.to_string()))?;
-    let [load] = &contact.loads[..] else { return Err(unreadable("not exactly one load")) };
-    Ok(Solve {
-        seconds: load.seconds,
-        iterations: Some(load.iterations),
-        transform_pairs: Some(load.transform_pairs),
-        peak_bytes: contact.peak_bytes,
-        baseline_bytes: place.own_baseline,
-        failure: None,
-    })
+    serde_json::from_str(&printed).map_err(|error| Ended::Failed(format!("its output has {error}")))
 }

@@ -8,11 +8,12 @@ use gfmd_cli::failure::Failure;
 use gfmd_cli::session::Session;
 
 use super::Args;
-use super::contestant::{Contestant, Place, Problem, Solve};
+use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::process::Ended;
 use super::python::{Environment, Yardstick};
 use super::report::{Case, Entry, Timing, in_words};
+use super::solve::Solve;
 use super::tolerance::loosest;
 
 /// The largest grid on which solves are repeated, in points along a side.
@@ -52,7 +53,6 @@ pub(super) struct Bench<'a> {
     session: &'a Session,
     contestants: Vec<Contestant>,
     known: HashMap<(String, Kind), Known>,
-    own_baseline: u64,
 }
 
 /// A contestant that takes part in a case.
@@ -67,21 +67,8 @@ struct Starter {
 }
 
 impl<'a> Bench<'a> {
-    /// `small` is a problem with few points; the memory of this program for it is subtracted as the baseline.
-    pub(super) fn new(
-        args: &'a Args,
-        threads: Vec<usize>,
-        small: &Problem,
-        environment: &'a Environment,
-        session: &'a Session,
-    ) -> Result<Self, Failure> {
-        let (contestants, known) = (args.contestants(), HashMap::new());
-        let mut bench = Self { args, threads, environment, session, contestants, known, own_baseline: 0 };
-        let most = bench.most_threads();
-        let first = bench.contestants[0];
-        let solve = first.solve(small, args.tol, most, None, bench.place(1.0)).and_then(Solve::converged);
-        bench.own_baseline = solve.map_err(|ended| ended.failure(&first.to_string()))?.peak_bytes;
-        Ok(bench)
+    pub(super) fn new(args: &'a Args, threads: Vec<usize>, environment: &'a Environment, session: &'a Session) -> Self {
+        Self { args, threads, environment, session, contestants: args.contestants(), known: HashMap::new() }
     }
 
     fn most_threads(&self) -> usize {
@@ -113,7 +100,7 @@ impl<'a> Bench<'a> {
     /// The settings of a solve with a time limit of `patience` times that of the user.
     fn place(&self, patience: f64) -> Place<'a> {
         let limit = Duration::from_secs_f64(patience * self.args.patience());
-        Place { environment: self.environment, session: self.session, limit, own_baseline: self.own_baseline }
+        Place { environment: self.environment, session: self.session, limit }
     }
 
     fn file(&self, contestant: &Contestant, threads: usize) -> PathBuf {
