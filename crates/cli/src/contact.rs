@@ -298,7 +298,7 @@ impl Prepared {
             (_, Boundary::Periodic) => Held::LAW,
             (_, Boundary::Free) => Held::LAW_FREE,
         };
-        session.agree(fields.check_shared("the grid", surface.grid.points(), session.processes()))?;
+        session.agree(fields.check_rest("the grid", surface.grid.points(), session.processes()))?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let (base, hardness) = args.read_fields(&body, &surface, session)?;

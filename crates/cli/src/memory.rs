@@ -65,19 +65,28 @@ impl Held {
     /// # Errors
     /// A need of more memory than is available.
     pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        self.check_beside(0, name, points, Processes::ALONE)
+        self.check_shared(name, points, Processes::ALONE)
     }
 
-    /// As [`check`](Self::check), for what the processes of this machine hold together. What they hold already, such as the
-    /// surface and [freed memory](crate::program::keep_freed_memory), is part of the problem.
+    /// As [`check`](Self::check), for what the processes of this machine hold together.
     ///
     /// # Errors
     /// A need of more memory than is available.
     pub(crate) fn check_shared(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-        let held = own_size(1).unwrap_or(0).saturating_mul(processes.here as u64);
+        self.check_beside(0, name, points, processes)
+    }
+
+    /// As [`check_shared`](Self::check_shared), if all that the processes hold is part of the problem: its surface, and
+    /// [freed memory](crate::program::keep_freed_memory).
+    ///
+    /// # Errors
+    /// A need of more memory than is available.
+    pub(crate) fn check_rest(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+        let held = own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64);
         self.check_beside(held, name, points, processes)
     }
 
+    /// Refuses a need that exceeds what is available and what is `held` of it already.
     fn check_beside(self, held: u64, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
         let ([nx, ny], Processes { here, all }) = (points, processes);
         let (fields, whose) = if all > 1 {
@@ -130,13 +139,20 @@ fn of_process() -> Option<u64> {
     {
         use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
         let (limit, _) = getrlimit(Resource::RLIMIT_AS).ok().filter(|(limit, _)| *limit != RLIM_INFINITY)?;
-        Some(limit.saturating_sub(own_size(0)?))
+        Some(limit.saturating_sub(own_size(ADDRESSES)?))
     }
     #[cfg(not(target_os = "linux"))]
     None
 }
 
-/// The size of this process in bytes: all addresses (0), or those in memory (1); `None` if the system does not report it.
+/// The place of the size of all addresses of a process in `/proc/self/statm`.
+#[cfg(target_os = "linux")]
+const ADDRESSES: usize = 0;
+
+/// The place of the size of what is in memory.
+const RESIDENT: usize = 1;
+
+/// A size of this process in bytes; `None` if the system does not report it.
 fn own_size(number: usize) -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;

@@ -92,10 +92,8 @@ impl Contestant {
     /// threads.
     pub(super) fn pressure_file(&self, folder: &Path, threads: usize) -> PathBuf {
         let name = self.to_string().replace([' ', ','], "-");
-        folder.join(match self {
-            Self::Own(_) => format!("{name}.npy"),
-            Self::Peer(_) => format!("{name}-{threads}.npy"),
-        })
+        let threads = if let Self::Own(_) = self { String::new() } else { format!("-{threads}") };
+        folder.join(format!("{name}{threads}.npy"))
     }
 
     /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`, in .npy. This

@@ -16,7 +16,7 @@ const PAIRS: f64 = 0.5;
 pub(crate) fn few_blocks(scattered: &Scattered, grid: &Grid, places: Vec<usize>) -> Option<Blocks> {
     let points = grid.len() as f64;
     let few = !places.is_empty() && (places.len() * LANES) as f64 <= MOST * points;
-    few.then(|| Blocks::new(scattered, grid, places, (PAIRS * points) as usize))?
+    few.then(|| Blocks::new(scattered, grid, places, (PAIRS * points) as usize)).flatten()
 }
 
 /// The blocks in the own rows: the places of their values among those of all blocks, and among the own rows.
