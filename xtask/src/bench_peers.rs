@@ -6,6 +6,7 @@
 mod any_load;
 mod contestant;
 mod judge;
+mod kept;
 mod measure;
 mod process;
 mod python;
@@ -101,6 +102,10 @@ pub struct Args {
     /// Folder of the environment, created if missing [default: bench-peers/venv beside the build]
     #[arg(long, value_name = "FOLDER")]
     pub venv: Option<PathBuf>,
+    /// Continue an interrupted run: its finished cases are taken as they are. It must have had the same settings, program,
+    /// peers and machine
+    #[arg(long)]
+    pub resume: bool,
     /// Write the documentation page [default: docs/benchmarks.md; with --any-load docs/any-load.md]
     #[arg(long, value_name = "FILE.md")]
     pub write_docs: Option<Option<PathBuf>>,
@@ -332,11 +337,18 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     if !too_many.is_empty() {
         report.notes.push(format!("Numbers of threads {too_many:?} were left out: the machine has {cores} cores."));
     }
-    let mut bench = Bench::new(args, possible, environment, session);
+    let (resumed, notes) = if args.resume { report.resumed()? } else { Default::default() };
+    let notes: Vec<String> = notes.into_iter().filter(|note| !report.notes.contains(note)).collect();
+    report.notes.extend(notes);
+    let mut bench = Bench::new(args, possible, environment, session, resumed);
     for &points in &args.sizes {
         for &hurst in &args.hurst {
             let problems = problems(args, points, hurst, environment.scratch())?;
             for problem in &problems {
+                if let Some(case) = bench.finished(problem) {
+                    report.cases.push(case);
+                    continue;
+                }
                 let done = bench.case(problem, &mut report.notes).map_err(|failure| report.keep_after(failure))?;
                 report.cases.push(done);
                 report.keep()?;

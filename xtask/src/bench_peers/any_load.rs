@@ -13,7 +13,8 @@ use std::time::Duration;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
 use gfmd_contact::{Boundary, Solver};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
@@ -22,7 +23,7 @@ use super::process::Ended;
 use super::python::Environment;
 use super::solve::Solve;
 use super::table::{Table, write_beside};
-use super::{Args, Peer, RMS_GRADIENT, problems};
+use super::{Args, Peer, RMS_GRADIENT, kept, problems};
 
 /// Reduced pressures, from first touch to full contact.
 pub(super) const LOADS: [f64; 9] = [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.9, 0.99, 1.0, 3.0];
@@ -119,8 +120,23 @@ pub struct Block {
     pub rows: Vec<Row>,
 }
 
+/// A block of an interrupted run.
+#[derive(Deserialize)]
+struct Resumed {
+    kind: Value,
+    hurst: f64,
+    contestants: Vec<String>,
+    rows: Vec<Row>,
+}
+
+impl Resumed {
+    fn is_of(&self, kind: &Kind, hurst: f64, contestants: &[String]) -> bool {
+        self.kind["name"] == kind.name && self.hurst == hurst && self.contestants == contestants
+    }
+}
+
 /// One load.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     /// Reduced pressure.
     pub p_star: f64,
@@ -131,7 +147,7 @@ pub struct Row {
 }
 
 /// What a contestant reached.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cell {
     /// The tolerance that it was asked for, in its own measure.
     pub tolerance: f64,
@@ -175,11 +191,13 @@ pub(super) fn run(
     };
     let all = [Contestant::Own(Solver::Auto)].into_iter().chain(args.peers.iter().copied().map(Contestant::Peer));
     let all: Vec<Contestant> = all.collect();
+    let resumed = if args.resume { table.resumed()? } else { Vec::new() };
     for kind in KINDS {
         let contestants: Vec<Contestant> =
             all.iter().copied().filter(|contestant| contestant.suits(kind.boundary, kind.hardness)).collect();
         for &hurst in &args.hurst {
-            let names = contestants.iter().map(ToString::to_string).collect();
+            let names: Vec<String> = contestants.iter().map(ToString::to_string).collect();
+            let resumed = resumed.iter().find(|block| block.is_of(&kind, hurst, &names));
             table.blocks.push(Block { kind, hurst, contestants: names, rows: Vec::new() });
             let problems = problems(args, table.points, hurst, environment.scratch())?;
             for problem in problems.into_iter().filter(|problem| kind.has(problem.p_star)) {
@@ -189,9 +207,16 @@ pub(super) fn run(
                     most_iterations: Some(MOST_ITERATIONS),
                     ..problem
                 };
-                let row = Trial { args, environment, session, problem: &problem }.row(&contestants, kind.name)?;
+                let finished = resumed.and_then(|block| block.rows.iter().find(|row| row.p_star == problem.p_star));
+                let is_new = finished.is_none();
+                let row = match finished {
+                    Some(row) => row.clone(),
+                    None => Trial { args, environment, session, problem: &problem }.row(&contestants, kind.name)?,
+                };
                 table.blocks.last_mut().into_iter().for_each(|block| block.rows.push(row.clone()));
-                table.keep()?;
+                if is_new {
+                    table.keep()?;
+                }
             }
         }
     }
@@ -298,6 +323,11 @@ impl Cell {
 }
 
 impl AnyLoad {
+    /// The blocks of an interrupted run with the settings of this one.
+    fn resumed(&self) -> Result<Vec<Resumed>, Failure> {
+        kept::read(&self.kept, self, &["date", "blocks", "notes", "kept"], "blocks")
+    }
+
     /// Writes the table to its file, so that a later failure does not lose it.
     fn keep(&self) -> Result<(), Failure> {
         let text = gfmd_cli::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;

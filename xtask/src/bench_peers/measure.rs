@@ -53,6 +53,8 @@ pub(super) struct Bench<'a> {
     session: &'a Session,
     contestants: Vec<Contestant>,
     known: HashMap<(String, Kind), Known>,
+    /// Cases of an interrupted run.
+    resumed: Vec<Case>,
 }
 
 /// A contestant that takes part in a case.
@@ -67,8 +69,24 @@ struct Starter {
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(args: &'a Args, threads: Vec<usize>, environment: &'a Environment, session: &'a Session) -> Self {
-        Self { args, threads, environment, session, contestants: args.contestants(), known: HashMap::new() }
+    pub(super) fn new(
+        args: &'a Args,
+        threads: Vec<usize>,
+        environment: &'a Environment,
+        session: &'a Session,
+        resumed: Vec<Case>,
+    ) -> Self {
+        Self { args, threads, environment, session, contestants: args.contestants(), known: HashMap::new(), resumed }
+    }
+
+    /// The case of an interrupted run; the tolerances of its peers are those to begin with on larger grids.
+    pub(super) fn finished(&mut self, problem: &Problem) -> Option<Case> {
+        let case = self.resumed.iter().find(|case| case.is_of(problem, &self.threads))?.clone();
+        for entry in case.timings.first().into_iter().flat_map(|timing| &timing.entries) {
+            let known = Known { points: case.n, tolerance: entry.tolerance, seconds: entry.seconds };
+            self.known.insert((entry.name.clone(), [case.hurst.to_bits(), case.p_star.to_bits()]), known);
+        }
+        Some(case)
     }
 
     fn most_threads(&self) -> usize {

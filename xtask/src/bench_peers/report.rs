@@ -5,10 +5,12 @@ use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use gfmd_cli::failure::Failure;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::TamaasFftw;
+use super::contestant::Problem;
 use super::judge::{AGREEMENT, Verdict};
+use super::kept;
 use super::table::{Table, write_beside};
 
 /// The result of `bench-peers`.
@@ -43,7 +45,7 @@ pub struct Report {
 }
 
 /// The measurements of one load on one surface.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Case {
     /// Points along a side.
     pub n: usize,
@@ -58,7 +60,7 @@ pub struct Case {
 }
 
 /// The timings of all contestants at one number of threads.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Timing {
     /// Number of threads allowed.
     pub threads: usize,
@@ -72,7 +74,7 @@ pub struct Timing {
 }
 
 /// The measurements of one contestant.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// Name of the contestant.
     pub name: String,
@@ -107,6 +109,14 @@ impl fmt::Display for Entry {
     }
 }
 
+impl Case {
+    /// True if the case is that of `problem`, on these numbers of threads.
+    pub(super) fn is_of(&self, problem: &Problem, threads: &[usize]) -> bool {
+        (self.n, self.hurst, self.p_star) == (problem.points, problem.hurst, problem.p_star)
+            && self.timings.iter().map(|timing| timing.threads).eq(threads.iter().copied())
+    }
+}
+
 /// Share of a processor for the yardstick below which the page has a warning.
 const BUSY: f64 = 0.9;
 
@@ -115,6 +125,12 @@ impl Report {
     pub(super) fn keep(&self) -> Result<(), Failure> {
         let text = gfmd_cli::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
+    }
+
+    /// The cases and notes of an interrupted run with the settings of this one.
+    pub(super) fn resumed(&self) -> Result<(Vec<Case>, Vec<String>), Failure> {
+        let results = ["date", "cases", "notes", "kept"];
+        Ok((kept::read(&self.kept, self, &results, "cases")?, kept::read(&self.kept, self, &results, "notes")?))
     }
 
     /// The failure with the name of the file with the finished cases.

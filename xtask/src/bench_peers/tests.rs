@@ -277,6 +277,20 @@ fn the_page_of_all_loads_shows_what_fails() {
     assert!(LOADS.is_sorted());
 }
 
+#[test]
+fn an_interrupted_run_is_continued_under_its_own_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = Report { kept: folder.path().join("kept.json"), ..report() };
+    assert!(kept.resumed().unwrap_err().to_string().contains("kept.json"), "there is no run yet");
+    kept.keep().unwrap();
+    let now = Report { date: "2026-01-03".into(), cases: Vec::new(), notes: Vec::new(), ..kept.clone() };
+    let (cases, notes) = now.resumed().unwrap();
+    assert_eq!(serde_json::to_value(&cases).unwrap(), serde_json::to_value(&kept.cases).unwrap());
+    assert_eq!(notes, kept.notes);
+    let refused = Report { commit: "another".into(), ..now }.resumed().unwrap_err().to_string();
+    assert!(refused.contains("its commit is \"0123456789abcdef\"; it must be \"another\""), "{refused}");
+}
+
 fn args(flags: &[&str]) -> Args {
     #[derive(clap::Parser)]
     struct Line {
