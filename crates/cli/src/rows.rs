@@ -6,8 +6,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::failure::Failure;
 
-/// The number of chunks of a file in a block of rows that travels at once.
-const CHUNKS: usize = 4;
+/// The number of chunks of a file in a block of rows that travels at once, and is compressed by all threads of the first process.
+const CHUNKS: usize = 16;
 
 /// The number of rows of a block, of so many values each.
 fn height(columns: usize) -> usize {

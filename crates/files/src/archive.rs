@@ -12,6 +12,7 @@
 //! - [`Reader`] reads values, for resuming and for input. It is written in Rust, the HDF5 library only writes: a damaged file can
 //!   end a process that reads it by the library.
 
+mod chunks;
 mod content;
 mod reader;
 mod scale;
@@ -83,11 +84,19 @@ impl<'a> Archive<'a> {
     }
 
     /// Writes a whole variable, row-major. Booleans are written as `u8` with the units `1`.
-    pub fn write<T: H5Type>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
+    pub fn write<T: H5Type + Copy + Default + Sync>(
+        &mut self,
+        path: &str,
+        variable: &Variable,
+        values: &[T],
+    ) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         let dataset = self.new_dataset::<T>(path, variable, None)?;
-        let written =
-            if variable.dimensions.is_empty() { dataset.write_scalar(&values[0]) } else { dataset.write_raw(values) };
+        let shape = variable.shape();
+        let written = match shape.len() {
+            0 => dataset.write_scalar(&values[0]),
+            axes => chunks::write(&dataset, &vec![0; axes], &shape, values),
+        };
         written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
@@ -99,7 +108,11 @@ impl<'a> Archive<'a> {
         values: &[S],
     ) -> Result<(), FileError> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
-        self.write(path, variable, &texts)
+        self.check_length(path, variable, texts.len())?;
+        let dataset = self.new_dataset::<VarLenUnicode>(path, variable, None)?;
+        let written =
+            if variable.dimensions.is_empty() { dataset.write_scalar(&texts[0]) } else { dataset.write_raw(&texts) };
+        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
     /// Defines a variable whose entries along the first dimension are written one by one with [`Archive::write_slab`].
@@ -116,16 +129,10 @@ impl<'a> Archive<'a> {
         if shape.is_empty() || index >= shape[0] || values.len() != expected {
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
-        let write = || {
-            let mut slab = vec![1];
-            slab.extend(&shape[1..]);
-            let values = ndarray::ArrayViewD::from_shape(slab, values)?;
-            let mut selection = vec![hdf5::SliceOrIndex::from(index..index + 1)];
-            selection.extend(shape[1..].iter().map(|_| hdf5::SliceOrIndex::from(..)));
-            dataset.write_slice(values, hdf5::Hyperslab::from(selection))?;
-            dataset.flush()
-        };
-        write().map_err(|error| self.failed(path, &error))
+        let (mut first, mut lengths) = (vec![0; shape.len()], shape);
+        (first[0], lengths[0]) = (index, 1);
+        let written = chunks::write(&dataset, &first, &lengths, values);
+        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
     /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
@@ -155,17 +162,10 @@ impl<'a> Archive<'a> {
             let index = index.unwrap_or(first);
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
-        let write = || {
-            let mut slab = vec![1; shape.len() - 2];
-            slab.extend([count, columns]);
-            let values = ndarray::ArrayViewD::from_shape(slab, values)?;
-            let entry = index.map(|index| hdf5::SliceOrIndex::from(index..index + 1));
-            let field = [hdf5::SliceOrIndex::from(first..first + count), hdf5::SliceOrIndex::from(..)];
-            let selection: Vec<_> = entry.into_iter().chain(field).collect();
-            dataset.write_slice(values, hdf5::Hyperslab::from(selection))?;
-            dataset.flush()
-        };
-        write().map_err(|error| self.failed(path, &error))
+        let box_of = |entry: Option<usize>, row, column| entry.into_iter().chain([row, column]).collect::<Vec<_>>();
+        let (first, lengths) = (box_of(index, first, 0), box_of(index.map(|_| 1), count, columns));
+        let written = chunks::write(&dataset, &first, &lengths, values);
+        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
     /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.

@@ -2,7 +2,6 @@
 
 mod number;
 
-use std::ops::Range;
 use std::path::Path;
 
 use hdf5_reader::error::Error;
@@ -87,16 +86,12 @@ impl Hdf5 {
         self.dataset(path)?.read_array().map(numbers).map_err(text)
     }
 
-    /// The values at the entries `range` of a dataset's first dimension.
-    pub(crate) fn slab<T: Number>(&self, path: &str, range: Range<usize>) -> Result<Vec<T>, String> {
-        let dataset = self.dataset(path)?;
-        let found = dataset.raw_byte_len().map_err(text)?;
-        if found > self.most {
-            return Err(format!("{path} declares {found} bytes; a file of this size holds at most {}", self.most));
-        }
+    /// The values of a dataset at some entries of its first dimensions: of each the first and the one behind the last.
+    pub(crate) fn part<T: Number>(&self, path: &str, entries: &[[usize; 2]]) -> Result<Vec<T>, String> {
+        let dataset = self.possible(path)?;
         let mut selection = SliceInfo::all(dataset.ndim());
-        if let Some(first) = selection.selections.first_mut() {
-            *first = SliceInfoElem::Slice { start: range.start as u64, end: range.end as u64, step: 1 };
+        for (selected, [start, end]) in selection.selections.iter_mut().zip(entries) {
+            *selected = SliceInfoElem::Slice { start: *start as u64, end: *end as u64, step: 1 };
         }
         dataset.read_slice(&selection).map(numbers).map_err(text)
     }
@@ -132,6 +127,16 @@ impl Hdf5 {
     /// The dataset at `path`.
     pub(crate) fn dataset(&self, path: &str) -> Result<Dataset, String> {
         self.file.dataset(path).map_err(text)
+    }
+
+    /// The dataset at `path`, if a file of this size can hold it.
+    pub(crate) fn possible(&self, path: &str) -> Result<Dataset, String> {
+        let dataset = self.dataset(path)?;
+        let found = dataset.raw_byte_len().map_err(text)?;
+        if found > self.most {
+            return Err(format!("{path} declares {found} bytes; a file of this size holds at most {}", self.most));
+        }
+        Ok(dataset)
     }
 
     /// The group that holds all else.

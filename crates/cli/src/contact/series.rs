@@ -141,7 +141,9 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                 last = Some(state);
                 break;
             }
-            if let Some(kept) = &mut kept {
+            // The file of a series that is complete follows at once.
+            let is_last = index + 1 == controls.len() && !args.flow_threshold;
+            if let (Some(kept), false) = (&mut kept, is_last) {
                 let fields = chosen.fields(&state, lift);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&Part { text: record.to_toml()?, fields });

@@ -3,6 +3,7 @@
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Attribute, Dataset, Datatype, StringSize};
+use rayon::prelude::*;
 
 use crate::Checksum;
 use crate::stored::{Decode, Hdf5, Number, text};
@@ -10,8 +11,8 @@ use crate::stored::{Decode, Hdf5, Number, text};
 /// The attribute of the root that holds the checksum of all else.
 pub(super) const NAME: &str = "content_sha256";
 
-/// The most values that are read at a time.
-const PIECE: usize = 1 << 22;
+/// The most values of a piece: those of a chunk of this program's files.
+const PIECE: usize = 1 << 18;
 
 /// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or texts.
 pub(super) fn checksum(file: &Hdf5) -> Result<String, String> {
@@ -63,11 +64,9 @@ fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Checksum) -> R
     let shape = file.shape(path)?;
     sum.bytes(format!("{path}{shape:?}=").as_bytes());
     match dataset.dtype() {
-        Datatype::FloatingPoint { .. } => values::<f64>(file, path, &shape, |value| sum.bytes(&value.to_le_bytes())),
-        Datatype::FixedPoint { signed: true, .. } => {
-            values::<i64>(file, path, &shape, |value| sum.bytes(&value.to_le_bytes()))
-        }
-        Datatype::FixedPoint { .. } => values::<u64>(file, path, &shape, |value| sum.bytes(&value.to_le_bytes())),
+        Datatype::FloatingPoint { .. } => values(file, path, &shape, f64::to_le_bytes, sum),
+        Datatype::FixedPoint { signed: true, .. } => values(file, path, &shape, i64::to_le_bytes, sum),
+        Datatype::FixedPoint { .. } => values(file, path, &shape, u64::to_le_bytes, sum),
         _ => file.texts(path).map(|texts| texts.iter().for_each(|text| sum.bytes(format!("{text}\n").as_bytes()))),
     }
 }
@@ -81,17 +80,60 @@ fn bits(bytes: &[u8], kind: &Datatype) -> Result<[u8; 8], Error> {
     }
 }
 
-/// Reads a variable in pieces along its first dimension.
-fn values<T: Number>(file: &Hdf5, path: &str, shape: &[usize], mut see: impl FnMut(T)) -> Result<(), String> {
-    let row = shape.iter().skip(1).fold(1_usize, |product, &length| product.saturating_mul(length));
-    let length = shape.first().map_or(1, |&length| length);
-    if length.saturating_mul(row) <= PIECE {
-        file.values(path)?.into_iter().for_each(see);
-        return Ok(());
-    }
-    let rows = (PIECE / row).max(1);
-    for start in (0..length).step_by(rows) {
-        file.slab(path, start..(start + rows).min(length))?.into_iter().for_each(&mut see);
+/// Adds the values of a variable, the `bytes` of each. Pieces are read on all threads.
+fn values<T: Number>(
+    file: &Hdf5,
+    path: &str,
+    shape: &[usize],
+    bytes: impl Fn(T) -> [u8; 8] + Sync,
+    sum: &mut Checksum,
+) -> Result<(), String> {
+    file.possible(path)?;
+    let pieces = pieces(shape);
+    for together in pieces.chunks(rayon::current_num_threads()) {
+        let read = |piece: &Vec<[usize; 2]>| {
+            let values = if piece.is_empty() { file.values(path)? } else { file.part(path, piece)? };
+            let mut all = Vec::with_capacity(8 * values.len());
+            values.into_iter().for_each(|value| all.extend_from_slice(&bytes(value)));
+            Ok(all)
+        };
+        let read: Vec<Result<Vec<u8>, String>> = together.par_iter().map(read).collect();
+        for bytes in read {
+            sum.bytes(&bytes?);
+        }
     }
     Ok(())
+}
+
+/// The pieces of a variable in their order, of at most [`PIECE`] values, as [`Hdf5::part`] reads them.
+fn pieces(shape: &[usize]) -> Vec<Vec<[usize; 2]>> {
+    let Some((&length, inner)) = shape.split_first() else { return vec![Vec::new()] };
+    if shape.contains(&0) {
+        return Vec::new();
+    }
+    let inner_count = inner.iter().fold(1_usize, |product, &length| product.saturating_mul(length));
+    let entries = (PIECE / inner_count.max(1)).max(1);
+    let outer = (0..length).step_by(entries).map(|start| [start, length.min(start + entries)]);
+    let inner = if inner_count <= PIECE { vec![Vec::new()] } else { pieces(inner) };
+    let joined = |outer| inner.iter().map(move |inner| std::iter::once(outer).chain(inner.iter().copied()).collect());
+    outer.flat_map(joined).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_follow_each_other_and_are_small() {
+        assert_eq!(pieces(&[]), [Vec::<[usize; 2]>::new()]);
+        assert_eq!(pieces(&[7]), [[[0, 7]]]);
+        assert_eq!(pieces(&[2, 3, 5]), [[[0, 2]]]);
+        let field = pieces(&[2, 300, 2000]);
+        assert_eq!(field[..3], [[[0, 1], [0, 131]], [[0, 1], [131, 262]], [[0, 1], [262, 300]]]);
+        assert_eq!(field[3], [[1, 2], [0, 131]]);
+        let long = pieces(&[2, PIECE + 1]);
+        assert_eq!(long[..2], [[[0, 1], [0, PIECE]], [[0, 1], [PIECE, PIECE + 1]]]);
+        assert_eq!(long[2..], [[[1, 2], [0, PIECE]], [[1, 2], [PIECE, PIECE + 1]]]);
+        assert!(pieces(&[1 << 60, 0]).is_empty());
+    }
 }

@@ -67,7 +67,7 @@ impl Reader {
         if shape.first().is_none_or(|&length| index >= length) {
             return Err(FileError::Slab { variable: path.into(), index, found: 0, shape });
         }
-        self.file.slab(path, index..index + 1).map_err(|reason| self.failed(path, reason))
+        self.file.part(path, &[[index, index + 1]]).map_err(|reason| self.failed(path, reason))
     }
 
     /// All values of a variable of strings.

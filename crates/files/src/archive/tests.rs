@@ -410,3 +410,38 @@ fn rows_in_blocks_of_chunks_make_the_file_of_whole_fields() {
         assert!(file(&format!("{chunks}.h5"), Some(chunks * rows_of_chunk(columns))) == whole, "{chunks}");
     }
 }
+
+/// The library undoes the filters that it has not applied, also of chunks that stick out.
+#[test]
+fn chunks_of_any_shape_are_read_by_the_library() {
+    let folder = tempfile::tempdir().unwrap();
+    for (place, shape) in [&[300_001][..], &[3, 270_000], &[5, 600], &[700, 1001], &[2, 300, 1001]].iter().enumerate() {
+        let lengths: Vec<Dimension> = shape
+            .iter()
+            .enumerate()
+            .map(|(axis, length)| Dimension::index(&format!("axis{axis}"), *length, ""))
+            .collect();
+        let dimensions: Vec<&Dimension> = lengths.iter().collect();
+        let count = shape.iter().product::<usize>();
+        let reals: Vec<f64> = (0..count).map(|i| (i as f64).sin()).collect();
+        let integers: Vec<u32> = (0..count as u32).map(|i| i.wrapping_mul(2_654_435_761)).collect();
+        let file = |threads: usize| {
+            let path = folder.path().join(format!("{place}-{threads}.h5"));
+            let output = Output::claim(&path).unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut archive = Archive::create(&output, &provenance()).unwrap();
+                archive.write("/reals", &variable(&dimensions), &reals).unwrap();
+                archive.write("/integers", &variable(&dimensions), &integers).unwrap();
+                archive.finish().unwrap();
+            });
+            path
+        };
+        let [one, three] = [1, 3].map(file);
+        assert!(fs::read(&one).unwrap() == fs::read(three).unwrap(), "{shape:?}");
+        let file = File::open(&one).unwrap();
+        assert!(file.dataset("reals").unwrap().is_chunked());
+        assert!(file.dataset("reals").unwrap().read_raw::<f64>().unwrap() == reals, "{shape:?}");
+        assert!(file.dataset("integers").unwrap().read_raw::<u32>().unwrap() == integers, "{shape:?}");
+    }
+}
