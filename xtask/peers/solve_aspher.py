@@ -10,16 +10,13 @@ written.
 """
 
 import json
-import resource
 import sys
 import time
 
 import aspher
 import numpy as np
 
-
-def peak_bytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+from peak_memory import peak_bytes
 
 
 def main():

@@ -12,7 +12,6 @@ solver gives up, "failure" has its message, and the pressure so far is written.
 
 import contextlib
 import json
-import resource
 import sys
 import time
 
@@ -21,9 +20,7 @@ import numpy as np
 import SurfaceTopography
 from NuMPI.Optimization import CCGWithoutRestart
 
-
-def peak_bytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+from peak_memory import peak_bytes
 
 
 def displacement(system, file):

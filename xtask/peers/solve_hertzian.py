@@ -7,16 +7,13 @@ not reached, "failure" has the reason, and the pressure so far is written if the
 """
 
 import json
-import resource
 import sys
 import time
 
 import hertzian
 import numpy as np
 
-
-def peak_bytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+from peak_memory import peak_bytes
 
 
 def main():

@@ -15,7 +15,6 @@ import ctypes
 import json
 import os
 import re
-import resource
 import sys
 import tempfile
 import time
@@ -23,9 +22,7 @@ import time
 import numpy as np
 import tamaas
 
-
-def peak_bytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+from peak_memory import peak_bytes
 
 
 def set_up_transforms(task, n):

@@ -165,16 +165,25 @@ fn own_size(number: usize) -> Option<u64> {
 const PAGE: u64 = 4096;
 
 fn of_machine() -> Option<u64> {
+    told_by_linux("/proc/meminfo", "MemAvailable:")
+}
+
+/// The bytes that a file of Linux tells under a name.
+fn told_by_linux(file: &str, name: &str) -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
     }
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(name))?;
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
 /// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
+    // What `getrusage` tells on Linux is at least the memory of the process that started this one.
+    if let Some(bytes) = told_by_linux("/proc/self/status", "VmHWM:") {
+        return bytes;
+    }
     #[cfg(unix)]
     {
         use nix::sys::resource::{UsageWho, getrusage};

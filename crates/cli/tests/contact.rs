@@ -552,3 +552,13 @@ fn memory_is_bounded_at_small_loads_and_large_ones() {
         assert!(fields < 10.5, "{peak} bytes at {load}: {fields} fields");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_peak_memory_is_not_that_of_the_process_that_started_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let large = std::hint::black_box(vec![1_u8; 200 << 20]);
+    let report = json(folder.path(), &["contact", "--n", "64", "--p-star", "0.01", "--json", "--quiet"]);
+    let peak = number(&report, "peak_bytes");
+    assert!(peak < large.len() as f64 / 2.0, "{peak}");
+}

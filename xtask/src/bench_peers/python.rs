@@ -72,6 +72,9 @@ impl Script {
     }
 }
 
+/// What the scripts share.
+const MODULE: (&str, &str) = ("peak_memory.py", include_str!("../../peers/peak_memory.py"));
+
 /// An FFTW with vector code: names or paths of its libraries.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Fftw {
@@ -124,9 +127,10 @@ impl Environment {
         let venv = args.venv.clone().unwrap_or_else(|| folder.join("venv"));
         let (python, mut notes) = install(&args.python, &venv, session)?;
         let scratch = tempfile::tempdir_in(folder).map_err(|error| cannot_write(folder, &error))?;
-        for script in Script::ALL {
-            let file = scratch.path().join(script.name());
-            fs::write(&file, script.text()).map_err(|error| cannot_write(&file, &error))?;
+        let scripts = Script::ALL.map(|script| (script.name(), script.text()));
+        for (name, text) in scripts.into_iter().chain([MODULE]) {
+            let file = scratch.path().join(name);
+            fs::write(&file, text).map_err(|error| cannot_write(&file, &error))?;
         }
         let describe = || -> Result<Description, Failure> {
             let description = run(&python, scratch.path(), Script::Describe, None, &[], LONG, session);
