@@ -4,10 +4,10 @@ use std::sync::Arc;
 use gfmd_vector::Split;
 use num_complex::Complex64;
 use rayon::prelude::*;
-use rustdct::{DctPlanner, TransformType2And3};
-use rustfft::FftPlanner;
+use rustdct::TransformType2And3;
 
 use crate::plan::{check, check_rows};
+use crate::real::Plans as _;
 use crate::{Grid, Real, ShapeError};
 
 /// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny): those of fields that
@@ -58,8 +58,8 @@ impl<T: Real> Cosines<T> {
     /// Plans the transforms of `grid`.
     pub fn new(grid: Grid) -> Self {
         let shape = grid.rows();
-        let mut planner = DctPlanner::new();
-        Self { grid, shape, along_x: planner.plan_dct2(shape[0]), along_y: planner.plan_dct2(shape[1]) }
+        let [along_x, along_y] = T::cosines(shape);
+        Self { grid, shape, along_x, along_y }
     }
 
     /// Allocates the memory that a call needs.
@@ -131,7 +131,7 @@ impl Cosines {
 /// Replaces every row of values k(a) at the distances a = 0, 1, … by the quotients of its cosine waves. With θ = π m/n,
 /// Σ_i 2 cos(θ(i + ½)) cos(θ(i + a + ½)) = (n − a) cos(θ a) − sin(θ a)/sin θ, summed over both points inside the row.
 fn quotients_along(rows: &mut [f64], length: usize) {
-    let fft = FftPlanner::new().plan_fft_forward(2 * length);
+    let (fft, _) = f64::complex(2 * length);
     let n = length as f64;
     let memory = || (vec![Complex64::ZERO; 2 * length], vec![Complex64::ZERO; fft.get_inplace_scratch_len()]);
     rows.par_chunks_mut(length).with_min_len(portion(length)).for_each_init(memory, |(line, scratch), row| {

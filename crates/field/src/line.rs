@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gfmd_vector::Split;
 use num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
 
 use crate::Real;
 use crate::plane::energy;
@@ -32,8 +32,8 @@ pub(crate) struct Memory<T> {
 impl<T: Real> Line<T> {
     /// Plans for fields that fill the first `shown` points.
     pub(crate) fn new(points: usize, shown: usize) -> Self {
-        let mut planner = RealFftPlanner::new();
-        Self { points, shown, to_half: planner.plan_fft_forward(points), from_half: planner.plan_fft_inverse(points) }
+        let (to_half, from_half) = T::real(points);
+        Self { points, shown, to_half, from_half }
     }
 
     pub(crate) fn memory(&self) -> Memory<T> {

@@ -11,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use gfmd_vector::{Rows, Split};
 use multiversion::multiversion;
 use num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::{Fft, FftPlanner};
+use realfft::{ComplexToReal, RealToComplex};
+use rustfft::Fft;
 
 use crate::Real;
 use crate::deal::{deal, lock};
@@ -73,19 +73,9 @@ impl<T: Real> Plane<T> {
 
     /// Plans for fields that fill the `corner` of the points.
     pub(crate) fn new([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
+        let ((to_half, from_half), (ahead, back)) = (T::real(points), T::complex(rows));
         let width = (PANEL / size_of::<Complex<T>>() / rows).clamp(Self::GAP, WIDTH * Self::GAP);
-        Self {
-            rows,
-            points,
-            corner,
-            width: width.min(points / 2 + 1),
-            to_half: real.plan_fft_forward(points),
-            from_half: real.plan_fft_inverse(points),
-            ahead: complex.plan_fft_forward(rows),
-            back: complex.plan_fft_inverse(rows),
-        }
+        Self { rows, points, corner, width: width.min(points / 2 + 1), to_half, from_half, ahead, back }
     }
 
     /// Allocates memory for this plan, with a seat for each of `threads`.
