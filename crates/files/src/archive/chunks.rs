@@ -16,9 +16,6 @@ use rayon::prelude::*;
 
 use super::DEFLATE;
 
-/// The number of chunks for each thread that stand in memory.
-const WAITING: usize = 2;
-
 /// Writes the box of `lengths` entries from `first` on, row-major.
 pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     dataset: &Dataset,
@@ -43,8 +40,8 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
         return dataset.write_slice(values, Hyperslab::from(selection));
     }
     let counts: Vec<usize> = axes().map(|((_, length), (chunk, _))| length.div_ceil(*chunk)).collect();
-    let number = counts.iter().product();
-    let together = WAITING * rayon::current_num_threads();
+    let (number, chunk_length) = (counts.iter().product(), chunk.iter().product::<usize>());
+    let together = rayon::current_num_threads();
     for start in (0..number).step_by(together) {
         let compressed = |place: usize| {
             let corner = corner(place, &counts, &chunk);
@@ -52,12 +49,17 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
                 let Axis(axis) = axis.axis;
                 Slice::from(corner[axis]..(corner[axis] + chunk[axis]).min(lengths[axis]))
             });
-            // Chunks at the edges are stored whole.
-            let mut whole = ArrayD::from_elem(&chunk[..], T::default());
-            whole.slice_each_axis_mut(|axis| Slice::from(..part.len_of(axis.axis))).assign(&part);
-            let offset: Vec<hsize_t> =
-                first.iter().zip(&corner).map(|(first, corner)| (first + corner) as hsize_t).collect();
-            (offset, compress(bytes(whole.as_slice().unwrap_or_default()), size_of::<T>()))
+            let offset = first.iter().zip(&corner).map(|(first, corner)| (first + corner) as hsize_t);
+            let compressed = match part.as_slice().filter(|part| part.len() == chunk_length) {
+                Some(part) => compress(bytes(part), size_of::<T>()),
+                // Chunks at the edges are stored whole.
+                None => {
+                    let mut whole = ArrayD::from_elem(&chunk[..], T::default());
+                    whole.slice_each_axis_mut(|axis| Slice::from(..part.len_of(axis.axis))).assign(&part);
+                    compress(bytes(whole.as_slice().unwrap_or_default()), size_of::<T>())
+                }
+            };
+            (offset.collect::<Vec<_>>(), compressed)
         };
         let block: Vec<_> = (start..number.min(start + together)).into_par_iter().map(compressed).collect();
         for (offset, bytes) in block {

@@ -14,6 +14,9 @@ pub(super) const NAME: &str = "content_sha256";
 /// The most values of a piece: those of a chunk of this program's files.
 const PIECE: usize = 1 << 18;
 
+/// The number of values that are added to the checksum at a time.
+const BATCH: usize = 1 << 10;
+
 /// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or texts.
 pub(super) fn checksum(file: &Hdf5) -> Result<String, String> {
     let mut sum = Checksum::default();
@@ -85,21 +88,23 @@ fn values<T: Number>(
     file: &Hdf5,
     path: &str,
     shape: &[usize],
-    bytes: impl Fn(T) -> [u8; 8] + Sync,
+    bytes: impl Fn(T) -> [u8; 8],
     sum: &mut Checksum,
 ) -> Result<(), String> {
     file.possible(path)?;
     let pieces = pieces(shape);
+    let mut batch = Vec::with_capacity(8 * BATCH);
     for together in pieces.chunks(rayon::current_num_threads()) {
         let read = |piece: &Vec<[usize; 2]>| {
-            let values = if piece.is_empty() { file.values(path)? } else { file.part(path, piece)? };
-            let mut all = Vec::with_capacity(8 * values.len());
-            values.into_iter().for_each(|value| all.extend_from_slice(&bytes(value)));
-            Ok(all)
+            if piece.is_empty() { file.values(path) } else { file.part(path, piece) }
         };
-        let read: Vec<Result<Vec<u8>, String>> = together.par_iter().map(read).collect();
-        for bytes in read {
-            sum.bytes(&bytes?);
+        let read: Vec<Result<Vec<T>, String>> = together.par_iter().map(read).collect();
+        for values in read {
+            for values in values?.chunks(BATCH) {
+                batch.clear();
+                values.iter().for_each(|value| batch.extend_from_slice(&bytes(*value)));
+                sum.bytes(&batch);
+            }
         }
     }
     Ok(())
