@@ -264,7 +264,7 @@ fn run<T: DeserializeOwned>(
 ) -> Result<T, Ended> {
     let mut command = Command::new(python);
     // Isolated from the packages and settings of the user.
-    command.arg("-I").arg(scratch.join(script.name())).args(task.map(ToString::to_string));
+    command.args(["-E", "-s"]).arg(scratch.join(script.name())).args(task.map(ToString::to_string));
     command.current_dir(scratch).envs(settings.iter().map(|(name, value)| (name, value)));
     let printed = output(&mut command, limit, session)?;
     serde_json::from_str(&printed)
