@@ -35,6 +35,7 @@ pub use any_load::{AnyLoad, Block, Cell, Kind, Row};
 use contestant::{Contestant, Problem};
 use measure::Bench;
 use python::Environment;
+use report::Interrupted;
 pub use report::{Case, Entry, Report, Timing};
 pub use solve::{Args as SolveArgs, Solve, run as solve};
 
@@ -337,10 +338,10 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     if !too_many.is_empty() {
         report.notes.push(format!("Numbers of threads {too_many:?} were left out: the machine has {cores} cores."));
     }
-    let (resumed, notes) = if args.resume { report.resumed()? } else { Default::default() };
-    let notes: Vec<String> = notes.into_iter().filter(|note| !report.notes.contains(note)).collect();
+    let resumed = if args.resume { report.resumed()? } else { Interrupted::default() };
+    let notes: Vec<String> = resumed.notes.into_iter().filter(|note| !report.notes.contains(note)).collect();
     report.notes.extend(notes);
-    let mut bench = Bench::new(args, possible, environment, session, resumed);
+    let mut bench = Bench::new(args, possible, environment, session, resumed.cases);
     for &points in &args.sizes {
         for &hurst in &args.hurst {
             let problems = problems(args, points, hurst, environment.scratch())?;

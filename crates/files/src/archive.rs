@@ -97,7 +97,7 @@ impl<'a> Archive<'a> {
             0 => dataset.write_scalar(&values[0]),
             axes => chunks::write(&dataset, &vec![0; axes], &shape, values),
         };
-        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
+        self.flushed(path, &dataset, written)
     }
 
     /// Writes a variable of strings.
@@ -112,7 +112,7 @@ impl<'a> Archive<'a> {
         let dataset = self.new_dataset::<VarLenUnicode>(path, variable, None)?;
         let written =
             if variable.dimensions.is_empty() { dataset.write_scalar(&texts[0]) } else { dataset.write_raw(&texts) };
-        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
+        self.flushed(path, &dataset, written)
     }
 
     /// Defines a variable whose entries along the first dimension are written one by one with [`Archive::write_slab`].
@@ -132,7 +132,7 @@ impl<'a> Archive<'a> {
         let (mut first, mut lengths) = (vec![0; shape.len()], shape);
         (first[0], lengths[0]) = (index, 1);
         let written = chunks::write(&dataset, &first, &lengths, values);
-        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
+        self.flushed(path, &dataset, written)
     }
 
     /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
@@ -165,7 +165,7 @@ impl<'a> Archive<'a> {
         let box_of = |entry: Option<usize>, row, column| entry.into_iter().chain([row, column]).collect::<Vec<_>>();
         let (first, lengths) = (box_of(index, first, 0), box_of(index.map(|_| 1), count, columns));
         let written = chunks::write(&dataset, &first, &lengths, values);
-        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
+        self.flushed(path, &dataset, written)
     }
 
     /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
@@ -210,6 +210,11 @@ impl<'a> Archive<'a> {
 
     fn file(&self) -> Result<&File, FileError> {
         self.file.as_ref().ok_or_else(|| FileError::Closed { path: self.output.path().into() })
+    }
+
+    /// Hands what was written to the operating system.
+    fn flushed(&self, path: &str, dataset: &Dataset, written: Result<(), hdf5::Error>) -> Result<(), FileError> {
+        written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
 
     fn failed(&self, variable: &str, error: &hdf5::Error) -> FileError {

@@ -120,6 +120,12 @@ pub struct Block {
     pub rows: Vec<Row>,
 }
 
+/// The results of an interrupted run.
+#[derive(Default, Deserialize)]
+struct Interrupted {
+    blocks: Vec<Resumed>,
+}
+
 /// A block of an interrupted run.
 #[derive(Deserialize)]
 struct Resumed {
@@ -191,13 +197,13 @@ pub(super) fn run(
     };
     let all = [Contestant::Own(Solver::Auto)].into_iter().chain(args.peers.iter().copied().map(Contestant::Peer));
     let all: Vec<Contestant> = all.collect();
-    let resumed = if args.resume { table.resumed()? } else { Vec::new() };
+    let resumed = if args.resume { table.resumed()? } else { Interrupted::default() };
     for kind in KINDS {
         let contestants: Vec<Contestant> =
             all.iter().copied().filter(|contestant| contestant.suits(kind.boundary, kind.hardness)).collect();
         for &hurst in &args.hurst {
             let names: Vec<String> = contestants.iter().map(ToString::to_string).collect();
-            let resumed = resumed.iter().find(|block| block.is_of(&kind, hurst, &names));
+            let resumed = resumed.blocks.iter().find(|block| block.is_of(&kind, hurst, &names));
             table.blocks.push(Block { kind, hurst, contestants: names, rows: Vec::new() });
             let problems = problems(args, table.points, hurst, environment.scratch())?;
             for problem in problems.into_iter().filter(|problem| kind.has(problem.p_star)) {
@@ -208,15 +214,12 @@ pub(super) fn run(
                     ..problem
                 };
                 let finished = resumed.and_then(|block| block.rows.iter().find(|row| row.p_star == problem.p_star));
-                let is_new = finished.is_none();
-                let row = match finished {
-                    Some(row) => row.clone(),
-                    None => Trial { args, environment, session, problem: &problem }.row(&contestants, kind.name)?,
-                };
-                table.blocks.last_mut().into_iter().for_each(|block| block.rows.push(row.clone()));
-                if is_new {
-                    table.keep()?;
+                if let Some(row) = finished {
+                    table.push(row.clone());
+                    continue;
                 }
+                table.push(Trial { args, environment, session, problem: &problem }.row(&contestants, kind.name)?);
+                table.keep()?;
             }
         }
     }
@@ -324,8 +327,15 @@ impl Cell {
 
 impl AnyLoad {
     /// The blocks of an interrupted run with the settings of this one.
-    fn resumed(&self) -> Result<Vec<Resumed>, Failure> {
-        kept::read(&self.kept, self, &["date", "blocks", "notes", "kept"], "blocks")
+    fn resumed(&self) -> Result<Interrupted, Failure> {
+        kept::read(&self.kept, self, &["date", "blocks", "notes", "kept"])
+    }
+
+    /// Adds a row to the last block.
+    fn push(&mut self, row: Row) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.rows.push(row);
+        }
     }
 
     /// Writes the table to its file, so that a later failure does not lose it.

@@ -7,16 +7,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// The part `part` of the results of an earlier run in `file`.
+/// The results of an earlier run in `file`.
 ///
 /// # Errors
 /// A file that cannot be read; an earlier run that differs from `now`, which has no results yet, in anything but `results`.
-pub(super) fn read<T: DeserializeOwned>(
-    file: &Path,
-    now: &impl Serialize,
-    results: &[&str],
-    part: &str,
-) -> Result<T, Failure> {
+pub(super) fn read<T: DeserializeOwned>(file: &Path, now: &impl Serialize, results: &[&str]) -> Result<T, Failure> {
     let refused = |why: String| Failure::Input(format!("--resume: {}: {why}", file.display()));
     let parsed = |text: &str| serde_json::from_str(text).map_err(|error| refused(error.to_string()));
     let kept: Value = parsed(&std::fs::read_to_string(file).map_err(|error| refused(error.to_string()))?)?;
@@ -27,6 +22,5 @@ pub(super) fn read<T: DeserializeOwned>(
             return Err(refused(format!("its {name} is {found}; it must be {value}, as in this run")));
         }
     }
-    let part = kept.get(part).cloned().unwrap_or_default();
-    serde_json::from_value(part).map_err(|error| refused(error.to_string()))
+    serde_json::from_value(kept).map_err(|error| refused(error.to_string()))
 }

@@ -117,6 +117,13 @@ impl Case {
     }
 }
 
+/// The results of an interrupted run.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Interrupted {
+    pub(super) cases: Vec<Case>,
+    pub(super) notes: Vec<String>,
+}
+
 /// Share of a processor for the yardstick below which the page has a warning.
 const BUSY: f64 = 0.9;
 
@@ -128,9 +135,8 @@ impl Report {
     }
 
     /// The cases and notes of an interrupted run with the settings of this one.
-    pub(super) fn resumed(&self) -> Result<(Vec<Case>, Vec<String>), Failure> {
-        let results = ["date", "cases", "notes", "kept"];
-        Ok((kept::read(&self.kept, self, &results, "cases")?, kept::read(&self.kept, self, &results, "notes")?))
+    pub(super) fn resumed(&self) -> Result<Interrupted, Failure> {
+        kept::read(&self.kept, self, &["date", "cases", "notes", "kept"])
     }
 
     /// The failure with the name of the file with the finished cases.

@@ -12,7 +12,7 @@ use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
 use super::measure::median;
 use super::process::{Ended, output};
-use super::report::{Case, Entry, Report, Timing};
+use super::report::{Case, Entry, Interrupted, Report, Timing};
 use super::tolerance::{Found, loosest};
 use super::{Args, Peer, TamaasFftw};
 
@@ -284,7 +284,7 @@ fn an_interrupted_run_is_continued_under_its_own_settings() {
     assert!(kept.resumed().unwrap_err().to_string().contains("kept.json"), "there is no run yet");
     kept.keep().unwrap();
     let now = Report { date: "2026-01-03".into(), cases: Vec::new(), notes: Vec::new(), ..kept.clone() };
-    let (cases, notes) = now.resumed().unwrap();
+    let Interrupted { cases, notes } = now.resumed().unwrap();
     assert_eq!(serde_json::to_value(&cases).unwrap(), serde_json::to_value(&kept.cases).unwrap());
     assert_eq!(notes, kept.notes);
     let refused = Report { commit: "another".into(), ..now }.resumed().unwrap_err().to_string();

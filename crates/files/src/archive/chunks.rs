@@ -11,7 +11,7 @@ use hdf5::{Dataset, H5Type, Hyperslab, SliceOrIndex};
 use hdf5_sys::h5::{herr_t, hsize_t};
 use hdf5_sys::h5i::hid_t;
 use hdf5_sys::h5p::H5P_DEFAULT;
-use ndarray::{ArrayD, ArrayViewD, Axis, Slice};
+use ndarray::{ArrayD, ArrayViewD, Axis, Dimension, IxDyn, Slice, indices};
 use rayon::prelude::*;
 
 use super::DEFLATE;
@@ -40,16 +40,17 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
         return dataset.write_slice(values, Hyperslab::from(selection));
     }
     let counts: Vec<usize> = axes().map(|((_, length), (chunk, _))| length.div_ceil(*chunk)).collect();
-    let (number, chunk_length) = (counts.iter().product(), chunk.iter().product::<usize>());
-    let together = rayon::current_num_threads();
-    for start in (0..number).step_by(together) {
-        let compressed = |place: usize| {
-            let corner = corner(place, &counts, &chunk);
+    let chunk_length = chunk.iter().product::<usize>();
+    // The first entries of the chunks, within the box.
+    let corner = |place: IxDyn| place.slice().iter().zip(&chunk).map(|(at, chunk)| at * chunk).collect();
+    let corners: Vec<Vec<usize>> = indices(&counts[..]).into_iter().map(corner).collect();
+    for corners in corners.chunks(rayon::current_num_threads()) {
+        let compressed = |corner: &Vec<usize>| {
             let part = values.slice_each_axis(|axis| {
                 let Axis(axis) = axis.axis;
                 Slice::from(corner[axis]..(corner[axis] + chunk[axis]).min(lengths[axis]))
             });
-            let offset = first.iter().zip(&corner).map(|(first, corner)| (first + corner) as hsize_t);
+            let offset = first.iter().zip(corner).map(|(first, corner)| (first + corner) as hsize_t);
             let compressed = match part.as_slice().filter(|part| part.len() == chunk_length) {
                 Some(part) => compress(bytes(part), size_of::<T>()),
                 // Chunks at the edges are stored whole.
@@ -61,28 +62,12 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
             };
             (offset.collect::<Vec<_>>(), compressed)
         };
-        let block: Vec<_> = (start..number.min(start + together)).into_par_iter().map(compressed).collect();
+        let block: Vec<_> = corners.par_iter().map(compressed).collect();
         for (offset, bytes) in block {
             put(dataset, &offset, &bytes.map_err(|error| error.to_string())?)?;
         }
     }
     Ok(())
-}
-
-/// The first entry of chunk number `place`, within the box.
-fn corner(mut place: usize, counts: &[usize], chunk: &[usize]) -> Vec<usize> {
-    let mut corner: Vec<usize> = counts
-        .iter()
-        .zip(chunk)
-        .rev()
-        .map(|(count, chunk)| {
-            let along = place % count * chunk;
-            place /= count;
-            along
-        })
-        .collect();
-    corner.reverse();
-    corner
 }
 
 /// The first bytes of all numbers, then the second ones, and so on (the filter "shuffle"), compressed (the filter "deflate").
