@@ -50,6 +50,13 @@ impl Compliance {
         }
     }
 
+    /// Frees the memory of a periodic cell until the next transform.
+    pub(crate) fn release(&mut self) {
+        if let Self::Periodic(transforms) = self {
+            transforms.release();
+        }
+    }
+
     /// Transforms so far, in pairs.
     pub(crate) fn pairs(&self) -> f64 {
         match self {
@@ -121,6 +128,13 @@ impl Rounded {
         match self {
             Self::Periodic(transforms) => transforms.quadratic_form(field),
             Self::Free(transforms) => transforms.quadratic_form(field),
+        }
+    }
+
+    /// Frees the memory of a periodic cell until the next transform.
+    pub(crate) fn release(&mut self) {
+        if let Self::Periodic(transforms) = self {
+            transforms.release();
         }
     }
 

@@ -1,11 +1,11 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Rows};
 use gfmd_green::Body;
 use gfmd_relax::Upper;
 use gfmd_response::{FreeCompliance, NormalResponse};
-use gfmd_vector::{Ranks, Share, for_each};
+use gfmd_vector::{Ranks, Share};
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
@@ -240,10 +240,15 @@ impl Contact {
         let response = &self.response;
         let mut compliance = Compliance::of(self);
         let mut displacement = vec![0.0; pressure.len()];
-        compliance.apply(response.compliance(), &pressure, &mut displacement);
-        let uniform = self.uniform_compliance() * self.share.total_of(&pressure) / self.share.total() as f64;
+        let columns = response.grid().rows()[1];
+        let source = |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p);
         // u_z = −G p.
-        for_each([&mut displacement[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
+        let sink = |_: usize, row: &mut [f64], Rows(u, _): Rows<&mut [f64]>| {
+            u.iter_mut().zip(row).for_each(|(u, g)| *u = -*g);
+        };
+        let (input, output) = (Rows(&pressure[..], columns), Rows(&mut displacement[..], columns));
+        compliance.apply_rows(response.compliance(), (input, source), (output, sink));
+        let uniform = self.uniform_compliance() * self.share.total_of(&pressure) / self.share.total() as f64;
         let length_scale = self.scaled.length_scale(load);
         let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);

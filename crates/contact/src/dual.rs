@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use gfmd_field::{Rows, Share, Split};
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
 use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
+use gfmd_vector::pass_by;
 
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::{Compliance, Rounded};
@@ -39,9 +40,12 @@ pub(crate) struct Dual<'a> {
     /// The number of points in a row.
     row: usize,
     share: Share,
+    /// In double precision. Only one of the two holds memory at a time.
     transforms: Compliance,
     rounded: Rounded,
     extension: PullPush,
+    /// True as long as x is a start without displacement.
+    is_flat: bool,
 }
 
 /// Stiffness of the uniform mode in the preconditioner, relative to the softest non-uniform mode. It is needed if the
@@ -84,7 +88,8 @@ impl<'a> Dual<'a> {
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());
-        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension }
+        let is_flat = false;
+        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat }
     }
 
     /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement
@@ -95,7 +100,8 @@ impl<'a> Dual<'a> {
         (output, sink): (O, impl Fn(&mut [f64], O) -> R + Sync),
         sums: &mut [R],
     ) {
-        let Self { compliance, row, transforms, .. } = self;
+        let Self { compliance, row, transforms, rounded, .. } = self;
+        rounded.release();
         let input = (Rows(input, *row), |_: usize, Rows(input, _): Rows<I>, row: &mut [f64]| source(input, row));
         let sink = |_: usize, row: &mut [f64], (Rows(output, _), sum): (Rows<O>, &mut [R])| sum[0] = sink(row, output);
         transforms.apply_rows(compliance, input, ((Rows(output, *row), sums), sink));
@@ -104,7 +110,8 @@ impl<'a> Dual<'a> {
     /// `out` ← Eᵀ K E with E the extension of the known values: about G⁻¹ of a displacement on the contact, times
     /// [`unit`](Preconditioned::unit), zero elsewhere.
     pub(crate) fn press(&mut self, known: Known, out: &mut [f32]) {
-        let Self { floating, rounded, extension, .. } = self;
+        let Self { floating, rounded, extension, transforms, .. } = self;
+        transforms.release();
         extension.prepare(known);
         rounded.stiffness(*floating, |i, row| extension.row(known, i, row), out);
         extension.transpose(known, out);
@@ -177,6 +184,12 @@ impl Preconditioned for Dual<'_> {
         sums: &mut [R],
     ) {
         let linear = std::mem::take(&mut self.linear);
+        if std::mem::take(&mut self.is_flat) {
+            let rows = (Rows(output, self.row), sums, Rows(&linear[..], self.row));
+            pass_by(1, rows, &|_, (Rows(output, _), sum, Rows(row, _))| sum[0] = sink(row, output), &|(), ()| ());
+            self.linear = linear;
+            return;
+        }
         let input = (x, |x: &[f64], row: &mut [f64]| row.copy_from_slice(x));
         let with_linear = |row: &mut [f64], (linear, output): (&[f64], O)| {
             row.iter_mut().zip(linear).for_each(|(g, b)| *g += b);
@@ -187,6 +200,7 @@ impl Preconditioned for Dual<'_> {
     }
 
     fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
+        self.transforms.release();
         self.rounded.compliance(Rows(input, self.row), |_, Rows(input, _), row| source(input, row));
     }
 
@@ -204,6 +218,10 @@ impl Preconditioned for Dual<'_> {
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
         let upper = self.upper.clone();
         self.press(Known { x, gradient, level, upper: upper.ceiling() }, out);
+    }
+
+    fn mark(&self, blocks: &mut [bool]) -> bool {
+        self.extension.mark(blocks)
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -235,6 +253,9 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     let mut dual = Dual::new(contact, attempt.load);
     let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
+    // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at zero.
+    let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
+    dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
     let mut pressure = attempt.start.take().unwrap_or_else(|| vec![mean.unwrap_or(0.0); own]);
     let upper = dual.upper();
     pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.ceiling().at(i)));

@@ -17,7 +17,7 @@ mod rows;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use gfmd_relax::Ceiling;
+use gfmd_relax::{BLOCK, Ceiling};
 use gfmd_vector::Share;
 use level::{Level, held_row, row_of};
 
@@ -34,7 +34,7 @@ pub(crate) struct PullPush {
     levels: Vec<Level>,
     /// One bit per point, row by row in whole words; set if the point keeps its own value.
     kept: Vec<AtomicU64>,
-    /// For each of these words whether a point of it is above zero.
+    /// For each of these words whether a point of it is not zero.
     above: Vec<AtomicBool>,
 }
 
@@ -109,8 +109,9 @@ const FULL: [f32; 2] = [1.5, 3.0];
 /// The largest number of cells of a level that all of several processes hold.
 const GATHERED: usize = 1 << 18;
 
-/// Number of points in a word of [`PullPush::kept`].
+/// Number of points in a word of [`PullPush::kept`], and in a block of the search.
 const BITS: usize = u64::BITS as usize;
+const _: () = assert!(BITS == BLOCK);
 
 impl PullPush {
     /// Plans the map. `stiffness` gives the stiffness of a wave as a function of its number of periods along the longer
@@ -211,6 +212,17 @@ impl PullPush {
                 below.learn_beside(share);
             }
         });
+    }
+
+    /// Marks the words in which a point was not zero or kept its own value; false, and marks none, if rows end within words.
+    pub(crate) fn mark(&self, words: &mut [bool]) -> bool {
+        let are_whole = self.points[1].is_multiple_of(BITS);
+        if are_whole {
+            for (word, (above, kept)) in words.iter_mut().zip(self.above.iter().zip(&self.kept)) {
+                *word = above.load(Ordering::Relaxed) || kept.load(Ordering::Relaxed) != 0;
+            }
+        }
+        are_whole
     }
 
     /// Computes row i of E r, after [`prepare`](Self::prepare).
@@ -391,6 +403,35 @@ mod tests {
                 assert!((0..x.len()).all(|k| free(k) || image[k] == 0.0), "{points:?}");
             }
         }
+    }
+
+    #[test]
+    fn what_moves_is_marked() {
+        for (points, edges) in [[8, 64], [3, 192]].into_iter().flat_map(|points| BOTH.map(|edges| (points, edges))) {
+            let (mut x, mut gradient) = field(points);
+            // Blocks in contact, blocks that touch nowhere, and some of these with a point that is about to enter.
+            for (number, (x, gradient)) in x.chunks_mut(BITS).zip(gradient.chunks_mut(BITS)).enumerate() {
+                if number % 2 == 1 {
+                    x.fill(0.0);
+                    gradient.fill(1.0);
+                    gradient[17] = if number % 4 == 1 { -3.0 } else { 1.0 };
+                }
+            }
+            let known = Known { x: &x, gradient: &gradient, level: 0.0, upper: Ceiling::All(f64::INFINITY) };
+            let mut extension = extension(points, true, edges);
+            let mut image = vec![0.0; x.len()];
+            extend(&mut extension, known, &mut image);
+            extension.transpose(known, &mut image);
+            let mut marks = vec![false; x.len() / BITS];
+            assert!(extension.mark(&mut marks));
+            for (number, (mark, (x, image))) in marks.iter().zip(x.chunks(BITS).zip(image.chunks(BITS))).enumerate() {
+                let moves = x.iter().any(|x| *x != 0.0) || image.iter().any(|z| *z != 0.0);
+                assert_eq!((*mark, moves), (number % 4 != 3, number % 4 != 3), "{points:?} {number}");
+            }
+        }
+        let mut marks = [false; 3];
+        assert!(!extension([3, 48], true, Edges::Joined).mark(&mut marks), "blocks of several rows");
+        assert_eq!(marks, [false; 3]);
     }
 
     #[test]

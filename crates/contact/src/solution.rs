@@ -186,27 +186,33 @@ impl Solution {
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
-        let [sum, touching] = share.reduce(
+        // The pressure, the points in contact, and what is free between the surfaces there without an approach.
+        let room = |i: usize| clearance[i] - displacement[i];
+        let [sum, touching, free] = share.reduce(
             &|range| {
-                let each = range.map(|i| (pressure[i], upper.at(i)));
-                each.fold([0.0; 2], |sums, (p, upper)| add(sums, [p, f64::from((p > 0.0) & (p < upper))]))
+                range.fold([0.0; 3], |sums, i| {
+                    let p = pressure[i];
+                    let touches = (p > 0.0) & (p < upper.at(i));
+                    add(sums, if touches { [p, 1.0, room(i)] } else { [p, 0.0, 0.0] })
+                })
             },
             &add,
         );
         let mean_pressure = sum / n as f64;
-        let sink = |u: &mut [f64]| for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
+        let sink = |u: &mut [f64]| {
+            if sinking != 0.0 {
+                for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
+            }
+        };
         // Under a prescribed load the rigid surface sinks with the body. The gap does not depend on it, and is computed
         // without it: on a soft or high slab the sinking is much larger than the roughness.
         let above = match load {
             // The approach is the mean of clearance − u_z over the contact.
             Load::MeanPressure(_) => {
-                let room = |i: usize| {
-                    if (pressure[i] > 0.0) & (pressure[i] < upper.at(i)) { clearance[i] - displacement[i] } else { 0.0 }
-                };
                 if touching > 0.0 || hardness.is_none() {
-                    share.sum(&|range| range.map(room).sum()) / touching
+                    free / touching
                 } else {
-                    between(share, &pressure, upper, |i| clearance[i] - displacement[i])
+                    between(share, &pressure, upper, room)
                 }
             }
             Load::Approach(approach) => {

@@ -118,7 +118,7 @@ pub use nesterov::{Momentum, Nesterov};
 pub use observer::{Every, Observer};
 pub use paired_cg::{Paired, PairedCg};
 pub use polonsky_keer::PolonskyKeer;
-pub use preconditioned::Preconditioned;
+pub use preconditioned::{BLOCK, Preconditioned};
 pub use preconditioned_cg::PreconditionedCg;
 pub use projected_cg::ProjectedCg;
 pub use quadratic::{Iterate, Minimum, Optimality, Quadratic, Target};

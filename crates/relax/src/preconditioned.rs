@@ -2,6 +2,9 @@ use gfmd_vector::{Share, Split};
 
 use crate::{Upper, Visit};
 
+/// The number of variables in a block of [`Preconditioned::mark`].
+pub const BLOCK: usize = 64;
+
 /// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of variables between zero and upper bounds, for
 /// [`PreconditionedCg`](crate::PreconditionedCg). A is symmetric and positive (semi-)definite, and has a preconditioner.
 ///
@@ -53,6 +56,13 @@ pub trait Preconditioned {
     /// their gradient pulls them off. M depends on the free set; it is symmetric positive definite and approximates A⁻¹ on this
     /// set, times [`unit`](Self::unit). Overestimating A⁻¹ is safer than underestimating it.
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]);
+
+    /// Marks the blocks of [`BLOCK`] variables in which x or `out` of the last [`precondition`](Self::precondition) may differ
+    /// from zero; false if it does not know them and marks none, as by default.
+    fn mark(&self, blocks: &mut [bool]) -> bool {
+        let _ = blocks;
+        false
+    }
 
     /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
     fn visit(&mut self, visitor: &mut dyn Visit) {

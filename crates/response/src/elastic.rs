@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Split};
+use gfmd_field::{Grid, Split, Transform};
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
@@ -158,23 +158,33 @@ impl Transforms {
 #[derive(Debug)]
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
-    workspace: gfmd_field::Workspace,
+    /// Allocated by the first transform.
+    workspace: Option<gfmd_field::Workspace>,
     /// Number of single transforms.
     singles: u64,
 }
 
 impl NormalTransforms {
-    /// Memory for transforms on the grid of `response`; none is counted yet.
+    /// For transforms on the grid of `response`; none is counted yet.
     pub fn of(response: &Arc<NormalResponse>) -> Self {
-        let workspace = response.transform().workspace();
-        Self { response: Arc::clone(response), workspace, singles: 0 }
+        Self { response: Arc::clone(response), workspace: None, singles: 0 }
+    }
+
+    /// Frees the memory until the next transform.
+    pub fn release(&mut self) {
+        self.workspace = None;
+    }
+
+    fn parts(&mut self) -> (&Transform, &mut gfmd_field::Workspace) {
+        let transform = self.response.transform();
+        (transform, self.workspace.get_or_insert_with(|| transform.workspace()))
     }
 
     /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
-        let Self { response, workspace, .. } = self;
-        fits(response.transform().convolve(kernel, field, out, workspace));
+        let (transform, workspace) = self.parts();
+        fits(transform.convolve(kernel, field, out, workspace));
     }
 
     /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
@@ -187,8 +197,8 @@ impl NormalTransforms {
         sink: impl Fn(usize, &mut [f64], O) + Sync,
     ) {
         self.singles += 2;
-        let Self { response, workspace, .. } = self;
-        fits(response.transform().convolve_rows(kernel, input, source, output, sink, workspace));
+        let (transform, workspace) = self.parts();
+        fits(transform.convolve_rows(kernel, input, source, output, sink, workspace));
     }
 
     /// The number of points of the grid, of all processes.
@@ -199,8 +209,8 @@ impl NormalTransforms {
     /// (1/N) Σ_r f (K f) over all rows, with K the convolution with `kernel`, from one transform.
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
-        let Self { response, workspace, .. } = self;
-        fits(response.transform().quadratic_form(kernel, field, workspace))
+        let (transform, workspace) = self.parts();
+        fits(transform.quadratic_form(kernel, field, workspace))
     }
 
     /// Forward and inverse transforms so far, in pairs.

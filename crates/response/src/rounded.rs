@@ -46,7 +46,8 @@ fn quarter<'a>(grid: &Grid, values: &'a [f64]) -> impl Iterator<Item = f64> + us
 #[derive(Debug)]
 pub struct RoundedTransforms {
     response: Arc<NormalResponse>,
-    workspace: Workspace<f32>,
+    /// Allocated by the first transform.
+    workspace: Option<Workspace<f32>>,
     /// Tables with another uniform mode.
     own: Option<[Vec<f32>; 2]>,
     /// Number of single transforms.
@@ -54,7 +55,7 @@ pub struct RoundedTransforms {
 }
 
 impl RoundedTransforms {
-    /// Memory for transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode; both are
+    /// For transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode; both are
     /// zero without.
     pub fn of(response: &Arc<NormalResponse>, uniform: Option<[f64; 2]>) -> Self {
         let rounded = response.rounded();
@@ -68,8 +69,12 @@ impl RoundedTransforms {
             };
             [with(&rounded.compliance, compliance / rounded.unit), with(&rounded.stiffness, stiffness * rounded.unit)]
         });
-        let workspace = rounded.transform.workspace();
-        Self { response: Arc::clone(response), workspace, own, singles: 0 }
+        Self { response: Arc::clone(response), workspace: None, own, singles: 0 }
+    }
+
+    /// Frees the memory until the next transform.
+    pub fn release(&mut self) {
+        self.workspace = None;
     }
 
     /// The unit of compliances, a power of two, in length/stress.
@@ -80,28 +85,21 @@ impl RoundedTransforms {
     /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`
     /// ([`Transform::convolve_ahead`]).
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
-        self.singles += 1;
-        let Self { response, workspace, own, .. } = self;
-        let rounded = response.rounded();
-        let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        fits(rounded.transform.convolve_ahead(table, input, source, workspace));
+        let (transform, [compliance, _], workspace) = self.transform();
+        fits(transform.convolve_ahead(compliance, input, source, workspace));
     }
 
     /// Hands on the rows of what [`compliance`](Self::compliance) or [`stiffness_ahead`](Self::stiffness_ahead) has computed.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
-        self.singles += 1;
-        let Self { response, workspace, .. } = self;
-        fits(response.rounded().transform.convolve_back(output, sink, workspace));
+        let (transform, _, workspace) = self.transform();
+        fits(transform.convolve_back(output, sink, workspace));
     }
 
     /// Computes K u times the unit, of the field u whose rows `source` makes from the rows of `input`; [`rows`](Self::rows)
     /// hands it on.
     pub fn stiffness_ahead<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
-        self.singles += 1;
-        let Self { response, workspace, own, .. } = self;
-        let rounded = response.rounded();
-        let table = own.as_ref().map_or(&rounded.stiffness, |[_, stiffness]| stiffness);
-        fits(rounded.transform.convolve_ahead(table, input, source, workspace));
+        let (transform, [_, stiffness], workspace) = self.transform();
+        fits(transform.convolve_ahead(stiffness, input, source, workspace));
     }
 
     /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
@@ -113,11 +111,18 @@ impl RoundedTransforms {
 
     /// Σ_r v G v over the unit, over all rows, from one transform.
     pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
+        let points = self.response.grid().len() as f64;
+        let (transform, [compliance, _], workspace) = self.transform();
+        fits(transform.quadratic_form(compliance, field, workspace)) * points
+    }
+
+    /// Counts a single transform; what it needs: the plan, compliance and stiffness, and memory.
+    fn transform(&mut self) -> (&Transform<f32>, [&[f32]; 2], &mut Workspace<f32>) {
         self.singles += 1;
-        let Self { response, workspace, own, .. } = self;
-        let rounded = response.rounded();
-        let table = own.as_ref().map_or(&rounded.compliance, |[compliance, _]| compliance);
-        fits(rounded.transform.quadratic_form(table, field, workspace)) * response.grid().len() as f64
+        let Rounded { transform, compliance, stiffness, .. } = self.response.rounded();
+        let tables =
+            self.own.as_ref().map_or([compliance, stiffness], |[compliance, stiffness]| [compliance, stiffness]);
+        (transform, tables.map(Vec::as_slice), self.workspace.get_or_insert_with(|| transform.workspace()))
     }
 
     /// Forward and inverse transforms so far, in pairs.

@@ -144,7 +144,7 @@ pub fn dot<T: Copy + Into<f64> + Sync>(a: &[T], b: &[T]) -> f64 {
 }
 
 /// y ← y + `factor` x, over the shorter length.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn add_times(y: &mut [f32], factor: f32, x: &[f32]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }

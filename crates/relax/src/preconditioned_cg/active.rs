@@ -2,11 +2,9 @@
 
 use std::ops::Range;
 
+use crate::preconditioned::BLOCK;
 use gfmd_vector::{LEAF, Split, pass_by};
 use multiversion::multiversion;
-
-/// Number of variables in a block.
-pub(super) const BLOCK: usize = 64;
 
 /// The active blocks: those where a variable is not zero, or has a direction.
 pub(super) struct Active {
@@ -19,6 +17,11 @@ impl Active {
     /// All blocks of so many variables, which are handed on in stretches of `stretch`.
     pub(super) fn all(variables: usize, stretch: usize) -> Self {
         Self { flags: vec![true; variables.div_ceil(BLOCK)], aligned: stretch.is_multiple_of(BLOCK) }
+    }
+
+    /// The flags, for a problem that knows them.
+    pub(super) fn known(&mut self) -> &mut [bool] {
+        &mut self.flags
     }
 
     /// Finds the active blocks. Variables of idle ones were zero, and have stayed so.
@@ -88,7 +91,7 @@ impl Split for Flags<'_> {
 }
 
 /// Tells of each block whether a variable is not zero or has a direction.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn find_active(x: &[f64], direction: &[f32], flags: &mut [bool]) {
     for (active, (x, z)) in flags.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {
         *active = if *active { !is_idle(x, z) } else { moves(z) };

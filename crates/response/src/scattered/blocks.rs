@@ -91,7 +91,7 @@ impl Blocks {
     /// The number of blocks that are near each block of a row.
     fn counts(&self, row: usize, stencil: &Stencil) -> Vec<usize> {
         let mut counts = vec![0; self.in_row(row).len()];
-        self.visit(row, stencil, |target, _, window| counts[target] += window.near.len());
+        self.visit(row, stencil, |target, _, window| counts[target] += window.near);
         counts
     }
 
@@ -100,8 +100,11 @@ impl Blocks {
         let mut sources = sources.iter_mut();
         self.visit(row, stencil, |target, down, window| {
             let column = self.column(self.in_row(row).start + target) as isize;
-            for ((block, found), source) in window.near.clone().map(|number| window.block(number)).zip(&mut sources) {
-                *source = Source { block: (window.first + block) as u32, place: stencil.place(down, column - found) };
+            let mut from = window.start;
+            for source in sources.by_ref().take(window.near) {
+                let place = stencil.place(down, column - window.column(from));
+                *source = Source { block: (window.first + from.block) as u32, place };
+                window.advance(&mut from);
             }
         });
     }
@@ -112,51 +115,82 @@ impl Blocks {
         if self.in_row(row).is_empty() {
             return;
         }
-        let mut windows: Vec<Window> = (0..=2 * reach).map(|k| self.window((row + rows + reach - k) % rows)).collect();
+        let window = |k: usize| (k as isize - reach as isize, (row + rows + reach - k) % rows);
+        let near = (0..=2 * reach).map(window).filter(|(_, row)| !self.in_row(*row).is_empty());
+        let mut windows: Vec<(isize, Window)> =
+            near.map(|(down, row)| (down, self.window(row, stencil.blocks(down)))).collect();
         for (target, block) in self.in_row(row).enumerate() {
-            for (down, window) in (-(reach as isize)..).zip(&mut windows) {
-                window.move_to(self.column(block) as isize, stencil.blocks as isize);
-                visitor(target, down, window);
+            for (down, window) in &mut windows {
+                window.move_to(self.column(block) as isize);
+                visitor(target, *down, window);
             }
         }
     }
 
-    fn window(&self, row: usize) -> Window<'_> {
+    fn window(&self, row: usize, reach: usize) -> Window<'_> {
         let blocks = self.in_row(row);
-        let before = -(blocks.len() as isize);
-        Window { first: blocks.start, places: &self.places[blocks], row, width: self.width, near: before..before }
+        let before = Place { block: 0, shift: -(self.width as isize) };
+        Window {
+            first: blocks.start,
+            places: &self.places[blocks],
+            origin: row * self.width,
+            width: self.width as isize,
+            reach: reach as isize,
+            start: before,
+            end: before,
+            near: 0,
+        }
     }
 }
 
 /// The blocks of a row, continued periodically, of which some are near a column.
 struct Window<'a> {
     first: usize,
+    /// At least one.
     places: &'a [usize],
-    row: usize,
-    width: usize,
-    near: Range<isize>,
+    /// The place of the first column.
+    origin: usize,
+    width: isize,
+    /// The largest distance of those that are near.
+    reach: isize,
+    start: Place,
+    end: Place,
+    /// The number of blocks from `start` to `end`.
+    near: usize,
+}
+
+/// A block of a row, in one of its periods.
+#[derive(Clone, Copy)]
+struct Place {
+    block: usize,
+    /// The first column of the period.
+    shift: isize,
 }
 
 impl Window<'_> {
-    /// Its block `number`, and the column of that.
-    fn block(&self, number: isize) -> (usize, isize) {
-        let all = self.places.len() as isize;
-        let within = number.rem_euclid(all) as usize;
-        let column = (self.places[within] - self.row * self.width) as isize;
-        (within, column + number.div_euclid(all) * self.width as isize)
+    fn column(&self, place: Place) -> isize {
+        (self.places[place.block] - self.origin) as isize + place.shift
     }
 
-    /// Makes those near that are at most `reach` blocks beside a column. Columns ascend from call to call.
-    fn move_to(&mut self, column: isize, reach: isize) {
-        if self.places.is_empty() {
-            return;
+    fn advance(&self, place: &mut Place) {
+        place.block += 1;
+        if place.block == self.places.len() {
+            *place = Place { block: 0, shift: place.shift + self.width };
         }
-        while self.block(self.near.start).1 < column - reach {
-            self.near.start += 1;
+    }
+
+    /// Makes those near that are within reach of a column. Columns ascend from call to call.
+    fn move_to(&mut self, column: isize) {
+        let (mut start, mut end) = (self.start, self.end);
+        while self.column(end) <= column + self.reach {
+            self.advance(&mut end);
+            self.near += 1;
         }
-        while self.block(self.near.end).1 <= column + reach {
-            self.near.end += 1;
+        while self.column(start) < column - self.reach {
+            self.advance(&mut start);
+            self.near -= 1;
         }
+        (self.start, self.end) = (start, end);
     }
 }
 
@@ -184,11 +218,7 @@ impl Pairs {
         more: impl Fn(usize, &mut [f32; LANES]) + Sync,
     ) {
         let values = values.as_chunks::<LANES>().0;
-        // One bit for each value that is not zero.
-        let filled = |values: &[f32; LANES]| {
-            values.iter().enumerate().fold(0, |bits, (lane, value)| bits | u8::from(*value != 0.0) << lane)
-        };
-        let filled: Vec<u8> = values.iter().map(filled).collect();
+        let filled: Vec<bool> = values.iter().map(|values| values.iter().any(|value| *value != 0.0)).collect();
         let out = out.as_chunks_mut::<LANES>().0;
         out.par_iter_mut().take(self.ends.len()).enumerate().with_min_len(64).for_each(|(block, out)| {
             let start = if block > 0 { self.ends[block - 1] } else { 0 };
@@ -199,19 +229,18 @@ impl Pairs {
     }
 }
 
-/// The sums over all sources of the kernel times their values, of which `filled` has a bit for each that is not zero.
-#[multiversion(targets("x86_64+avx2"))]
-fn sum(sources: &[Source], stencil: &Stencil, values: &[[f32; LANES]], filled: &[u8]) -> [f32; LANES] {
-    let mut sums = [0.0; LANES];
+/// The sums over all sources of the kernel times their values; `filled` tells of which a value is not zero.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn sum(sources: &[Source], stencil: &Stencil, values: &[[f32; LANES]], filled: &[bool]) -> [f32; LANES] {
+    // Sums that do not wait for each other.
+    let mut sums = [[0.0; LANES]; 4];
     for source in sources {
-        let mut bits = filled[source.block as usize];
-        let values = &values[source.block as usize];
-        while bits != 0 {
-            let lane = bits.trailing_zeros() as usize % LANES;
-            let (value, kernel) = (values[lane], stencil.values(source.place, lane));
-            sums.iter_mut().zip(kernel).for_each(|(sum, kernel)| *sum += value * kernel);
-            bits &= bits - 1;
+        if filled[source.block as usize] {
+            for (lane, value) in values[source.block as usize].iter().enumerate() {
+                let kernel = stencil.values(source.place, lane);
+                sums[lane % 4].iter_mut().zip(kernel).for_each(|(sum, kernel)| *sum += value * kernel);
+            }
         }
     }
-    sums
+    std::array::from_fn(|lane| (sums[0][lane] + sums[1][lane]) + (sums[2][lane] + sums[3][lane]))
 }

@@ -8,10 +8,8 @@ use crate::elastic::fits;
 /// A kernel between two points, by their distance along x and y.
 #[derive(Debug)]
 pub(super) struct Stencil {
-    /// The largest distance along x, in points.
+    /// The largest distance, in points.
     pub(super) reach: usize,
-    /// The largest distance of blocks in a row that have points within reach.
-    pub(super) blocks: usize,
     width: usize,
     table: Vec<f32>,
 }
@@ -39,7 +37,7 @@ impl Stencil {
         fits(transform.inverse(&modes, &mut field, &mut transform.workspace()));
         let blocks = reach.div_ceil(LANES);
         let width = 2 * (blocks * LANES + LANES - 1) + 1;
-        let mut stencil = Self { reach, blocks, width, table: vec![0.0; (2 * reach + 1) * width] };
+        let mut stencil = Self { reach, width, table: vec![0.0; (2 * reach + 1) * width] };
         for i in 0..2 * reach + 1 {
             for j in 0..2 * reach + 1 {
                 let near = field[i.abs_diff(reach) * points[1] + j.abs_diff(reach)];
@@ -47,6 +45,12 @@ impl Stencil {
             }
         }
         Ok(stencil)
+    }
+
+    /// The largest number of blocks along a row between two that have points within reach, so many rows apart.
+    pub(super) fn blocks(&self, down: isize) -> usize {
+        let along = (self.reach.pow(2) - down.unsigned_abs().pow(2)).isqrt();
+        along.div_ceil(LANES)
     }
 
     /// The place of the value for the points with the same lane of two blocks, of which the target lies `down` rows behind the source
