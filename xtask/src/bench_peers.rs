@@ -5,6 +5,7 @@
 
 mod any_load;
 mod contestant;
+mod figure;
 mod judge;
 mod kept;
 mod measure;

@@ -117,6 +117,9 @@ impl Case {
     }
 }
 
+/// The figure of the page.
+const FIGURE: &str = "images/benchmarks.svg";
+
 /// The results of an interrupted run.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Interrupted {
@@ -148,8 +151,12 @@ impl Report {
         failure.with(&kept)
     }
 
-    /// Writes the page of the documentation.
+    /// Writes the page of the documentation, and its figure to the folder `images` beside it.
     pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
+        let figure = file.with_file_name(FIGURE);
+        let unmade = |error| Failure::Computation(format!("cannot make the folder of {}: {error}", figure.display()));
+        figure.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(unmade)?;
+        write_beside(&figure, &self.figure()?)?;
         write_beside(file, &self.page())
     }
 
@@ -305,6 +312,9 @@ impl Report {
         for note in self.disturbance().iter().chain(&self.notes) {
             let _ = writeln!(page, "> {note}\n");
         }
+        let first = in_words(self.threads().first().copied().unwrap_or(1));
+        let _ =
+            writeln!(page, "![seconds on {first} against load and size]({FIGURE})\n\nTime of a solution on {first}.\n");
         for table in self.tables() {
             let _ = writeln!(page, "{}", table.markdown());
         }

@@ -138,6 +138,20 @@ fn report() -> Report {
 }
 
 #[test]
+fn the_page_has_a_figure_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    report().write_page(&folder.path().join("page.md")).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("page.md")).unwrap();
+    let figure = page.lines().find_map(|line| line.strip_prefix("![")?.split_once("](")?.1.strip_suffix(')')).unwrap();
+    let figure = std::fs::read_to_string(folder.path().join(figure)).unwrap();
+    assert!(figure.contains("Tamaas") && figure.contains("all loads, median"), "{figure}");
+    let report = report();
+    let largest = Report { cases: report.cases[3..].to_vec(), ..report.clone() }.figure().unwrap();
+    assert!(largest.contains("gfmd") && !largest.contains("Tamaas") && !largest.contains("all loads, median"));
+    assert!(Report { cases: Vec::new(), ..report }.figure().is_err());
+}
+
+#[test]
 fn the_page_has_every_number_in_its_place() {
     let page = report().page();
     assert!(page.contains("2026-01-02. a processor. Commit 0123456789ab. Tamaas 2.9.0. FFTW: fftw-3.3.10."), "{page}");

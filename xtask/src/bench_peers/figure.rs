@@ -1,0 +1,49 @@
+//! The figure of the page: time against the load, for each Hurst exponent, and against the number of points.
+
+use gfmd_cli::failure::Failure;
+use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+
+use super::measure::median;
+use super::report::{Case, Report};
+
+impl Report {
+    /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point of a size is
+    /// the median of its cases.
+    pub(super) fn figure(&self) -> Result<String, Failure> {
+        let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0);
+        let mut hursts: Vec<f64> = self.cases.iter().map(|case| case.hurst).collect();
+        hursts.sort_by(f64::total_cmp);
+        hursts.dedup();
+        let by_load = |hurst: &f64| {
+            let title = format!("*H* = {hurst}, *n* = {largest}");
+            let place = |case: &Case| (case.n == largest && case.hurst == *hurst).then_some(case.p_star);
+            self.panel(title, Axis::log("*p*\\*"), place)
+        };
+        let mut panels: Vec<Panel> = hursts.iter().map(by_load).collect();
+        if self.cases.iter().any(|case| case.n < largest) {
+            panels.push(self.panel("all loads, median".into(), Axis::log("*n*"), |case| Some(case.n as f64)));
+        }
+        Ok(Chart::new(panels).svg()?)
+    }
+
+    /// Seconds against what `place` gives of a case.
+    fn panel(&self, title: String, x: Axis, place: impl Fn(&Case) -> Option<f64>) -> Panel {
+        let mut places: Vec<f64> = self.cases.iter().filter_map(&place).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let series = |(hue, name): (usize, &String)| {
+            let at = |x: &f64| {
+                let cases = self.cases.iter().filter(|case| place(case) == Some(*x));
+                let entries = cases.filter_map(|case| case.timings.first()).flat_map(|timing| &timing.entries);
+                let seconds: Vec<f64> =
+                    entries.filter(|entry| entry.name == *name).map(|entry| entry.seconds).collect();
+                (!seconds.is_empty()).then(|| Point::new(*x, median(&seconds)))
+            };
+            let points = places.iter().filter_map(at).collect();
+            Series { mark: Mark::JoinedPoints, ..Series::points(name, hue, points) }
+        };
+        let series: Vec<Series> = self.contestants.iter().enumerate().map(series).collect();
+        let series = series.into_iter().filter(|series| !series.points.is_empty()).collect();
+        Panel { title, x, y: Axis::log("time, s"), series, ..Panel::default() }
+    }
+}
