@@ -387,6 +387,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Σ a², which is +0 without a value.
 fn square(a: &[f64]) -> f64 {
-    dot(a, a)
+    a.iter().fold(0.0, |sum, a| sum + a * a)
 }

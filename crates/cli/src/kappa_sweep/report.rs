@@ -178,7 +178,7 @@ impl FitReport {
                 slope: edge.slope.map(|slope| slope.value),
                 slope_ci95: edge.slope.and_then(|slope| slope.ci95),
             }),
-            chi_squared: fit.chi_squared.max(0.0),
+            chi_squared: fit.chi_squared,
             degrees_of_freedom: fit.degrees_of_freedom,
             // The levels of eps_c have their surfaces in common. Along eps_t the scatter between surfaces would pass for an
             // exponent.
