@@ -1,5 +1,9 @@
-//! Tests of the cost of an equilibration in transform pairs, which do not depend on the machine. The bounds are about a
-//! fifth above the numbers needed when they were set.
+//! Tests of the cost of an equilibration in transform pairs and in bytes, which do not depend on the machine. The bounds are
+//! about a fifth above the numbers needed when they were set.
+#![allow(clippy::print_stdout, reason = "a test that counts nothing says so")]
+
+use std::path::Path;
+use std::process::Command;
 
 use gfmd_contact::{Contact, Equilibrium, Load, Solution, Solver};
 use gfmd_field::Grid;
@@ -160,4 +164,55 @@ fn the_number_of_threads_changes_no_bit() {
     };
     let one = on(1);
     assert!([2, 3, 8].into_iter().all(|threads| on(threads) == one));
+}
+
+/// The variable by which [`bytes_moved`] tells itself which load to solve for, in a process whose bytes are counted.
+const COUNTED: &str = "GFMD_COUNTED_LOAD";
+
+/// Its value for a contact that is only prepared.
+const UNLOADED: &str = "none";
+
+/// A simulated cache counts the lines of 64 bytes that a solution fetches. It holds a quarter of a field, so that each pass over a
+/// vector counts, as on large grids.
+#[test]
+fn bytes_moved() {
+    const POINTS: usize = 256;
+    if let Ok(reduced_pressure) = std::env::var(COUNTED) {
+        let grid = Grid::square(POINTS, 1.0).unwrap();
+        let contact = Contact::new(&half_space(), &grid, &heights(&grid, 0.8)).unwrap();
+        if reduced_pressure != UNLOADED {
+            contact.press(load(reduced_pressure.parse().unwrap())).solve().unwrap();
+        }
+        return;
+    }
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        println!("valgrind is not installed, so that bytes are not counted");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let fetched = |case: &str| lines_fetched(case, folder.path());
+    let prepared = fetched(UNLOADED);
+    let cases = [("0.001", 85.0), ("0.01", 290.0), ("0.05", 325.0), ("0.6", 305.0)];
+    let found = cases.map(|(case, bound)| {
+        let doubles = 64.0 / 8.0 * (fetched(case) - prepared) / (POINTS * POINTS) as f64;
+        (case, doubles, bound)
+    });
+    // Far below the bound nothing was counted.
+    let within = |(_, doubles, bound): &(&str, f64, f64)| (0.5 * bound..=*bound).contains(doubles);
+    assert!(found.iter().all(within), "p*, doubles for each point, bound: {found:?}");
+}
+
+/// The lines that this program fetches, on one thread, while it solves for a load.
+fn lines_fetched(case: &str, folder: &Path) -> f64 {
+    let file = folder.join(case);
+    let mut command = Command::new("valgrind");
+    command.args(["--tool=cachegrind", "--cache-sim=yes", "--D1=32768,8,64", "--LL=131072,16,64"]);
+    command.arg(format!("--cachegrind-out-file={}", file.display()));
+    command.arg(std::env::current_exe().unwrap()).args(["--exact", "bytes_moved"]);
+    let output = command.env(COUNTED, case).env("RAYON_NUM_THREADS", "1").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let counts = std::fs::read_to_string(file).unwrap();
+    let line = |name: &str| counts.lines().find_map(|line| line.strip_prefix(name)).unwrap().split_whitespace();
+    let events = line("events:").zip(line("summary:"));
+    events.filter(|(event, _)| ["DLmr", "DLmw"].contains(event)).map(|(_, count)| count.parse::<f64>().unwrap()).sum()
 }
