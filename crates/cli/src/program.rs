@@ -57,16 +57,19 @@ pub enum Command {
 }
 
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
-pub fn start<C: Subcommand>(name: &'static str, run: impl FnOnce(&C, &Session) -> Result<(), Failure>) -> ExitCode {
+pub fn start<C: Subcommand + Sync>(
+    name: &'static str,
+    run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
+) -> ExitCode {
     keep_freed_memory();
     ExitCode::from(status(name, std::env::args_os(), run))
 }
 
 /// The exit status of the program `name` with these `words`, of which the first is the program.
-pub fn status<C: Subcommand>(
+pub fn status<C: Subcommand + Sync>(
     name: &'static str,
     words: impl IntoIterator<Item = OsString>,
-    run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
+    run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
 ) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
     match processes::join(&words) {
@@ -81,10 +84,10 @@ pub fn status<C: Subcommand>(
 }
 
 /// The exit status of the program, whose processes are those of a `world`, if there is more than one.
-fn together<C: Subcommand>(
+fn together<C: Subcommand + Sync>(
     name: &'static str,
     words: &[OsString],
-    run: impl FnOnce(&C, &Session) -> Result<(), Failure>,
+    run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
     world: Option<&Arc<World>>,
 ) -> u8 {
     if let Some(word) = words.iter().find(|word| word.to_str().is_none()) {
@@ -105,18 +108,21 @@ fn together<C: Subcommand>(
         Some(world) => processes::agree(&**world, session),
         None => session,
     };
-    let failure = session.and_then(|session| run(&line.command, &session)).err();
+    // On a thread of the pool, so that not each sum over a vector has to enter it.
+    let failure = session.and_then(|session| rayon::scope(|_| run(&line.command, &session))).err();
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
 }
 
-/// Keeps freed memory in the process, on Linux with glibc. Each solve allocates and frees fields of equal size. Returning
-/// them to the system each time costs a tenth of the computing time on one thread, and more on two.
+/// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields of equal
+/// size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on two; an arena for each
+/// thread takes half a field more.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
-    // SAFETY: the allocator takes its lock, and both settings accept any value.
+    // SAFETY: the allocator takes its lock, and the settings accept any value.
     unsafe {
-        use nix::libc::{M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
+        use nix::libc::{M_ARENA_MAX, M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
+        mallopt(M_ARENA_MAX, 1);
         mallopt(M_MMAP_MAX, 0);
         mallopt(M_TRIM_THRESHOLD, -1);
     }

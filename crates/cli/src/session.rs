@@ -42,6 +42,9 @@ pub struct Common {
 /// The largest number of threads on a machine with fewer cores. Each has a stack and workspaces of its own.
 const MOST_THREADS: usize = 256;
 
+/// The stack of each in bytes, as large as that of a process: commands run on one of them.
+const STACK: usize = 8 << 20;
+
 /// A run of the program.
 #[derive(Clone)]
 pub struct Session {
@@ -69,6 +72,7 @@ impl Session {
         }
         rayon::ThreadPoolBuilder::new()
             .num_threads(common.threads)
+            .stack_size(STACK)
             .build_global()
             .map_err(|error| Failure::input("--threads", error))?;
         let level = match (common.quiet, common.verbose) {

@@ -88,8 +88,7 @@ impl<'a> Dual<'a> {
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());
-        let is_flat = false;
-        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat }
+        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat: false }
     }
 
     /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement
@@ -187,15 +186,14 @@ impl Preconditioned for Dual<'_> {
         if std::mem::take(&mut self.is_flat) {
             let rows = (Rows(output, self.row), sums, Rows(&linear[..], self.row));
             pass_by(1, rows, &|_, (Rows(output, _), sum, Rows(row, _))| sum[0] = sink(row, output), &|(), ()| ());
-            self.linear = linear;
-            return;
+        } else {
+            let input = (x, |x: &[f64], row: &mut [f64]| row.copy_from_slice(x));
+            let with_linear = |row: &mut [f64], (linear, output): (&[f64], O)| {
+                row.iter_mut().zip(linear).for_each(|(g, b)| *g += b);
+                sink(row, output)
+            };
+            self.displace(input, ((&linear[..], output), with_linear), sums);
         }
-        let input = (x, |x: &[f64], row: &mut [f64]| row.copy_from_slice(x));
-        let with_linear = |row: &mut [f64], (linear, output): (&[f64], O)| {
-            row.iter_mut().zip(linear).for_each(|(g, b)| *g += b);
-            sink(row, output)
-        };
-        self.displace(input, ((&linear[..], output), with_linear), sums);
         self.linear = linear;
     }
 

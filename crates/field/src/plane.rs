@@ -398,7 +398,7 @@ fn portions<T: Real>(blocks: &mut [Block<T>], length: usize) -> impl Iterator<It
 }
 
 /// Multiplies modes by their part of the kernel and a factor.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn multiply<T: Real>(modes: &mut [Complex<T>], kernel: &[T], factor: T) {
     for (mode, k) in modes.iter_mut().zip(kernel) {
         *mode *= *k * factor;

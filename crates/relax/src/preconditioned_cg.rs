@@ -199,7 +199,7 @@ impl Search {
         let mut path = None;
         if self.iteration % PLAIN != PLAIN - 1 {
             problem.precondition(x, &self.gradient, view.offset as f32, &mut self.direction);
-            if !problem.mark(self.active.known()) {
+            if !problem.mark(self.active.flags_mut()) {
                 self.active.survey(x, &self.direction);
             }
             if self.settled {
@@ -361,7 +361,7 @@ impl Search {
 }
 
 /// The gradient in its unit, less the level.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn round(row: &[f64], view: View, gradient: &mut [f32]) {
     // The unit is a power of two.
     let factor = 1.0 / view.gradient;
@@ -369,7 +369,7 @@ fn round(row: &[f64], view: View, gradient: &mut [f32]) {
 }
 
 /// x ← the end of the path along z; z and `row` ← the step there, in the unit of steps.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], (Ceiling<'_>, Flags<'_>)), row: &mut [f32]) {
     let (x, z, (upper, flags)) = ends;
     // The unit is a power of two.
@@ -391,7 +391,7 @@ fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], (Ceiling<'_>, Flags
 }
 
 /// x ← x − `rest` s, between the bounds.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn retreat(rest: f64, step: &[f32], bounds: (Ceiling<'_>, Flags<'_>), x: &mut [f64]) {
     let (upper, flags) = bounds;
     for (block, (x, step)) in x.chunks_mut(BLOCK).zip(step.chunks(BLOCK)).enumerate() {
@@ -405,7 +405,7 @@ fn retreat(rest: f64, step: &[f32], bounds: (Ceiling<'_>, Flags<'_>), x: &mut [f
 }
 
 /// z ← z − β s where z ≠ 0.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn subtract(beta: f32, step: &[f32], flags: Flags<'_>, direction: &mut [f32]) {
     for (block, (z, s)) in direction.chunks_mut(BLOCK).zip(step.chunks(BLOCK)).enumerate() {
         if !flags.idle(block) {

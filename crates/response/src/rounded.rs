@@ -85,20 +85,23 @@ impl RoundedTransforms {
     /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`
     /// ([`Transform::convolve_ahead`]).
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
-        let (transform, [compliance, _], workspace) = self.transform();
+        self.singles += 1;
+        let (transform, [compliance, _], workspace) = self.parts();
         fits(transform.convolve_ahead(compliance, input, source, workspace));
     }
 
     /// Hands on the rows of what [`compliance`](Self::compliance) or [`stiffness_ahead`](Self::stiffness_ahead) has computed.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
-        let (transform, _, workspace) = self.transform();
+        self.singles += 1;
+        let (transform, _, workspace) = self.parts();
         fits(transform.convolve_back(output, sink, workspace));
     }
 
     /// Computes K u times the unit, of the field u whose rows `source` makes from the rows of `input`; [`rows`](Self::rows)
     /// hands it on.
     pub fn stiffness_ahead<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
-        let (transform, [_, stiffness], workspace) = self.transform();
+        self.singles += 1;
+        let (transform, [_, stiffness], workspace) = self.parts();
         fits(transform.convolve_ahead(stiffness, input, source, workspace));
     }
 
@@ -112,13 +115,13 @@ impl RoundedTransforms {
     /// Σ_r v G v over the unit, over all rows, from one transform.
     pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
         let points = self.response.grid().len() as f64;
-        let (transform, [compliance, _], workspace) = self.transform();
+        self.singles += 1;
+        let (transform, [compliance, _], workspace) = self.parts();
         fits(transform.quadratic_form(compliance, field, workspace)) * points
     }
 
-    /// Counts a single transform; what it needs: the plan, compliance and stiffness, and memory.
-    fn transform(&mut self) -> (&Transform<f32>, [&[f32]; 2], &mut Workspace<f32>) {
-        self.singles += 1;
+    /// The plan, compliance and stiffness, and memory.
+    fn parts(&mut self) -> (&Transform<f32>, [&[f32]; 2], &mut Workspace<f32>) {
         let Rounded { transform, compliance, stiffness, .. } = self.response.rounded();
         let tables =
             self.own.as_ref().map_or([compliance, stiffness], |[compliance, stiffness]| [compliance, stiffness]);

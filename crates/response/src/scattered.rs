@@ -36,6 +36,8 @@ pub struct Scattered {
     stiff: Stencil,
     /// What a point at each of the places between two coarse points gives to those around it.
     weights: [[f32; ORDER]; COARSENING],
+    /// The same for the lanes of a block, by the coarse point.
+    across: [[f32; LANES]; ORDER],
     unit: f64,
 }
 
@@ -100,8 +102,10 @@ impl Scattered {
         let near = Stencil::new(response, [rows, columns], REACH, |q, _| short(q) / unit).ok()?;
         let stiff = Stencil::new(response, [rows, columns], STIFF, |_, g| if g > 0.0 { unit / g } else { 0.0 }).ok()?;
         let smooth = smooth(response, &coarse, uniform, short).map(|g| (g / unit) as f32).collect();
-        let weights = std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
-        Some(Self { coarse: Transform::new(coarse), smooth, near, stiff, weights, unit })
+        let weights: [[f32; ORDER]; COARSENING] =
+            std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
+        let across = std::array::from_fn(|k| std::array::from_fn(|lane| weights[lane % COARSENING][k]));
+        Some(Self { coarse: Transform::new(coarse), smooth, near, stiff, weights, across, unit })
     }
 
     /// The unit of compliances, a power of two, in length/stress.
@@ -169,11 +173,12 @@ impl Scattered {
             for within in 0..COARSENING {
                 let weight = self.weights[within][k];
                 for block in blocks.in_row(from * COARSENING + within) {
-                    let first = first_column(blocks.column(block), columns);
-                    let [own, beyond] = within_row(first, columns);
-                    let (line, rest) = lines[block].split_at(own);
-                    values[first..].iter_mut().zip(line).for_each(|(value, line)| *value += weight * line);
-                    values[..beyond].iter_mut().zip(rest).for_each(|(value, line)| *value += weight * line);
+                    let (first, line) = (first_column(blocks.column(block), columns), &lines[block]);
+                    match values[first..].first_chunk_mut::<SPREAD>() {
+                        Some(values) => add_times(values, weight, line),
+                        // Across the end of the row.
+                        None => (first..).zip(line).for_each(|(i, line)| values[i % columns] += weight * line),
+                    }
                 }
             }
         }
@@ -183,31 +188,33 @@ impl Scattered {
     fn interpolate(&self, blocks: &Blocks, far: &[f32], block: usize, sums: &mut [f32; LANES]) {
         let [rows, columns] = self.coarse.grid().points();
         let (row, first) = (blocks.row(block), first_column(blocks.column(block), columns));
-        let [own, beyond] = within_row(first, columns);
         let mut line = [0.0; SPREAD];
         for (k, weight) in self.weights[row % COARSENING].iter().enumerate() {
             let from = (row / COARSENING + rows + k + 1 - ORDER / 2) % rows;
             let far = &far[from * columns..(from + 1) * columns];
-            let (near, rest) = line.split_at_mut(own);
-            near.iter_mut().zip(&far[first..]).for_each(|(value, far)| *value += weight * far);
-            rest.iter_mut().zip(&far[..beyond]).for_each(|(value, far)| *value += weight * far);
+            match far[first..].first_chunk::<SPREAD>() {
+                Some(far) => add_times(&mut line, *weight, far),
+                None => (first..).zip(&mut line).for_each(|(i, value)| *value += weight * far[i % columns]),
+            }
         }
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            let weights = &self.weights[lane % COARSENING];
-            *sum += line[lane / COARSENING..].iter().zip(weights).map(|(value, weight)| value * weight).sum::<f32>();
+        let mut interpolated = [0.0; LANES];
+        for (k, weights) in self.across.iter().enumerate() {
+            for (lane, (value, weight)) in interpolated.iter_mut().zip(weights).enumerate() {
+                *value += line[lane / COARSENING + k] * weight;
+            }
         }
+        sums.iter_mut().zip(interpolated).for_each(|(sum, value)| *sum += value);
     }
+}
+
+/// `a` ← `a` + `factor` `b`, of a length that is known: too short to choose vector instructions by the processor.
+fn add_times(a: &mut [f32; SPREAD], factor: f32, b: &[f32; SPREAD]) {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
 }
 
 /// The first of the coarse columns to which a block in this column spreads.
 fn first_column(column: usize, columns: usize) -> usize {
     (column * (LANES / COARSENING) + columns + 1 - ORDER / 2) % columns
-}
-
-/// The number of these that lie before the end of a row, and of the others, at its beginning.
-fn within_row(first: usize, columns: usize) -> [usize; 2] {
-    let own = SPREAD.min(columns - first);
-    [own, SPREAD - own]
 }
 
 /// Working memory of a [`Scattered`] response.

@@ -26,6 +26,9 @@
 //! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
 //! ```
 //!
+//! From a thread outside of rayon's pool each pass over more than a leaf hands its work over and waits for it, some ten microseconds:
+//! `rayon::scope` around many of them saves that.
+//!
 //! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the own ones, and its sums have the bits of
 //! one process.
 //!
@@ -87,11 +90,17 @@ fn tree<V: Split, R: Send>(
 ) -> R {
     let Some(middle) = half(length, size) else { return leaf(start, vectors) };
     let (left, right) = vectors.split(middle);
-    let (a, b) = rayon::join(
+    let (a, b) = both(
         || tree(size, [start, middle], left, leaf, merge),
         || tree(size, [start + middle, length - middle], right, leaf, merge),
     );
     merge(a, b)
+}
+
+/// Calls both functions, on two threads if the pool has several. With one, the caller does both itself: handing them over takes
+/// longer than most passes.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if rayon::current_num_threads() > 1 { rayon::join(a, b) } else { (a(), b()) }
 }
 
 /// Sweeps as [`pass`], without a result: `leaf` only changes its stretches.
@@ -115,7 +124,7 @@ pub fn reduce<R: Send>(
     ) -> R {
         let Some(middle) = half(range.len(), LEAF) else { return leaf(range) };
         let middle = range.start + middle;
-        let (a, b) = rayon::join(|| split(range.start..middle, leaf, merge), || split(middle..range.end, leaf, merge));
+        let (a, b) = both(|| split(range.start..middle, leaf, merge), || split(middle..range.end, leaf, merge));
         merge(a, b)
     }
     split(0..length, leaf, merge)
@@ -144,7 +153,7 @@ pub fn dot<T: Copy + Into<f64> + Sync>(a: &[T], b: &[T]) -> f64 {
 }
 
 /// y ← y + `factor` x, over the shorter length.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub fn add_times(y: &mut [f32], factor: f32, x: &[f32]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }

@@ -42,6 +42,9 @@ pub(super) struct Candidates<'a> {
     lanes: Vec<f64>,
     pressure: Vec<f32>,
     image: Vec<f32>,
+    /// 1 for the points that were free in the last preconditioning, and its image by the stiffness.
+    free: Vec<f32>,
+    constant: Vec<f32>,
 }
 
 /// What is known of the displacement by the present pressure.
@@ -94,6 +97,8 @@ impl<'a> Candidates<'a> {
             lanes: Vec::new(),
             pressure: Vec::new(),
             image: Vec::new(),
+            free: Vec::new(),
+            constant: Vec::new(),
         };
         problem.allocate();
         let mut x = match &attempt.start {
@@ -133,8 +138,9 @@ impl<'a> Candidates<'a> {
         self.lower(0.0);
         let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
-        self.pressure = vec![0.0; variables];
-        self.image = vec![0.0; variables];
+        for vector in [&mut self.pressure, &mut self.image, &mut self.free, &mut self.constant] {
+            *vector = vec![0.0; variables];
+        }
     }
 
     /// Lowers the surface. Behind the points of the blocks come some, up to a whole stretch, that are far from contact.
@@ -296,8 +302,7 @@ impl Preconditioned for Candidates<'_> {
     }
 
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
-        let Self { scattered, blocks, pressure, image, .. } = self;
-        // The free points have 1.
+        let Self { scattered, blocks, pressure, free, constant, .. } = self;
         let fill = |values: &mut [f32], of: &dyn Fn(f32) -> f32| {
             for (value, (x, g)) in values.iter_mut().zip(x.iter().zip(gradient)) {
                 *value = if (*x > 0.0) | (*g < level) { of(*g) } else { 0.0 };
@@ -306,11 +311,14 @@ impl Preconditioned for Candidates<'_> {
         fill(pressure, &|g| g - level);
         scattered.stiffness(blocks, pressure, out);
         fill(pressure, &|_| 1.0);
-        scattered.stiffness(blocks, pressure, image);
-        let sum = |values: &[f32]| gfmd_vector::dot(values, pressure);
-        let level = (sum(out) / sum(image)) as f32;
-        for ((out, image), free) in out.iter_mut().zip(&*image).zip(&*pressure) {
-            *out = if *free > 0.0 { *out - level * image } else { 0.0 };
+        if pressure != free {
+            free.copy_from_slice(pressure);
+            scattered.stiffness(blocks, free, constant);
+        }
+        let sum = |values: &[f32]| gfmd_vector::dot(values, free);
+        let level = (sum(out) / sum(constant)) as f32;
+        for ((out, constant), free) in out.iter_mut().zip(&*constant).zip(&*free) {
+            *out = if *free > 0.0 { *out - level * constant } else { 0.0 };
         }
     }
 

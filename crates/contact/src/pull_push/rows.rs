@@ -12,7 +12,7 @@ use super::BITS;
 pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
 
 /// The weights of known points, and their values times these; for each word of bits a flag whether a point of it is not zero.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights: &mut [f32], values: &mut [f32]) {
     let (x, gradient, upper) = points;
     let points = x.chunks(BITS).zip(gradient.chunks(BITS)).zip(above);
@@ -35,7 +35,7 @@ pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights:
 }
 
 /// The weights of cells with these known weights, and their values times these.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn weigh(full: f32, cells: (&[f32], &[f32]), weights: &mut [f32], products: &mut [f32]) {
     let (known, values) = cells;
     for ((own, product), (known, value)) in weights.iter_mut().zip(products).zip(known.iter().zip(values)) {
@@ -45,7 +45,7 @@ pub(super) fn weigh(full: f32, cells: (&[f32], &[f32]), weights: &mut [f32], pro
 }
 
 /// Adds pairs of the row below; with an odd number the last is alone.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn add_pairs(line: &[f32], sums: &mut [f32]) {
     let (pairs, last) = line.as_chunks::<2>();
     for (sum, pair) in sums.iter_mut().zip(pairs) {
@@ -57,7 +57,7 @@ pub(super) fn add_pairs(line: &[f32], sums: &mut [f32]) {
 }
 
 /// values ← values / known, zero where nothing is known.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn divide(values: &mut [f32], known: &[f32]) {
     for (value, known) in values.iter_mut().zip(known) {
         *value = if *known > 0.0 { *value / *known } else { 0.0 };
@@ -65,7 +65,7 @@ pub(super) fn divide(values: &mut [f32], known: &[f32]) {
 }
 
 /// The children of the inner cells of a row, from the rows nearest and next to theirs, times these parts.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn interpolate(near: &[f32], far: &[f32], parts: [f32; 2], children: &mut [[f32; 2]]) {
     let windows = near.windows(3).zip(far.windows(3));
     for (pair, (near, far)) in children.iter_mut().zip(windows) {
@@ -80,7 +80,7 @@ pub(super) fn pair_of(near: [f32; 3], far: [f32; 3], [close, distant]: [f32; 2])
 }
 
 /// The inner cells of a row of images, from a line of pairs of children: the transpose of [`interpolate`].
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn gather(line: &[[f32; 2]], trust: f32, images: &mut [f32]) {
     for (image, window) in images.iter_mut().zip(line.windows(3)) {
         let [before, own, after] = [window[0], window[1], window[2]];
@@ -89,7 +89,7 @@ pub(super) fn gather(line: &[[f32; 2]], trust: f32, images: &mut [f32]) {
 }
 
 /// Blends the values of cells with those of the level above, as far as they are not known.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]) {
     for ((value, known), pushed) in values.iter_mut().zip(known).zip(pushed) {
         let weight = weight(*known, full);
@@ -98,7 +98,7 @@ pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]
 }
 
 /// `out`, the extended values of points ← their own ones where these are kept; one bit for each tells where.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &[AtomicU64], out: &mut [f32]) {
     let (x, gradient, upper) = points;
     let all = out.chunks_mut(BITS).zip(x.chunks(BITS).zip(gradient.chunks(BITS))).zip(above.iter().zip(kept));
@@ -120,7 +120,7 @@ pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &
 }
 
 /// Adds `part` times the entries of points that did not keep their value to `line`.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]) {
     for ((line, t), kept) in line.chunks_mut(BITS).zip(t.chunks(BITS)).zip(kept) {
         let kept = kept.load(Ordering::Relaxed);
@@ -131,7 +131,7 @@ pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]
 }
 
 /// Adds `part` times what cells with these images pass to the level above.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut [f32]) {
     let (known, images) = cells;
     for (line, (image, known)) in line.iter_mut().zip(images.iter().zip(known)) {
@@ -140,7 +140,7 @@ pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut 
 }
 
 /// The shares of the two children of each cell in its image.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn split(known: &[f32], images: &[f32], shares: &mut [[f32; 2]]) {
     for (pair, (image, known)) in shares.iter_mut().zip(images.iter().zip(known)) {
         *pair = [if *known > 0.0 { image / known } else { 0.0 }; 2];
@@ -148,7 +148,7 @@ pub(super) fn split(known: &[f32], images: &[f32], shares: &mut [[f32; 2]]) {
 }
 
 /// images ← the weight of the cells times images and the shares in the level above.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f32]) {
     for ((image, known), share) in images.iter_mut().zip(known).zip(shares) {
         *image = weight(*known, full) * (*image + share);
@@ -156,7 +156,7 @@ pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f3
 }
 
 /// t ← t of points that kept their values, with the shares of known ones; zero elsewhere.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn end(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f32], t: &mut [f32]) {
     let points = shares.chunks(BITS).zip(x.chunks(BITS));
     for (chunk, ((t, (shares, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept).enumerate() {

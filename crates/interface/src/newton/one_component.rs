@@ -160,7 +160,7 @@ type Weighed<'a> = (&'a mut [f32], &'a [f32], &'a [f32]);
 type Curved<'a> = (&'a mut [f32], &'a [f32], &'a [f32], &'a [f64]);
 
 /// r ← r − `step` (q − mean) on the free points, where w > 0; zero elsewhere.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn lessen(step: f32, image: (&[f32], f32), w: &[f32], r: &mut [f32]) {
     let (q, mean) = image;
     for (r, (q, w)) in r.iter_mut().zip(q.iter().zip(w)) {
@@ -169,13 +169,13 @@ fn lessen(step: f32, image: (&[f32], f32), w: &[f32], r: &mut [f32]) {
 }
 
 /// out ← a b.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn multiply(a: &[f32], b: &[f32], out: &mut [f32]) {
     out.iter_mut().zip(a.iter().zip(b)).for_each(|(out, (a, b))| *out = a * b);
 }
 
 /// p ← z + `turn` p, with z less its mean on the free points.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f32]) {
     let (z, mean) = preconditioned;
     for (p, (z, w)) in p.iter_mut().zip(z.iter().zip(w)) {
@@ -184,7 +184,7 @@ fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f3
 }
 
 /// q ← `made` + J p, for J in this unit.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn add_diagonal(made: &[f32], diagonal: (&[f64], f64), p: &[f32], q: &mut [f32]) {
     let (j, unit) = diagonal;
     for ((q, made), (p, j)) in q.iter_mut().zip(made).zip(p.iter().zip(j)) {
@@ -205,7 +205,7 @@ fn free_sum(values: &[f32], weight: &[f32]) -> f64 {
     sum_of(values, weight, |value, weight| if weight > 0.0 { value.into() } else { 0.0 })
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn sum_of<F: Fn(f32, f32) -> f64>(a: &[f32], b: &[f32], term: F) -> f64 {
     let mut lanes = [0.0; LANES];
     let (blocks, others) = (a.chunks_exact(LANES), b.chunks_exact(LANES));

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use crate::preconditioned::BLOCK;
 use gfmd_vector::{LEAF, Split, pass_by};
 use multiversion::multiversion;
+
+use crate::preconditioned::BLOCK;
 
 /// The active blocks: those where a variable is not zero, or has a direction.
 pub(super) struct Active {
@@ -19,8 +20,8 @@ impl Active {
         Self { flags: vec![true; variables.div_ceil(BLOCK)], aligned: stretch.is_multiple_of(BLOCK) }
     }
 
-    /// The flags, for a problem that knows them.
-    pub(super) fn known(&mut self) -> &mut [bool] {
+    /// The flags, for a problem that marks the active blocks itself.
+    pub(super) fn flags_mut(&mut self) -> &mut [bool] {
         &mut self.flags
     }
 
@@ -91,7 +92,7 @@ impl Split for Flags<'_> {
 }
 
 /// Tells of each block whether a variable is not zero or has a direction.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn find_active(x: &[f64], direction: &[f32], flags: &mut [bool]) {
     for (active, (x, z)) in flags.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {
         *active = if *active { !is_idle(x, z) } else { moves(z) };

@@ -161,7 +161,7 @@ impl View {
 type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>, Flags<'a>);
 
 /// The sums over a stretch after a step; `own` makes the gradient less the multiplier.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: Stretch<'_, G>) -> Sums {
     let (gradient, x, step, upper, flags) = stretch;
     let mut sums = Sums::EMPTY;
@@ -194,7 +194,7 @@ pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: St
 }
 
 /// The sums of terms over a block, pairwise, as processors can form several at once.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -> [f64; K], const K: usize>(
     fields: (&[A], &[B], &[C], &[D]),
     terms: F,

@@ -129,7 +129,7 @@ impl Blocks {
 
     fn window(&self, row: usize, reach: usize) -> Window<'_> {
         let blocks = self.in_row(row);
-        let before = Place { block: 0, shift: -(self.width as isize) };
+        let before = Cursor { block: 0, shift: -(self.width as isize) };
         Window {
             first: blocks.start,
             places: &self.places[blocks],
@@ -153,29 +153,29 @@ struct Window<'a> {
     width: isize,
     /// The largest distance of those that are near.
     reach: isize,
-    start: Place,
-    end: Place,
+    start: Cursor,
+    end: Cursor,
     /// The number of blocks from `start` to `end`.
     near: usize,
 }
 
 /// A block of a row, in one of its periods.
 #[derive(Clone, Copy)]
-struct Place {
+struct Cursor {
     block: usize,
     /// The first column of the period.
     shift: isize,
 }
 
 impl Window<'_> {
-    fn column(&self, place: Place) -> isize {
-        (self.places[place.block] - self.origin) as isize + place.shift
+    fn column(&self, at: Cursor) -> isize {
+        (self.places[at.block] - self.origin) as isize + at.shift
     }
 
-    fn advance(&self, place: &mut Place) {
-        place.block += 1;
-        if place.block == self.places.len() {
-            *place = Place { block: 0, shift: place.shift + self.width };
+    fn advance(&self, at: &mut Cursor) {
+        at.block += 1;
+        if at.block == self.places.len() {
+            *at = Cursor { block: 0, shift: at.shift + self.width };
         }
     }
 
@@ -230,7 +230,7 @@ impl Pairs {
 }
 
 /// The sums over all sources of the kernel times their values; `filled` tells of which a value is not zero.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets = "simd")]
 fn sum(sources: &[Source], stencil: &Stencil, values: &[[f32; LANES]], filled: &[bool]) -> [f32; LANES] {
     // Sums that do not wait for each other.
     let mut sums = [[0.0; LANES]; 4];
