@@ -11,9 +11,7 @@ impl Report {
     /// the median of its cases.
     pub(super) fn figure(&self) -> Result<String, Failure> {
         let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0);
-        let mut hursts: Vec<f64> = self.cases.iter().map(|case| case.hurst).collect();
-        hursts.sort_by(f64::total_cmp);
-        hursts.dedup();
+        let hursts = distinct(self.cases.iter().map(|case| case.hurst));
         let by_load = |hurst: &f64| {
             let title = format!("*H* = {hurst}, *n* = {largest}");
             let place = |case: &Case| (case.n == largest && case.hurst == *hurst).then_some(case.p_star);
@@ -28,9 +26,7 @@ impl Report {
 
     /// Seconds against what `place` gives of a case.
     fn panel(&self, title: String, x: Axis, place: impl Fn(&Case) -> Option<f64>) -> Panel {
-        let mut places: Vec<f64> = self.cases.iter().filter_map(&place).collect();
-        places.sort_by(f64::total_cmp);
-        places.dedup();
+        let places = distinct(self.cases.iter().filter_map(&place));
         let series = |(hue, name): (usize, &String)| {
             let at = |x: &f64| {
                 let cases = self.cases.iter().filter(|case| place(case) == Some(*x));
@@ -46,4 +42,12 @@ impl Report {
         let series = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         Panel { title, x, y: Axis::log("time, s"), series, ..Panel::default() }
     }
+}
+
+/// The different values, in ascending order.
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
