@@ -6,7 +6,9 @@ use std::borrow::Cow;
 use gfmd_field::{Rows, Share, Split};
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
 use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
-use gfmd_vector::pass_by;
+use gfmd_vector::{for_each, pass_by};
+use rayon::iter::repeat_n;
+use rayon::prelude::*;
 
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::{Compliance, Rounded};
@@ -70,7 +72,7 @@ impl<'a> Dual<'a> {
         let clearance = surface.clearance();
         let linear = match load {
             Load::MeanPressure(_) => Cow::from(clearance),
-            Load::Approach(approach) => clearance.iter().map(|c| c - approach).collect(),
+            Load::Approach(approach) => clearance.par_iter().map(|c| c - approach).collect::<Vec<_>>().into(),
         };
         let level = contact.level_under(load).map(|uniform| {
             let stiffness = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
@@ -254,9 +256,14 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at zero.
     let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
-    let mut pressure = attempt.start.take().unwrap_or_else(|| vec![mean.unwrap_or(0.0); own]);
+    let uniform = || repeat_n(mean.unwrap_or(0.0), own).collect();
+    let mut pressure = attempt.start.take().unwrap_or_else(uniform);
     let upper = dual.upper();
-    pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.ceiling().at(i)));
+    if upper.ceiling().is_finite() {
+        for_each((&mut pressure[..], upper.ceiling()), &|_, (pressure, upper)| {
+            pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.at(i)));
+        });
+    }
     let x = &mut pressure;
     let within = |budget: Budget| Budget { tolerance: MARGIN * budget.tolerance, ..budget };
     let target = Target { mean, gradient_scale: attempt.length_scale(), budget: within(attempt.budget) };

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use gfmd_vector::{Rows, Split};
 use multiversion::multiversion;
 use num_complex::Complex;
+use rayon::prelude::*;
 use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 
@@ -81,9 +82,11 @@ impl<T: Real> Plane<T> {
     /// Allocates memory for this plan, with a seat for each of `threads`.
     pub(crate) fn memory(&self, threads: usize) -> Memory<T> {
         let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
-        let block = |first| Mutex::new(vec![Complex::ZERO; BLOCK.min(self.corner[0] - first) * self.stride()]);
+        let rows = self.corner[0];
+        let block = |number| Mutex::new(vec![Complex::ZERO; BLOCK.min(rows - number * BLOCK) * self.stride()]);
         Memory {
-            blocks: (0..self.corner[0]).step_by(BLOCK).map(block).collect(),
+            // Zeros are written by all threads.
+            blocks: (0..rows.div_ceil(BLOCK)).into_par_iter().map(block).collect(),
             seats: (0..threads).map(|_| self.seat()).collect(),
             sums: vec![0.0; self.half()],
         }

@@ -1,4 +1,4 @@
-use gfmd_vector::{Parcel, Share, for_each};
+use gfmd_vector::{Parcel, Share, for_each, reduce};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
@@ -88,8 +88,8 @@ impl Target {
             RelaxError::check_length("upper bounds", bounds.len(), variables)?;
         }
         let ceiling = upper.ceiling();
-        let outside = |(i, x): (usize, &f64)| !(x.is_finite() && *x >= 0.0 && *x <= ceiling.at(i));
-        let first = x.iter().enumerate().position(outside);
+        let inside = |i: usize| x[i].is_finite() && x[i] >= 0.0 && x[i] <= ceiling.at(i);
+        let first = reduce(variables, &|mut range| range.find(|i| !inside(*i)), &Option::or);
         // All processes end with the same error.
         let firsts = share.each(first.map_or((usize::MAX, 0.0), |index| (own.start + index, x[index])));
         if let Some((index, found)) = firsts.into_iter().find(|(index, _)| *index != usize::MAX) {

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use gfmd_field::{Grid, Rows, Share, Split, Transform, Workspace};
+use rayon::prelude::*;
 
 use crate::NormalResponse;
 use crate::elastic::fits;
@@ -23,19 +24,20 @@ impl Rounded {
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
         Self {
             transform: Transform::over(grid, share),
-            compliance: quarter(&grid, compliance).map(|g| (g / unit) as f32).collect(),
-            stiffness: quarter(&grid, compliance).map(stiffness).collect(),
+            compliance: quarter(&grid, compliance, |g| (g / unit) as f32),
+            stiffness: quarter(&grid, compliance, stiffness),
             unit,
         }
     }
 }
 
-/// The modes with q_x ≥ 0 of a table that is even in q_x; all modes of a line.
-fn quarter<'a>(grid: &Grid, values: &'a [f64]) -> impl Iterator<Item = f64> + use<'a> {
+/// A function of the modes with q_x ≥ 0 of a table that is even in q_x; of all modes of a line.
+fn quarter(grid: &Grid, values: &[f64], of: impl Fn(f64) -> f32 + Sync) -> Vec<f32> {
     let [nx, ny] = grid.points();
-    let column = if nx == 1 || ny == 1 { values.len() } else { nx };
+    let column = if nx == 1 || ny == 1 { values.len().max(1) } else { nx };
     let kept = if column == nx && ny > 1 { nx / 2 + 1 } else { column };
-    values.chunks(column.max(1)).flat_map(move |column| column[..kept].iter().copied())
+    let columns = values.par_chunks(column);
+    columns.flat_map_iter(|column| column[..kept].iter().map(|value| of(*value))).collect()
 }
 
 /// The transforms of a [`NormalResponse`] in single precision, with their memory and a counter: steps in any unit, their

@@ -3,7 +3,7 @@
 mod blocks;
 mod stencil;
 
-use std::f64::consts::{FRAC_2_SQRT_PI, TAU};
+use std::f64::consts::{FRAC_2_SQRT_PI, PI, TAU};
 
 use gfmd_field::{Grid, Rows, Transform, Workspace};
 use rayon::prelude::*;
@@ -101,7 +101,7 @@ impl Scattered {
         };
         let near = Stencil::new(response, [rows, columns], REACH, |q, _| short(q) / unit).ok()?;
         let stiff = Stencil::new(response, [rows, columns], STIFF, |_, g| if g > 0.0 { unit / g } else { 0.0 }).ok()?;
-        let smooth = smooth(response, &coarse, uniform, short).map(|g| (g / unit) as f32).collect();
+        let smooth = smooth(response, &coarse, uniform, short).into_iter().map(|g| (g / unit) as f32).collect();
         let weights: [[f32; ORDER]; COARSENING] =
             std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
         let across = std::array::from_fn(|k| std::array::from_fn(|lane| weights[lane % COARSENING][k]));
@@ -227,25 +227,26 @@ pub struct ScatteredMemory {
     lines: Vec<[f32; SPREAD]>,
 }
 
-/// The compliance less that of `short` waves, for pressures that are spread and displacements that are interpolated, laid out as the
-/// modes of the coarse grid.
-fn smooth(
-    response: &NormalResponse,
-    coarse: &Grid,
-    uniform: f64,
-    short: impl Fn(f64) -> f64,
-) -> impl Iterator<Item = f64> {
+/// The compliance less that of `short` waves, for pressures that are spread and displacements that are interpolated: of the modes of
+/// the coarse grid with q_x ≥ 0, in which it is even.
+fn smooth(response: &NormalResponse, coarse: &Grid, uniform: f64, short: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let share = coarse.len() as f64 / response.grid().len() as f64;
-    let spacing = coarse.spacing();
-    coarse.modes().map(move |mode| {
-        let compliance = if mode.is_uniform() { uniform } else { compliance_of(response, mode.number) };
-        let sinc = |axis: usize| {
-            let half = 0.5 * mode.wavevector[axis] * spacing[axis];
-            if half == 0.0 { 1.0 } else { half.sin() / half }
+    // The transforms of the splines, which are factors in both directions of both.
+    let [across, along] = [0, 1].map(|axis| {
+        let points = coarse.points()[axis];
+        let sinc = |number: usize| {
+            let half = PI * number as f64 / points as f64;
+            if number == 0 { 1.0 } else { half.sin() / half }
         };
-        let spread = (sinc(0) * sinc(1)).powi(2 * ORDER as i32);
-        (compliance - short(mode.wavenumber())) * share / spread
-    })
+        (0..=points / 2).map(|number| sinc(number).powi(2 * ORDER as i32)).collect::<Vec<_>>()
+    });
+    let of = |y: usize, x: usize| {
+        let mode = coarse.mode(y, x);
+        let compliance = if mode.is_uniform() { uniform } else { compliance_of(response, mode.number) };
+        (compliance - short(mode.wavenumber())) * share / (across[x] * along[y])
+    };
+    let lanes = (0..along.len()).into_par_iter();
+    lanes.flat_map_iter(|y| (0..across.len()).map(move |x| (y, x))).map(|(y, x)| of(y, x)).collect()
 }
 
 /// The compliance of the mode with these numbers, or of the opposite one.
