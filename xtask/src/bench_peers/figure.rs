@@ -8,7 +8,7 @@ use super::report::{Case, Report};
 
 impl Report {
     /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point of a size is
-    /// the median of its cases.
+    /// the median over the loads that all contestants finished at all sizes.
     pub(super) fn figure(&self) -> Result<String, Failure> {
         let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0);
         let hursts = distinct(self.cases.iter().map(|case| case.hurst));
@@ -18,8 +18,17 @@ impl Report {
             self.panel(title, Axis::log("*p*\\*"), place)
         };
         let mut panels: Vec<Panel> = hursts.iter().map(by_load).collect();
-        if self.cases.iter().any(|case| case.n < largest) {
-            panels.push(self.panel("all loads, median".into(), Axis::log("*n*"), |case| Some(case.n as f64)));
+        let is_finished = |case: &Case| {
+            let entries = case.timings.first().map_or(&[][..], |timing| &timing.entries[..]);
+            self.contestants.iter().all(|name| entries.iter().any(|entry| entry.name == *name))
+        };
+        let common = |case: &Case| {
+            let load = |case: &Case| (case.hurst, case.p_star);
+            let finished = self.cases.iter().filter(|other| load(other) == load(case)).all(is_finished);
+            finished.then_some(case.n as f64)
+        };
+        if self.cases.iter().any(|case| case.n < largest && common(case).is_some()) {
+            panels.push(self.panel("loads that all finished, median".into(), Axis::log("*n*"), common));
         }
         Ok(Chart::new(panels).svg()?)
     }

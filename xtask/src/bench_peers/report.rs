@@ -265,7 +265,8 @@ impl Report {
         let head =
             ["n", "threads"].map(str::to_owned).into_iter().chain(self.contestants.iter().skip(1).cloned()).collect();
         let ours = self.contestants.first().map_or("the first", String::as_str);
-        Table { title: format!("Time over that of {ours}: smallest / median / largest"), head, rows }
+        let title = format!("Time over that of {ours}, of the cases that were finished: smallest / median / largest");
+        Table { title, head, rows }
     }
 
     fn tables(&self) -> Vec<Table> {
