@@ -22,12 +22,13 @@ impl Report {
             let entries = case.timings.first().map_or(&[][..], |timing| &timing.entries[..]);
             self.contestants.iter().all(|name| entries.iter().any(|entry| entry.name == *name))
         };
+        let sizes = distinct(self.cases.iter().map(|case| case.n as f64)).len();
         let common = |case: &Case| {
             let load = |case: &Case| (case.hurst, case.p_star);
-            let finished = self.cases.iter().filter(|other| load(other) == load(case)).all(is_finished);
-            finished.then_some(case.n as f64)
+            let finished = self.cases.iter().filter(|other| load(other) == load(case) && is_finished(other));
+            (finished.count() == sizes).then_some(case.n as f64)
         };
-        if self.cases.iter().any(|case| case.n < largest && common(case).is_some()) {
+        if sizes > 1 && self.cases.iter().any(|case| common(case).is_some()) {
             panels.push(self.panel("loads that all finished, median".into(), Axis::log("*n*"), common));
         }
         Ok(Chart::new(panels).svg()?)
