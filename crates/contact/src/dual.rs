@@ -256,8 +256,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at zero.
     let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
-    let uniform = || repeat_n(mean.unwrap_or(0.0), own).collect();
-    let mut pressure = attempt.start.take().unwrap_or_else(uniform);
+    let mut pressure = attempt.start.take().unwrap_or_else(|| repeat_n(mean.unwrap_or(0.0), own).collect());
     let upper = dual.upper();
     if upper.ceiling().is_finite() {
         for_each((&mut pressure[..], upper.ceiling()), &|_, (pressure, upper)| {

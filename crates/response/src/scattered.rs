@@ -231,7 +231,7 @@ pub struct ScatteredMemory {
 /// the coarse grid with q_x ≥ 0, in which it is even.
 fn smooth(response: &NormalResponse, coarse: &Grid, uniform: f64, short: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let share = coarse.len() as f64 / response.grid().len() as f64;
-    // The transforms of the splines, which are factors in both directions of both.
+    // The transforms of the splines along each axis, squared: they spread and interpolate.
     let [across, along] = [0, 1].map(|axis| {
         let points = coarse.points()[axis];
         let sinc = |number: usize| {
@@ -245,8 +245,8 @@ fn smooth(response: &NormalResponse, coarse: &Grid, uniform: f64, short: impl Fn
         let compliance = if mode.is_uniform() { uniform } else { compliance_of(response, mode.number) };
         (compliance - short(mode.wavenumber())) * share / (across[x] * along[y])
     };
-    let lanes = (0..along.len()).into_par_iter();
-    lanes.flat_map_iter(|y| (0..across.len()).map(move |x| (y, x))).map(|(y, x)| of(y, x)).collect()
+    let modes = (0..along.len() * across.len()).into_par_iter();
+    modes.map(|index| of(index / across.len(), index % across.len())).collect()
 }
 
 /// The compliance of the mode with these numbers, or of the opposite one.
