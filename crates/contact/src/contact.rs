@@ -36,6 +36,10 @@ pub struct Contact {
     units: Units,
 }
 
+/// Stiffness of the uniform mode in preconditioners, relative to the softest non-uniform mode, on a half-space with a fixed mean level.
+/// There the effective stiffness depends on the contact area.
+const LEVEL: f64 = 4.0;
+
 impl Contact {
     /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
     /// constant in the heights has no effect.
@@ -256,10 +260,23 @@ impl Contact {
         solution
     }
 
-    /// The compliance of the uniform mode that the search takes part in, if the approach of a periodic surface is prescribed.
-    pub(crate) fn level_under(&self, load: Load) -> Option<f64> {
+    /// Compliance of the uniform mode, and its stiffness in preconditioners, if it takes part in the search: if the approach of a periodic
+    /// surface is prescribed.
+    pub(crate) fn level_under(&self, load: Load) -> Option<[f64; 2]> {
         let takes_part = self.free.is_none() && matches!(load, Load::Approach(_));
-        takes_part.then(|| self.response.uniform_compliance())
+        takes_part.then(|| {
+            let compliance = self.response.uniform_compliance();
+            let stiffness =
+                if compliance > 0.0 { 1.0 / compliance } else { LEVEL * self.response.stiffness_range()[0] };
+            [compliance, stiffness]
+        })
+    }
+
+    /// The stiffness of a wave by its number of periods along the longer side.
+    pub(crate) fn stiffness_of_waves(&self) -> impl Fn(usize) -> f64 {
+        let points = self.response.grid().points();
+        let stride = if points[0] >= points[1] { 1 } else { points[0] };
+        move |periods| 1.0 / self.response.compliance_at(periods * stride)
     }
 
     /// G of the periodic modes of this process, with that of the `uniform` mode if there is one.

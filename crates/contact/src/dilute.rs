@@ -12,7 +12,7 @@ use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target,
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
 use overlap::Overlap;
-pub(crate) use points::{at_points, few_blocks, gathered, own_blocks};
+pub(crate) use points::{Points, are_few, at_points, gathered, own_blocks};
 
 use crate::Load;
 use crate::attempt::{Attempt, Ended};
@@ -83,7 +83,7 @@ pub(crate) fn solve(
     if contact.free.is_some() || contact.hardness.is_some() || surface.mean_clearance() == 0.0 {
         return Ok(None);
     }
-    let Some(scattered) = Scattered::of(response, contact.level_under(attempt.load).unwrap_or(0.0)) else {
+    let Some(scattered) = Scattered::of(response, contact.level_under(attempt.load).unwrap_or_default()) else {
         return Ok(None);
     };
     let Some(overlap) = Overlap::of(contact, attempt.load) else { return Ok(None) };
@@ -125,12 +125,13 @@ pub(crate) fn solve(
             break;
         }
         problem.lower(minimum.reached.multiplier);
-        let (penetration, found) = problem.survey(&x, kept.tolerance * scale);
-        if kept.tolerance == finest && penetration <= finest * scale {
+        let survey = problem.survey(&x, kept.tolerance * scale);
+        let is_finest = kept.tolerance == finest;
+        if is_finest && survey.penetration <= finest * scale {
             return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
         }
         kept.tolerance = if STAGE * kept.tolerance < 10.0 * finest { finest } else { STAGE * kept.tolerance };
-        if !found.is_empty() && !problem.widen(&found, &mut x) {
+        if !problem.revise(&survey, !is_finest, &mut x) {
             break;
         }
     }

@@ -50,11 +50,6 @@ pub(crate) struct Dual<'a> {
     is_flat: bool,
 }
 
-/// Stiffness of the uniform mode in the preconditioner, relative to the softest non-uniform mode. It is needed if the
-/// approach on a half-space with a fixed mean level is prescribed; the effective stiffness then depends on the contact
-/// area.
-const LEVEL: f64 = 4.0;
-
 /// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
 /// sufficient; where the preconditioner is poor, as on incompressible layers thinner than the cell is wide, the method
 /// without it is faster.
@@ -74,19 +69,12 @@ impl<'a> Dual<'a> {
             Load::MeanPressure(_) => Cow::from(clearance),
             Load::Approach(approach) => clearance.par_iter().map(|c| c - approach).collect::<Vec<_>>().into(),
         };
-        let level = contact.level_under(load).map(|uniform| {
-            let stiffness = if uniform > 0.0 { 1.0 / uniform } else { LEVEL * response.stiffness_range()[0] };
-            [uniform, stiffness]
-        });
+        let level = contact.level_under(load);
         let compliance = contact.table(level.map(|[uniform, _]| uniform));
         let points = response.grid().points();
-        // The waves along the longer side.
-        let stride = if points[0] >= points[1] { 1 } else { points[0] };
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
-        let extension =
-            PullPush::new(points, floating, edges, |periods| 1.0 / response.compliance_at(periods * stride))
-                .over(share);
+        let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).over(share);
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());

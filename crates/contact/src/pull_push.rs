@@ -106,6 +106,9 @@ impl Edges {
 /// would extend to a large neighbourhood, at a cost in energy that increases with the size of the neighbourhood.
 const FULL: [f32; 2] = [1.5, 3.0];
 
+/// `full` of cells of 4×4 points whose weight is the number of those that are known.
+const FULL_OF_POINTS: f32 = 5.0;
+
 /// The largest number of cells of a level that all of several processes hold.
 const GATHERED: usize = 1 << 18;
 
@@ -137,6 +140,14 @@ impl PullPush {
         }
         let share = Share::whole(points[0], points[1]);
         Self { points, share, shared: 0, edges, levels, kept: words_of(points), above: words_of(points) }
+    }
+
+    /// The map from values of [`cells`](Self::cells) of 4×4 points, of which the known weight is the number of known points, to all of
+    /// these cells.
+    pub(crate) fn on_cells(cells: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
+        let mut all = Self::new(cells.map(|n| 2 * n), floating, Edges::Joined, stiffness);
+        all.levels[0].full = FULL_OF_POINTS;
+        all
     }
 
     /// The number of levels of which a process holds its own rows only, or computes them: all levels with many cells.
@@ -175,7 +186,7 @@ impl PullPush {
 
     /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
-        let (edges, share, shared) = (self.edges, &self.share, self.shared);
+        let (share, shared) = (&self.share, self.shared);
         let (start, columns) = (share.rows().start, self.points[1]);
         let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
         let Some(first) = self.levels.first_mut() else { return };
@@ -183,20 +194,18 @@ impl PullPush {
             let i = i - start;
             rows::see(known.row(i, columns), known.level, words(&self.above, i, columns), weights, values);
         });
-        let learn = |number: usize, level: &mut Level| {
-            if number < shared {
-                level.learn_known(share);
-                if number + 1 == shared {
-                    level.learn_value(share);
-                }
-            }
-        };
-        learn(0, first);
+        learn(share, shared, 0, first);
+        self.fill();
+    }
+
+    /// Extends the values of the [`cells`](Self::cells) of the first level.
+    pub(crate) fn fill(&mut self) {
+        let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
             above.pull(below.cells, |i, weights, values| {
                 rows::weigh(below.full, (below.known(i), below.value(i)), weights, values);
             });
-            learn(number, above);
+            learn(share, shared, number, above);
         });
         weigh_top(&mut self.levels);
         downwards(&mut self.levels, |number, above, below| {
@@ -262,17 +271,27 @@ impl PullPush {
             let kept = held_row(&self.kept, &kept_beside, &own, [points[0], width], i);
             rows::hand_on(row, kept, part, line);
         });
-        let learn = |number: usize, level: &mut Level| {
-            if number < shared {
-                level.learn_value(share);
-            }
-        };
-        learn(0, first);
+        if shared > 0 {
+            first.learn_value(share);
+        }
+        self.fill_transposed();
+        let kept = |i: usize| words(&self.kept, i, columns);
+        self.levels[0].pull_transposed((t, own.clone()), columns, |i, t, share| {
+            let i = i - own.start;
+            rows::end(row_of(known.x, i, columns), known.bounds(i, columns), kept(i), share, t);
+        });
+    }
+
+    /// The transpose of [`fill`](Self::fill).
+    pub(crate) fn fill_transposed(&mut self) {
+        let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
             above.push_transposed(edges, below.cells, |i, line, part| {
                 rows::hand_up(below.full, (below.known(i), below.value(i)), part, line);
             });
-            learn(number, above);
+            if number < shared {
+                above.learn_value(share);
+            }
         });
         weigh_top(&mut self.levels);
         downwards(&mut self.levels, |_, above, below| {
@@ -285,10 +304,12 @@ impl PullPush {
             });
             below.known = known;
         });
-        self.levels[0].pull_transposed((t, own.clone()), columns, |i, t, share| {
-            let i = i - own.start;
-            rows::end(row_of(known.x, i, columns), known.bounds(i, columns), kept(i), share, t);
-        });
+    }
+
+    /// The known weights and the values of the cells of the first level.
+    pub(crate) fn cells(&mut self) -> (&mut [f32], &mut [f32]) {
+        let first = &mut self.levels[0];
+        (&mut first.known, &mut first.value)
     }
 }
 
@@ -297,6 +318,16 @@ fn upwards(levels: &mut [Level], mut step: impl FnMut(usize, &mut Level, &Level)
     for k in 1..levels.len() {
         let (below, above) = levels.split_at_mut(k);
         step(k, &mut above[0], &below[k - 1]);
+    }
+}
+
+/// Learns what other processes have computed of a level by its number, if the first levels, so many, are shared.
+fn learn(share: &Share, shared: usize, number: usize, level: &mut Level) {
+    if number < shared {
+        level.learn_known(share);
+        if number + 1 == shared {
+            level.learn_value(share);
+        }
     }
 }
 

@@ -30,6 +30,9 @@ pub struct Stiffness {
 /// The relative error at which the iterations end.
 const TOLERANCE: f64 = 1e-10;
 
+/// The largest relative error of a result.
+const ERROR: f64 = 1e-9;
+
 /// The largest number of corrections on few points.
 const CORRECTIONS: usize = 2;
 
@@ -79,7 +82,7 @@ impl Contact {
         few.iter().for_each(|few| effort.add(few.effort()));
         let stiffness = Stiffness { value: self.units().stiffness() / compliance, error: excess / compliance, effort };
         match ended {
-            _ if stiffness.error <= 10.0 * TOLERANCE => Ok(stiffness),
+            _ if stiffness.error <= ERROR => Ok(stiffness),
             Ok(()) => Err((stiffness, Why::Certificate)),
             Err(why) => Err((stiffness, why)),
         }
@@ -145,7 +148,7 @@ impl<'a> Unit<'a> {
         for _ in 0..CORRECTIONS {
             few.correct(&self.residual, self.dual.unit(), &mut self.variation);
             let [work, excess] = self.certify();
-            if excess <= TOLERANCE * work {
+            if excess <= ERROR * work {
                 return Some([work, excess]);
             }
         }

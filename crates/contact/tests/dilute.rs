@@ -106,15 +106,17 @@ fn the_cost_at_small_loads_hardly_grows_with_the_grid() {
 }
 
 #[test]
-fn a_start_from_a_smaller_load_saves_iterations() {
+fn a_start_saves_the_more_iterations_the_nearer_its_load() {
     let grid = Grid::square(512, 1.0).unwrap();
     for hurst in [0.0, 0.8] {
         let contact = Contact::new(&half_space(), &grid, &rough(&grid, hurst)).unwrap();
-        let load = |factor: f64| Load::MeanPressure(factor * 1e-3 * RMS_GRADIENT);
-        let before = contact.press(load(0.8)).solve().unwrap();
-        let cold = contact.press(load(1.0)).solve().unwrap();
-        let warm = contact.press(load(1.0)).starting_from(Some(&before)).solve().unwrap();
-        assert!(warm.effort.iterations < cold.effort.iterations, "H {hurst}: {:?} {:?}", warm.effort, cold.effort);
+        let load = |part: f64| Load::MeanPressure(part * 1e-3 * RMS_GRADIENT);
+        let cold = contact.press(load(1.0)).solve().unwrap().effort.iterations;
+        let [far, near, same] = [0.8, 0.95, 1.0].map(|part| {
+            let before = contact.press(load(part)).solve().unwrap();
+            contact.press(load(1.0)).starting_from(Some(&before)).solve().unwrap().effort.iterations
+        });
+        assert!(far <= cold && near + 2 <= far && same == 0, "H {hurst}: {cold}, {far}, {near}, {same}");
     }
 }
 
@@ -123,7 +125,7 @@ fn a_search_without_success_has_the_pressure_reached() {
     let grid = Grid::square(256, 1.0).unwrap();
     let contact = Contact::new(&half_space(), &grid, &rough(&grid, 0.8)).unwrap();
     let load = Load::MeanPressure(1e-3 * RMS_GRADIENT);
-    for max_iterations in [0, 1, 5, 12] {
+    for max_iterations in [0, 1, 5, 8] {
         let Err(SolveError::NotConverged { state, .. }) = contact.press(load).max_iterations(max_iterations).solve()
         else {
             panic!("{max_iterations} iterations cannot be enough")

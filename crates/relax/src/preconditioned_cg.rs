@@ -23,8 +23,8 @@ use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Wh
 ///
 /// While no variable reaches zero, these are exact line searches, and directions are made conjugate to the last step.
 /// If some variables reach zero, a step that lowers the function is kept whole, since stepping back would make them
-/// positive again; the next length is between the present and the optimal one. If a step back is necessary, the next
-/// length is shorter by its factor, since steps to one and the same end of a segment would make no progress.
+/// positive again. The next step has the length that would have been the best for this one, as those of Barzilai and
+/// Borwein (1988), but at most 1: steps of one length may overshoot again and again where M is too large.
 ///
 /// Every 25th direction, and any direction that the projection turns uphill, is the gradient. Projected gradients with
 /// a step that lowers the function converge for any steps in between (Bertsekas 1976).
@@ -221,10 +221,10 @@ impl Search {
         let lowest = if rise > 0.0 { -path.slope / rise } else { f64::INFINITY };
         self.settled = self.sums.clipped == 0;
         if preconditioned {
-            self.length = match lowest {
-                _ if self.settled => (path.length * lowest.min(CHANGE)).max(1.0),
-                ..DOWNHILL => path.length * lowest.max(1.0 / CHANGE),
-                _ => (path.length * lowest).min(1.0).sqrt(),
+            self.length = if self.settled {
+                (path.length * lowest.min(CHANGE)).max(1.0)
+            } else {
+                (path.length * lowest.max(1.0 / CHANGE)).min(1.0)
             };
         }
         if lowest < if self.settled { 1.0 } else { DOWNHILL } {

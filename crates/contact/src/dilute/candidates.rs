@@ -4,21 +4,37 @@ use std::borrow::Cow;
 
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Ending, Preconditioned, Visit};
-use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
+use gfmd_response::{LANES, Scattered};
 use gfmd_vector::{lower, pass_by};
 use rayon::prelude::*;
 
 use super::overlap::Overlap;
-use super::points::{at_points, few_blocks, gathered, own_blocks};
-use crate::Contact;
+use super::points::{Points, are_few, at_points, gathered, own_blocks};
 use crate::attempt::{Attempt, Ended};
 use crate::compliance::Compliance;
+use crate::{Contact, Load};
+
+/// The largest part of the points that may be in blocks.
+const MOST: f64 = 0.3;
 
 /// The part of the deepest penetration below which a gap makes a point part of the search.
-const NEARLY: f64 = 0.25;
+const NEARLY: f64 = 0.1;
+
+/// The factor by which the preconditioner exceeds that of the points: this may be smaller than the inverse of the compliance by as much.
+const SURPLUS: f32 = 1.2;
 
 /// The number of variables that are handed on together.
 const STRETCH: usize = 32 * LANES;
+
+/// What is found at all points.
+pub(super) struct Survey {
+    /// The deepest penetration outside of the blocks.
+    pub(super) penetration: f64,
+    /// The gap below which a block is part of the search.
+    margin: f64,
+    /// The places of the blocks outside with such gaps.
+    found: Vec<usize>,
+}
 
 /// The search for the pressure on some blocks. Every process knows the pressure on all of them, and searches for itself; the
 /// displacement of the whole surface is computed by all together, each for its own rows.
@@ -26,9 +42,7 @@ pub(super) struct Candidates<'a> {
     contact: &'a Contact,
     compliance: Cow<'a, [f64]>,
     transforms: Compliance,
-    scattered: Scattered,
-    memory: ScatteredMemory,
-    blocks: Blocks,
+    points: Points,
     /// The approach, as far as it is known.
     approach: f64,
     /// Clearance less approach.
@@ -36,15 +50,10 @@ pub(super) struct Candidates<'a> {
     /// The displacement downwards of the own rows, by the pressure that was transformed last.
     displacement: Vec<f64>,
     known: Known,
-    /// The number of images between the points.
-    images: u64,
     /// The displacement downwards of the points.
     lanes: Vec<f64>,
     pressure: Vec<f32>,
     image: Vec<f32>,
-    /// 1 for the points that were free in the last preconditioning, and its image by the stiffness.
-    free: Vec<f32>,
-    constant: Vec<f32>,
 }
 
 /// What is known of the displacement by the present pressure.
@@ -81,24 +90,23 @@ impl<'a> Candidates<'a> {
         overlap: Overlap,
     ) -> Option<(Self, Vec<f64>)> {
         let contact = attempt.contact;
-        let blocks = few_blocks(&scattered, contact.response.grid(), places)?;
+        let floating = matches!(attempt.load, Load::MeanPressure(_));
+        if !are_few(&places, MOST, contact.share.total()) {
+            return None;
+        }
+        let points = Points::new(contact, scattered, floating, places);
         let mut problem = Self {
             contact,
-            compliance: contact.table(contact.level_under(attempt.load)),
+            compliance: contact.table(contact.level_under(attempt.load).map(|[compliance, _]| compliance)),
             transforms: Compliance::of(contact),
-            memory: scattered.memory(),
-            scattered,
-            blocks,
+            points,
             approach,
             linear: Vec::new(),
             displacement: vec![0.0; contact.share.own().len()],
             known: Known::Roughly,
-            images: 0,
             lanes: Vec::new(),
             pressure: Vec::new(),
             image: Vec::new(),
-            free: Vec::new(),
-            constant: Vec::new(),
         };
         problem.allocate();
         let mut x = match &attempt.start {
@@ -120,17 +128,17 @@ impl<'a> Candidates<'a> {
         };
         let first = share.own().start / LANES;
         let own = (0..clearance.len() / LANES).into_par_iter().filter(touches).map(|block| first + block);
-        gathered(share, &own.collect::<Vec<_>>())
+        gathered(share, own.collect::<Vec<_>>())
     }
 
     /// The places of the blocks, and the approach so far.
     pub(super) fn state(&self) -> (Vec<usize>, f64) {
-        (self.blocks.places().to_vec(), self.approach)
+        (self.points.blocks().places().to_vec(), self.approach)
     }
 
     /// The values at the points of the blocks, of which `own` are those of the own rows.
     fn at_points(&self, own: &[f64]) -> Vec<f64> {
-        at_points(&self.blocks, &self.contact.share, own)
+        at_points(self.points.blocks(), &self.contact.share, own)
     }
 
     /// Allocates the vectors for the present blocks.
@@ -138,7 +146,7 @@ impl<'a> Candidates<'a> {
         self.lower(0.0);
         let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
-        for vector in [&mut self.pressure, &mut self.image, &mut self.free, &mut self.constant] {
+        for vector in [&mut self.pressure, &mut self.image] {
             *vector = vec![0.0; variables];
         }
     }
@@ -158,7 +166,8 @@ impl<'a> Candidates<'a> {
             return;
         }
         let counted = *self.transforms.counter();
-        let Self { compliance, transforms, blocks, displacement, contact, .. } = self;
+        let Self { compliance, transforms, points, displacement, contact, .. } = self;
+        let blocks = points.blocks();
         let (columns, before) = (contact.share.columns(), contact.share.rows().start);
         let copy = |_: usize, row: &mut [f64], Rows(out, _): Rows<&mut [f64]>| out.copy_from_slice(row);
         let source = |i: usize, (): (), row: &mut [f64]| {
@@ -180,8 +189,8 @@ impl<'a> Candidates<'a> {
         if self.known == Known::Roughly {
             let unit = x.iter().fold(0.0, |largest: f64, x| x.max(largest));
             self.pressure.iter_mut().zip(x).for_each(|(p, x)| *p = (x / unit) as f32);
-            self.respond();
-            let unit = unit * self.scattered.unit();
+            self.points.displace(&self.pressure, &mut self.image);
+            let unit = unit * self.points.unit();
             self.lanes.iter_mut().zip(&self.image).for_each(|(u, image)| *u = f64::from(*image) * unit);
         } else {
             self.displace(x);
@@ -190,17 +199,11 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// Computes the image of the pressure at the points of the blocks.
-    fn respond(&mut self) {
-        self.images += 1;
-        let Self { scattered, blocks, memory, pressure, image, .. } = self;
-        scattered.compliance(blocks, pressure, memory, image);
-    }
-
-    /// The deepest penetration outside of the blocks, and the blocks there whose gaps are below the `margin` or a part of it.
-    pub(super) fn survey(&mut self, x: &[f64], margin: f64) -> (f64, Vec<usize>) {
+    /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest penetration.
+    pub(super) fn survey(&mut self, x: &[f64], margin: f64) -> Survey {
         self.displace(x);
-        let Self { contact, approach, blocks, displacement, .. } = self;
+        let Self { contact, approach, points, displacement, .. } = self;
+        let blocks = points.blocks();
         let Contact { scaled, share, .. } = contact;
         let clearance = scaled.clearance();
         let (width, before) = (share.columns() / LANES, share.own().start / LANES);
@@ -218,19 +221,31 @@ impl<'a> Candidates<'a> {
         let least = share.each(gaps.reduce(|| f64::INFINITY, lower)).into_iter().fold(f64::INFINITY, lower);
         let margin = margin.max(-NEARLY * least);
         let found = rows.flat_map_iter(|row| others(row).filter(|place| lowest(*place) < margin));
-        (-least, gathered(share, &found.collect::<Vec<_>>()))
+        Survey { penetration: -least, margin, found: gathered(share, found.collect::<Vec<_>>()) }
     }
 
-    /// Adds blocks, unless they become too many: then false.
-    pub(super) fn widen(&mut self, found: &[usize], x: &mut Vec<f64>) -> bool {
-        let old: Vec<(usize, [f64; LANES])> =
-            self.blocks.places().iter().copied().zip(x.as_chunks().0.iter().copied()).collect();
-        let new = found.iter().map(|place| (*place, [0.0; LANES]));
-        let mut all: Vec<(usize, [f64; LANES])> = old.into_iter().chain(new).collect();
-        all.sort_unstable_by_key(|(place, _)| *place);
-        let (places, values): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-        let Some(blocks) = few_blocks(&self.scattered, self.contact.response.grid(), places) else { return false };
-        self.blocks = blocks;
+    /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set `may_shrink`. False if
+    /// the blocks become too many.
+    pub(super) fn revise(&mut self, survey: &Survey, may_shrink: bool, x: &mut Vec<f64>) -> bool {
+        let displacement = self.at_points(&self.displacement);
+        let gaps: Vec<f64> = displacement.iter().zip(&self.linear).map(|(u, c)| u + c).collect();
+        let places = self.points.blocks().places();
+        let values = x.as_chunks::<LANES>().0.iter().zip(gaps.as_chunks::<LANES>().0);
+        let is_idle = |(x, gaps): (&[f64; LANES], &[f64; LANES])| {
+            may_shrink && x.iter().all(|x| *x == 0.0) && gaps.iter().all(|gap| *gap >= survey.margin)
+        };
+        let stay = places.iter().zip(values).filter(|(_, values)| !is_idle(*values));
+        let mut blocks: Vec<(usize, [f64; LANES])> = stay.map(|(place, (x, _))| (*place, *x)).collect();
+        if survey.found.is_empty() && blocks.len() == places.len() {
+            return true;
+        }
+        blocks.extend(survey.found.iter().map(|place| (*place, [0.0; LANES])));
+        blocks.sort_unstable_by_key(|(place, _)| *place);
+        let (places, values): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+        if !are_few(&places, MOST, self.contact.share.total()) {
+            return false;
+        }
+        self.points.move_to(self.contact, places);
         self.allocate();
         *x = values.concat();
         x.resize(self.linear.len(), 0.0);
@@ -240,11 +255,11 @@ impl<'a> Candidates<'a> {
     pub(super) fn ended(&self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
         let share = &self.contact.share;
         let mut pressure = vec![0.0; share.own().len()];
-        for (values, row) in own_blocks(&self.blocks, share) {
+        for (values, row) in own_blocks(self.points.blocks(), share) {
             pressure[row].copy_from_slice(&x[values]);
         }
         let mut effort = attempt.effort;
-        effort.transform_pairs += self.transforms.pairs() + self.images as f64 * self.scattered.effort();
+        effort.transform_pairs += self.transforms.pairs() + self.points.pairs();
         Ended { pressure, effort, ending }
     }
 }
@@ -259,7 +274,7 @@ impl Preconditioned for Candidates<'_> {
     }
 
     fn unit(&self) -> f64 {
-        self.scattered.unit()
+        self.points.unit()
     }
 
     fn gradient<O: Split, R: Send>(
@@ -286,7 +301,7 @@ impl Preconditioned for Candidates<'_> {
     fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
         let rows = (Rows(input, STRETCH), Rows(&mut self.pressure[..], STRETCH));
         pass_by(1, rows, &|_, (Rows(input, _), Rows(row, _))| source(input, row), &|(), ()| ());
-        self.respond();
+        self.points.displace(&self.pressure, &mut self.image);
         self.known = Known::Nothing;
     }
 
@@ -297,34 +312,17 @@ impl Preconditioned for Candidates<'_> {
 
     fn curvature(&mut self, direction: &[f32]) -> f64 {
         self.pressure.copy_from_slice(direction);
-        self.respond();
+        self.points.displace(&self.pressure, &mut self.image);
         gfmd_vector::dot(&self.pressure, &self.image)
     }
 
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
-        let Self { scattered, blocks, pressure, free, constant, .. } = self;
-        let fill = |values: &mut [f32], of: &dyn Fn(f32) -> f32| {
-            for (value, (x, g)) in values.iter_mut().zip(x.iter().zip(gradient)) {
-                *value = if (*x > 0.0) | (*g < level) { of(*g) } else { 0.0 };
-            }
-        };
-        fill(pressure, &|g| g - level);
-        scattered.stiffness(blocks, pressure, out);
-        fill(pressure, &|_| 1.0);
-        if pressure != free {
-            free.copy_from_slice(pressure);
-            scattered.stiffness(blocks, free, constant);
-        }
-        let sum = |values: &[f32]| gfmd_vector::dot(values, free);
-        let level = (sum(out) / sum(constant)) as f32;
-        for ((out, constant), free) in out.iter_mut().zip(&*constant).zip(&*free) {
-            *out = if *free > 0.0 { *out - level * constant } else { 0.0 };
-        }
+        self.points.press(|i| x[i] > 0.0, |i| SURPLUS * (gradient[i] - level), out);
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
         visitor.count(self.transforms.counter());
-        visitor.count(&mut self.images);
+        visitor.count(self.points.counter());
         let before = self.known.number();
         let mut number = before;
         visitor.small(&mut number);

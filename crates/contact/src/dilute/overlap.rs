@@ -3,7 +3,7 @@
 use gfmd_vector::Share;
 use rayon::prelude::*;
 
-use super::points::{MOST, gathered};
+use super::points::gathered;
 use crate::{Contact, Load};
 
 /// The number of points that overlap a rigid plane at the start, for each that is expected to touch.
@@ -11,6 +11,13 @@ const OVERLAPPING: f64 = 3.0;
 
 /// The least number of such points.
 const LEAST: f64 = 32.0;
+
+/// The largest part of the points that may overlap so that this takes less time than transforms of the whole surface: on small grids and on
+/// large ones, whose fields do not fit into caches.
+const MOST: [f64; 2] = [0.03, 0.065];
+
+/// The number of points of the largest small grid.
+const SMALL: usize = 1 << 19;
 
 /// a_r g E*/p, about.
 const KAPPA: f64 = 2.0;
@@ -53,7 +60,7 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
     let columns = share.columns();
     let row = |row: &[f64]| row.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
     let own = share.rows().zip(clearance.chunks_exact(columns)).filter(|(number, _)| number.is_multiple_of(16));
-    let squares = gathered(share, &own.map(|(_, values)| row(values)).collect::<Vec<_>>());
+    let squares = gathered(share, own.map(|(_, values)| row(values)).collect::<Vec<_>>());
     let count = (squares.len() * (columns - 1)) as f64;
     (2.0 * squares.iter().sum::<f64>() / count).sqrt() / spacing
 }
@@ -61,8 +68,7 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
 /// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
 fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
     let asked = (part * share.total() as f64).max(LEAST);
-    // Blocks have more points than those that overlap, twice as many at least.
-    let possible = asked <= 0.5 * MOST * share.total() as f64;
+    let possible = asked <= MOST[usize::from(share.total() > SMALL)] * share.total() as f64;
     if !possible {
         return None;
     }
@@ -80,7 +86,7 @@ fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f6
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
-    let counts = gathered(share, &counts.reduce(|| vec![0; BINS], add));
+    let counts = gathered(share, counts.reduce(|| vec![0; BINS], add));
     let counts = counts.chunks_exact(BINS).fold(vec![0; BINS], |all, counts| add(all, counts.to_vec()));
     let mut below = 0;
     let bin = counts.iter().position(|count| {

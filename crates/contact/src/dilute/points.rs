@@ -1,22 +1,179 @@
-//! Fields on few blocks of points: every process knows the values at all of them, and owns rows of the whole field.
+//! Few points of a surface in blocks, with the compliance between them and its preconditioner.
 
 use std::ops::Range;
 
-use gfmd_field::Grid;
-use gfmd_response::{Blocks, LANES, Scattered};
+use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
 use gfmd_vector::{Parcel, Share};
+use rayon::prelude::*;
 
-/// The largest part of the points that may be in blocks.
-pub(super) const MOST: f64 = 0.06;
+use crate::Contact;
+use crate::pull_push::PullPush;
 
-/// The largest number of pairs of blocks, for each point of the grid.
-const PAIRS: f64 = 0.5;
+/// The number of blocks below which one thread works on them alone.
+const FEW: usize = 64;
 
-/// The blocks at these places; `None` if there are none, or so many that transforms of the whole surface take less time.
-pub(crate) fn few_blocks(scattered: &Scattered, grid: &Grid, places: Vec<usize>) -> Option<Blocks> {
-    let points = grid.len() as f64;
-    let few = !places.is_empty() && (places.len() * LANES) as f64 <= MOST * points;
-    few.then(|| Blocks::new(scattered, grid, places, (PAIRS * points) as usize)).flatten()
+/// Blocks of points, with the compliance G between them and a preconditioner M, about its inverse between those that are free.
+///
+/// M continues a gap from the points in contact to the coarse grid, as that of the whole surface does ([`PullPush`]), with the mean
+/// gap of a coarse cell in place of that of four points. What is interpolated from there is stiffened on the coarse grid, and the rest of the
+/// gap by the stiffness between near points: `M = Eᵀ Iᵀ K I E + (1 − I E)ᵀ S (1 − I E)` with the continuation E and the interpolation I.
+pub(crate) struct Points {
+    scattered: Scattered,
+    memory: ScatteredMemory,
+    blocks: Blocks,
+    extension: PullPush,
+    /// A gap on the coarse grid, and then its traction.
+    far: Vec<f32>,
+    /// What is left of the gap at the points.
+    rest: Vec<f32>,
+    /// 1 for free points, else 0.
+    free: Vec<f32>,
+    /// The number of transform pairs on the coarse grid.
+    pairs: u64,
+}
+
+impl Points {
+    /// The blocks at these places. `floating` as of [`PullPush::new`].
+    pub(crate) fn new(contact: &Contact, scattered: Scattered, floating: bool, places: Vec<usize>) -> Self {
+        let cells = scattered.coarse().points();
+        Self {
+            memory: scattered.memory(),
+            blocks: Blocks::new(contact.response.grid(), places),
+            extension: PullPush::on_cells(cells, floating, contact.stiffness_of_waves()),
+            far: vec![0.0; scattered.coarse().len()],
+            scattered,
+            rest: Vec::new(),
+            free: Vec::new(),
+            pairs: 0,
+        }
+    }
+
+    /// Moves to the blocks at other places.
+    pub(super) fn move_to(&mut self, contact: &Contact, places: Vec<usize>) {
+        self.blocks = Blocks::new(contact.response.grid(), places);
+    }
+
+    pub(crate) fn blocks(&self) -> &Blocks {
+        &self.blocks
+    }
+
+    /// The unit of compliances, in length/stress.
+    pub(crate) fn unit(&self) -> f64 {
+        self.scattered.unit()
+    }
+
+    /// Transforms so far, in pairs of those of the whole surface.
+    pub(crate) fn pairs(&self) -> f64 {
+        self.pairs as f64 * self.scattered.effort()
+    }
+
+    /// What [`pairs`](Self::pairs) has counted.
+    pub(super) fn counter(&mut self) -> &mut u64 {
+        &mut self.pairs
+    }
+
+    /// True if M has no image of a constant.
+    pub(crate) fn keeps_constants(&self) -> bool {
+        self.extension.keeps_constants()
+    }
+
+    /// `out` ← G `pressure` over the unit.
+    pub(crate) fn displace(&mut self, pressure: &[f32], out: &mut [f32]) {
+        self.pairs += 1;
+        self.scattered.compliance(&self.blocks, pressure, &mut self.memory, out);
+    }
+
+    /// `out` ← M `gap` times the unit, by the number of each point; zero if it is not free. `touches` tells which points are in contact.
+    /// These are free, and those that are about to enter: with a negative gap, less than that which is continued to them.
+    pub(crate) fn press(
+        &mut self,
+        touches: impl Fn(usize) -> bool + Sync,
+        gap: impl Fn(usize) -> f32 + Sync,
+        out: &mut [f32],
+    ) {
+        self.pairs += 1;
+        for vector in [&mut self.rest, &mut self.free] {
+            vector.clear();
+            vector.resize(out.len(), 0.0);
+        }
+        self.pull(&touches, &gap);
+        let Self { scattered, memory, blocks, extension, far, rest, free, .. } = self;
+        extension.fill();
+        far.copy_from_slice(extension.cells().1);
+        scattered.interpolate(blocks, far, out);
+        let points = out.par_chunks_mut(LANES).zip(rest.par_chunks_mut(LANES)).zip(free.par_chunks_mut(LANES));
+        points.take(blocks.len()).with_min_len(FEW).enumerate().for_each(|(block, ((far, rest), free))| {
+            for (lane, ((far, rest), free)) in far.iter().zip(rest).zip(free).enumerate() {
+                let point = block * LANES + lane;
+                let own = gap(point);
+                let is_free = touches(point) | ((own < 0.0) & (own < *far));
+                [*rest, *free] = if is_free { [own - far, 1.0] } else { [0.0; 2] };
+            }
+        });
+        scattered.stiffness(blocks, rest, memory, out);
+        gfmd_vector::for_each((&mut *out, &free[..]), &|_, (out, free)| {
+            out.iter_mut().zip(free).for_each(|(out, free)| *out *= free);
+        });
+        scattered.stiffen(blocks, far, out, memory);
+        extension.cells().1.copy_from_slice(far);
+        extension.fill_transposed();
+        self.push(&touches, out);
+    }
+
+    /// The number of points along the side of a coarse cell, and of coarse cells along both axes.
+    fn cells(&self) -> (usize, [usize; 2]) {
+        let cells = self.scattered.coarse().points();
+        (self.blocks.rows() / cells[0], cells)
+    }
+
+    /// Puts the numbers of points in contact, and their mean gaps, into the coarse cells.
+    fn pull(&mut self, touches: &(impl Fn(usize) -> bool + Sync), gap: &(impl Fn(usize) -> f32 + Sync)) {
+        let (side, [_, columns]) = self.cells();
+        let Self { blocks, extension, .. } = self;
+        let rows = blocks.rows();
+        let (weights, values) = extension.cells();
+        let cells = weights.par_chunks_mut(columns).zip(values.par_chunks_mut(columns));
+        cells.enumerate().for_each(|(i, (weights, values))| {
+            weights.fill(0.0);
+            values.fill(0.0);
+            let near = (0..side).map(|k| (i * side + k + rows - side / 2) % rows);
+            for block in near.flat_map(|row| blocks.in_row(row)) {
+                for point in (block * LANES..(block + 1) * LANES).filter(|point| touches(*point)) {
+                    let cell = cell_of(blocks.column(block) * LANES + point % LANES, side, columns);
+                    weights[cell] += 1.0;
+                    values[cell] += gap(point);
+                }
+            }
+            for (value, weight) in values.iter_mut().zip(weights) {
+                *value = if *weight > 0.0 { *value / *weight } else { 0.0 };
+            }
+        });
+    }
+
+    /// Adds to `out` at the points in contact what the coarse cells have: the transpose of [`pull`](Self::pull).
+    fn push(&mut self, touches: &(impl Fn(usize) -> bool + Sync), out: &mut [f32]) {
+        let (side, [rows, columns]) = self.cells();
+        let Self { blocks, extension, .. } = self;
+        let (weights, values) = extension.cells();
+        let out = out.par_chunks_mut(LANES).take(blocks.len()).with_min_len(FEW);
+        out.enumerate().for_each(|(block, out)| {
+            let row = cell_of(blocks.row(block), side, rows) * columns;
+            for (lane, out) in out.iter_mut().enumerate().filter(|(lane, _)| touches(block * LANES + lane)) {
+                let cell = row + cell_of(blocks.column(block) * LANES + lane, side, columns);
+                *out += values[cell] / weights[cell];
+            }
+        });
+    }
+}
+
+/// The coarse cell around the nearest coarse point, of so many `cells`.
+fn cell_of(point: usize, side: usize, cells: usize) -> usize {
+    (point + side / 2) / side % cells
+}
+
+/// True if there are blocks at these places, and at most this part of the points is in them.
+pub(crate) fn are_few(places: &[usize], most: f64, points: usize) -> bool {
+    !places.is_empty() && (places.len() * LANES) as f64 <= most * points as f64
 }
 
 /// The blocks in the own rows: the places of their values among those of all blocks, and among the own rows.
@@ -30,11 +187,105 @@ pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item =
 
 /// The values at the points of the blocks, of a field with these `own` rows.
 pub(crate) fn at_points<T: Copy + Parcel>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
-    let here = own_blocks(blocks, share).flat_map(|(_, row)| &own[row]);
-    gathered(share, &here.copied().collect::<Vec<_>>())
+    let here = own_blocks(blocks, share).filter_map(|(_, row)| own[row].first_chunk::<LANES>().copied());
+    gathered(share, here.collect::<Vec<_>>().into_flattened())
 }
 
 /// The values of all processes, of which `own` are the own ones.
-pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: &[T]) -> Vec<T> {
-    if share.is_whole() { own.to_vec() } else { share.collect(own, &share.each(own.len())) }
+pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: Vec<T>) -> Vec<T> {
+    if share.is_whole() { own } else { share.collect(&own, &share.each(own.len())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::array::from_fn;
+
+    use gfmd_field::Grid;
+    use gfmd_green::{Body, Material};
+    use gfmd_surface::{Discretisation, SelfAffine};
+
+    use super::*;
+
+    /// The blocks with the highest points of a rough surface, this part of all, and which of their points are that high.
+    fn highest(height: Option<f64>, part: f64) -> (Points, Vec<bool>) {
+        let material = Material::from_contact_modulus(1.0, 0.0).unwrap();
+        let body = height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap());
+        let grid = Grid::square(256, 1.0).unwrap();
+        let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 32.0, eps_c_inv: 4.0 };
+        let surface = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
+        let heights = numbers.self_affine(1.0, surface).heights(&grid, 1).unwrap();
+        let contact = Contact::new(&body, &grid, &heights).unwrap();
+        let heights = heights.as_slice().unwrap();
+        let mut sorted = heights.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let cut = sorted[((1.0 - part) * sorted.len() as f64) as usize];
+        let blocks = heights.as_chunks::<LANES>().0.iter().enumerate();
+        let places: Vec<usize> =
+            blocks.filter(|(_, block)| block.iter().any(|h| *h > cut)).map(|(place, _)| place).collect();
+        let scattered = Scattered::of(&contact.response, [0.0; 2]).unwrap();
+        let points = Points::new(&contact, scattered, true, places);
+        let touches = at_points(points.blocks(), &contact.share, heights).into_iter().map(|h| h > cut).collect();
+        (points, touches)
+    }
+
+    fn press(points: &mut Points, touches: &[bool], gap: &[f32]) -> Vec<f32> {
+        // Stale values of other points do not matter.
+        let mut out = vec![1e9; gap.len()];
+        points.press(|i| touches[i], |i| gap[i], &mut out);
+        out
+    }
+
+    #[test]
+    fn the_preconditioner_is_near_the_inverse_of_the_compliance() {
+        for (height, part) in [(None, 0.003), (None, 0.02), (None, 0.06), (Some(0.2), 0.02)] {
+            let (mut points, touches) = highest(height, part);
+            let count = touches.iter().filter(|touches| **touches).count() as f32;
+            for k in 0..12 {
+                // Pressures from noise to smooth ones, without a sum.
+                let wave = |i: usize| (0.37 + 0.1 * 2.0_f32.powi(k) * i as f32).sin();
+                let only = |i: usize, p: f32| if touches[i] { p } else { 0.0 };
+                let all: Vec<f32> = (0..touches.len()).map(|i| only(i, wave(i))).collect();
+                let mean = all.iter().sum::<f32>() / count;
+                let pressure: Vec<f32> = all.iter().enumerate().map(|(i, p)| only(i, p - mean)).collect();
+                let mut gap = vec![0.0; pressure.len()];
+                points.displace(&pressure, &mut gap);
+                // No other point is about to enter.
+                let gap: Vec<f32> = gap.iter().enumerate().map(|(i, g)| only(i, *g)).collect();
+                let z = press(&mut points, &touches, &gap);
+                let quotient = gfmd_vector::dot(&gap, &z) / gfmd_vector::dot(&gap, &pressure);
+                assert!((0.75..2.0).contains(&quotient), "{height:?} {part} {k}: {quotient}");
+                assert!(z.iter().zip(&touches).all(|(z, touches)| *touches || *z == 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn the_preconditioner_is_symmetric_and_has_no_image_of_constants() {
+        let (mut points, touches) = highest(None, 0.02);
+        assert!(points.keeps_constants());
+        let [a, b] = [0.7_f32, 1.9].map(|seed| {
+            let gap = |i: usize| if touches[i] { (seed * i as f32).sin() } else { 0.0 };
+            (0..touches.len()).map(gap).collect::<Vec<f32>>()
+        });
+        let [m_a, m_b] = [&a, &b].map(|gap| press(&mut points, &touches, gap));
+        let [cross, transposed, own] = [(&a, &m_b), (&b, &m_a), (&a, &m_a)].map(|(a, b)| gfmd_vector::dot(a, b));
+        assert!((cross - transposed).abs() < 1e-5 * own && own > 0.0, "{cross} {transposed} {own}");
+        let constant = press(&mut points, &touches, &vec![1.0; touches.len()]);
+        let largest = |values: &[f32]| values.iter().fold(0.0, |largest: f32, z| largest.max(z.abs()));
+        assert!(largest(&constant) < 1e-5 * largest(&m_a), "{} {}", largest(&constant), largest(&m_a));
+    }
+
+    #[test]
+    fn points_about_to_enter_are_free() {
+        let (mut points, touches) = highest(None, 0.02);
+        let outside: [usize; 2] = {
+            let mut outside = (0..touches.len()).filter(|i| !touches[*i]);
+            from_fn(|_| outside.nth(50).unwrap())
+        };
+        let mut gap: Vec<f32> = touches.iter().map(|touches| if *touches { 0.1 } else { 1.0 }).collect();
+        gap[outside[0]] = -1.0;
+        let z = press(&mut points, &touches, &gap);
+        assert!(z[outside[0]] < 0.0, "{}", z[outside[0]]);
+        assert_eq!(z[outside[1]], 0.0);
+    }
 }

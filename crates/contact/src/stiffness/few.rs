@@ -1,10 +1,13 @@
 //! The linear problem of the stiffness on few points, with compliance and approximate stiffness between these only.
 
-use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
+use gfmd_response::{LANES, Scattered};
 use gfmd_vector::{Share, dot, total};
 
-use crate::dilute::{at_points, few_blocks, gathered, own_blocks};
+use crate::dilute::{Points, are_few, at_points, gathered, own_blocks};
 use crate::{Contact, Effort};
+
+/// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
+const MOST: f64 = 0.06;
 
 /// The relative square of the residual that is left of one correction. Images between the points have errors of 1e-4.
 const TOLERANCE: f64 = 1e-11;
@@ -14,14 +17,12 @@ const ITERATIONS: usize = 60;
 
 /// The points in contact, in blocks, all of which every process knows.
 pub(super) struct Few {
-    scattered: Scattered,
-    memory: ScatteredMemory,
-    blocks: Blocks,
+    points: Points,
     share: Share,
     /// 1 for points in contact.
     touching: Vec<f32>,
-    /// S 1 on the contact, with the stiffness S between the points.
-    constant: Vec<f32>,
+    /// M 1 on the contact, with the preconditioner M, if it is not zero.
+    constant: Option<Vec<f32>>,
     images: u64,
 }
 
@@ -31,29 +32,34 @@ impl Few {
         if contact.free.is_some() || contact.hardness.is_some() {
             return None;
         }
-        let scattered = Scattered::of(&contact.response, 0.0)?;
+        let scattered = Scattered::of(&contact.response, [0.0; 2])?;
         let share = contact.share.clone();
         let first = share.own().start / LANES;
         let touches = |(_, values): &(usize, &[f64; LANES])| values.iter().any(|p| *p > 0.0);
         let own = pressure.as_chunks().0.iter().enumerate().filter(touches).map(|(place, _)| first + place);
-        let places = gathered(&share, &own.collect::<Vec<_>>());
-        let blocks = few_blocks(&scattered, contact.response.grid(), places)?;
+        let places = gathered(&share, own.collect::<Vec<_>>());
+        if !are_few(&places, MOST, share.total()) {
+            return None;
+        }
+        let mut points = Points::new(contact, scattered, true, places);
         let touches = |p: f64| if p > 0.0 { 1.0 } else { 0.0 };
-        let touching: Vec<f32> = at_points(&blocks, &share, pressure).into_iter().map(touches).collect();
-        let mut constant = vec![0.0; touching.len()];
-        scattered.stiffness(&blocks, &touching, &mut constant);
-        keep(&mut constant, &touching);
-        Some(Self { memory: scattered.memory(), scattered, blocks, share, touching, constant, images: 0 })
+        let touching: Vec<f32> = at_points(points.blocks(), &share, pressure).into_iter().map(touches).collect();
+        let constant = (!points.keeps_constants()).then(|| {
+            let mut constant = vec![0.0; touching.len()];
+            points.press(|i| touching[i] > 0.0, |i| touching[i], &mut constant);
+            constant
+        });
+        Some(Self { points, share, touching, constant, images: 0 })
     }
 
     pub(super) fn effort(&self) -> Effort {
-        Effort { iterations: self.images, transform_pairs: self.images as f64 * self.scattered.effort() }
+        Effort { iterations: self.images, transform_pairs: self.points.pairs() }
     }
 
     /// Adds to `pressure` about the one without a sum whose displacement is opposite to `residual` on the contact, but for a
     /// constant. Both are those of the own rows, the residual in this `unit` of compliances.
     pub(super) fn correct(&mut self, residual: &[f32], unit: f64, pressure: &mut [f32]) {
-        let factor = unit / self.scattered.unit();
+        let factor = unit / self.points.unit();
         let mut residual = self.at_points(residual);
         residual.iter_mut().for_each(|r| *r = (f64::from(*r) * factor) as f32);
         let n = residual.len();
@@ -72,23 +78,22 @@ impl Few {
             }
             let beta = (slope / last) as f32;
             direction.iter_mut().zip(&image).for_each(|(d, z)| *d = z + beta * *d);
-            let Self { scattered, blocks, memory, touching, .. } = self;
-            scattered.compliance(blocks, &direction, memory, &mut image);
-            keep(&mut image, touching);
+            self.points.displace(&direction, &mut image);
+            keep(&mut image, &self.touching);
             self.images += 1;
             let step = (slope / dot(&direction, &image)) as f32;
             correction.iter_mut().zip(&direction).for_each(|(q, d)| *q -= step * d);
             residual.iter_mut().zip(&image).for_each(|(r, g)| *r -= step * g);
             last = slope;
         }
-        for (values, row) in own_blocks(&self.blocks, &self.share) {
+        for (values, row) in own_blocks(self.points.blocks(), &self.share) {
             pressure[row].iter_mut().zip(&correction[values]).for_each(|(p, q)| *p += q);
         }
     }
 
     /// The values at the points of the blocks, of which `own` are those of the own rows; zero beside the contact.
     fn at_points(&self, own: &[f32]) -> Vec<f32> {
-        let values = at_points(&self.blocks, &self.share, own).into_iter().zip(&self.touching);
+        let values = at_points(self.points.blocks(), &self.share, own).into_iter().zip(&self.touching);
         values.map(|(value, touching)| if *touching > 0.0 { value } else { 0.0 }).collect()
     }
 
@@ -98,12 +103,14 @@ impl Few {
         residual.iter_mut().zip(&self.touching).for_each(|(r, touching)| *r -= mean * touching);
     }
 
-    /// `out` ← S − S 1 1ᵀS/(1ᵀS 1) of the residual, which has no sum.
-    fn precondition(&self, residual: &[f32], out: &mut [f32]) {
-        self.scattered.stiffness(&self.blocks, residual, out);
-        keep(out, &self.touching);
-        let level = (total(out) / total(&self.constant)) as f32;
-        out.iter_mut().zip(&self.constant).for_each(|(out, constant)| *out -= level * constant);
+    /// `out` ← M − M 1 1ᵀM/(1ᵀM 1) of the residual, which has no sum.
+    fn precondition(&mut self, residual: &[f32], out: &mut [f32]) {
+        let Self { points, touching, constant, .. } = self;
+        points.press(|i| touching[i] > 0.0, |i| residual[i], out);
+        if let Some(constant) = constant {
+            let level = (total(out) / total(constant)) as f32;
+            out.iter_mut().zip(constant).for_each(|(out, constant)| *out -= level * *constant);
+        }
     }
 }
 

@@ -5,16 +5,18 @@ use super::compliance_of;
 use crate::NormalResponse;
 use crate::elastic::fits;
 
-/// A kernel between two points, by their distance along x and y.
+/// A kernel between two points, by their distance along x and y. N blocks of a row have points within reach of one of them.
 #[derive(Debug)]
-pub(super) struct Stencil {
+pub(super) struct Stencil<const N: usize> {
     /// The largest distance, in points.
-    pub(super) reach: usize,
-    width: usize,
+    reach: usize,
     table: Vec<f32>,
 }
 
-impl Stencil {
+impl<const N: usize> Stencil<N> {
+    /// The length of a row of the table.
+    const WIDTH: usize = (N + 1) * LANES - 1;
+
     /// The kernel whose value for the wave q is `of(q, G)`, up to `reach`. It is computed on a periodic cell of fewer `points`, which
     /// divide those of the grid: its waves are waves of the grid.
     pub(super) fn new(
@@ -35,34 +37,23 @@ impl Stencil {
         let transform = Transform::new(cell);
         let mut field = vec![0.0; cell.len()];
         fits(transform.inverse(&modes, &mut field, &mut transform.workspace()));
-        let blocks = reach.div_ceil(LANES);
-        let width = 2 * (blocks * LANES + LANES - 1) + 1;
-        let mut stencil = Self { reach, width, table: vec![0.0; (2 * reach + 1) * width] };
-        for i in 0..2 * reach + 1 {
-            for j in 0..2 * reach + 1 {
-                let near = field[i.abs_diff(reach) * points[1] + j.abs_diff(reach)];
-                stencil.table[i * width + width / 2 + j - reach] = near as f32;
+        let mut table = vec![0.0; (2 * reach + 1) * Self::WIDTH];
+        for (i, row) in table.chunks_exact_mut(Self::WIDTH).enumerate() {
+            for (j, value) in row[Self::WIDTH / 2 - reach..].iter_mut().take(2 * reach + 1).enumerate() {
+                *value = field[i.abs_diff(reach) * points[1] + j.abs_diff(reach)] as f32;
             }
         }
-        Ok(stencil)
+        Ok(Self { reach, table })
     }
 
-    /// The largest number of blocks along a row between two that have points within reach, so many rows apart.
-    pub(super) fn blocks(&self, down: isize) -> usize {
-        let along = (self.reach.pow(2) - down.unsigned_abs().pow(2)).isqrt();
-        along.div_ceil(LANES)
+    /// The largest distance, in points.
+    pub(super) fn reach(&self) -> usize {
+        self.reach
     }
 
-    /// The place of the value for the points with the same lane of two blocks, of which the target lies `down` rows behind the source
-    /// and `along` blocks behind it.
-    pub(super) fn place(&self, down: isize, along: isize) -> u32 {
-        let row = (down + self.reach as isize) as usize;
-        (row * self.width + (self.width / 2).wrapping_add_signed(along * LANES as isize)) as u32
-    }
-
-    /// The values from a lane of the source to all lanes of the target.
-    pub(super) fn values(&self, place: u32, lane: usize) -> &[f32; LANES] {
-        let start = place as usize - lane;
-        self.table[start..].first_chunk().expect("a place in the table")
+    /// The kernel for targets `k` − reach rows behind the source. The values from its lane l to all lanes of all blocks within reach
+    /// begin at `LANES` − 1 − l.
+    pub(super) fn row(&self, k: usize) -> &[f32] {
+        &self.table[k * Self::WIDTH..(k + 1) * Self::WIDTH]
     }
 }
