@@ -200,7 +200,7 @@ impl<'a> Candidates<'a> {
     }
 
     /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest penetration.
-    pub(super) fn survey(&mut self, x: &[f64], margin: f64) -> Survey {
+    pub(super) fn survey(&mut self, x: &[f64], mut margin: f64) -> Survey {
         self.displace(x);
         let Self { contact, approach, points, displacement, .. } = self;
         let blocks = points.blocks();
@@ -216,12 +216,30 @@ impl<'a> Candidates<'a> {
             let mut own = blocks.places()[blocks.in_row(row)].iter().peekable();
             (row * width..(row + 1) * width).filter(move |place| own.next_if_eq(&place).is_none())
         };
-        let rows = share.rows().into_par_iter();
-        let gaps = rows.clone().map(|row| others(row).map(lowest).fold(f64::INFINITY, lower));
-        let least = share.each(gaps.reduce(|| f64::INFINITY, lower)).into_iter().fold(f64::INFINITY, lower);
-        let margin = margin.max(-NEARLY * least);
-        let found = rows.flat_map_iter(|row| others(row).filter(|place| lowest(*place) < margin));
-        Survey { penetration: -least, margin, found: gathered(share, found.collect::<Vec<_>>()) }
+        // The lowest gap, and the blocks with gaps below the margin.
+        let survey = |margin: f64| {
+            let of_row = |row: usize| {
+                let mut found = Vec::new();
+                let least = others(row).fold(f64::INFINITY, |least, place| {
+                    let gap = lowest(place);
+                    if gap < margin {
+                        found.push(place);
+                    }
+                    lower(least, gap)
+                });
+                (least, found)
+            };
+            let rows: Vec<(f64, Vec<usize>)> = share.rows().into_par_iter().map(of_row).collect();
+            let least = rows.iter().map(|(least, _)| *least).fold(f64::INFINITY, lower);
+            (least, rows.into_iter().flat_map(|(_, found)| found).collect::<Vec<_>>())
+        };
+        let (least, mut found) = survey(margin);
+        let least = share.each(least).into_iter().fold(f64::INFINITY, lower);
+        if -NEARLY * least > margin {
+            margin = -NEARLY * least;
+            found = survey(margin).1;
+        }
+        Survey { penetration: -least, margin, found: gathered(share, found) }
     }
 
     /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set `may_shrink`. False if
