@@ -45,8 +45,12 @@ impl Report {
                     entries.filter(|entry| entry.name == *name).map(|entry| entry.seconds).collect();
                 (!seconds.is_empty()).then(|| Point::new(*x, median(&seconds)))
             };
-            let points = places.iter().filter_map(at).collect();
-            Series { mark: Mark::JoinedPoints, ..Series::points(name, hue, points) }
+            let found: Vec<Option<Point>> = places.iter().map(at).collect();
+            // No line crosses what was left out.
+            let last = found.iter().rposition(Option::is_some);
+            let mut between = found.iter().take(last.unwrap_or(0)).skip_while(|point| point.is_none());
+            let mark = if between.all(Option::is_some) { Mark::JoinedPoints } else { Mark::Points };
+            Series { mark, ..Series::points(name, hue, found.into_iter().flatten().collect()) }
         };
         let series: Vec<Series> = self.contestants.iter().enumerate().map(series).collect();
         let series = series.into_iter().filter(|series| !series.points.is_empty()).collect();
