@@ -14,7 +14,7 @@ const LEAST: f64 = 32.0;
 
 /// The largest part of the points that may overlap so that this takes less time than transforms of the whole surface: on small grids and on
 /// large ones, whose fields do not fit into caches.
-const MOST: [f64; 2] = [0.03, 0.065];
+const MOST: [f64; 2] = [0.031, 0.065];
 
 /// The number of points of the largest small grid.
 const SMALL: usize = 1 << 19;
