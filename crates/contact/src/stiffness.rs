@@ -141,7 +141,7 @@ impl<'a> Unit<'a> {
         Effort { iterations: self.iterations, transform_pairs: self.dual.pairs() }
     }
 
-    /// Corrects the pressure on few points, each time to some 1e-4 of its error; the [certificate](Self::certify) if that is
+    /// Corrects the pressure on few points, each time to some 4e-4 of its error; the [certificate](Self::certify) if that is
     /// sufficient.
     fn correct(&mut self, few: &mut Few) -> Option<[f64; 2]> {
         self.refresh();

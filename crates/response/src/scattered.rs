@@ -157,8 +157,7 @@ impl Scattered {
     /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is zero.
     pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
-        sources.take(blocks, pressure);
-        self.spread(sources, lines);
+        self.spread(blocks, pressure, sources, lines);
         let (sources, lines, columns) = (&*sources, &lines[..], self.coarse.grid().points()[1]);
         let source = |row: usize, (): (), values: &mut [f32]| self.gather((blocks, sources, lines), row, values);
         let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
@@ -185,8 +184,7 @@ impl Scattered {
     /// [`interpolate`](Self::interpolate). K I has the waves of the coarse grid only.
     pub fn stiffen(&self, blocks: &Blocks, field: &mut [f32], pressure: &[f32], memory: &mut ScatteredMemory) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
-        sources.take(blocks, pressure);
-        self.spread(sources, lines);
+        self.spread(blocks, pressure, sources, lines);
         let (sources, lines, columns) = (&*sources, &lines[..], self.coarse.grid().points()[1]);
         let source = |_: usize, Rows(field, _): Rows<&[f32]>, values: &mut [f32]| values.copy_from_slice(field);
         let less = |row: usize, values: &mut [f32], Rows(out, _): Rows<&mut [f32]>| {
@@ -198,8 +196,9 @@ impl Scattered {
         field.copy_from_slice(far);
     }
 
-    /// What every source gives to the coarse points of its row.
-    fn spread(&self, sources: &Sources, lines: &mut Vec<[f32; SPREAD]>) {
+    /// The sources with these values, and what every one gives to the coarse points of its row.
+    fn spread(&self, blocks: &Blocks, values: &[f32], sources: &mut Sources, lines: &mut Vec<[f32; SPREAD]>) {
+        sources.take(blocks, values);
         let line = |values: &[f32; LANES]| {
             let mut line = [0.0; SPREAD];
             for (lane, value) in values.iter().enumerate() {

@@ -9,7 +9,7 @@ use crate::{Contact, Effort};
 /// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
 const MOST: f64 = 0.06;
 
-/// The relative square of the residual that is left of one correction. Images between the points have errors of 1e-4.
+/// The relative square of the residual that is left of one correction. Images between the points have errors of 4e-4.
 const TOLERANCE: f64 = 1e-11;
 
 /// The largest number of iterations of one correction.
