@@ -1,6 +1,6 @@
 use gfmd_relax::{Budget, Ending, Onlooker, Variables as _, Visit, Watch};
 
-use crate::{Contact, Effort, Load};
+use crate::{Contact, Effort, Load, Solution};
 
 /// A running solve: its task, its start, and its effort so far.
 pub(crate) struct Attempt<'a> {
@@ -13,11 +13,27 @@ pub(crate) struct Attempt<'a> {
     pub(crate) effort: Effort,
 }
 
-/// Result of a solver. Only the pressure is trusted: all other fields are recomputed from it.
+/// Result of a solver.
 pub(crate) struct Ended {
-    pub(crate) pressure: Vec<f64>,
+    pub(crate) reached: Reached,
     pub(crate) effort: Effort,
     pub(crate) ending: Ending,
+}
+
+/// What a solver has reached. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
+pub(crate) enum Reached {
+    Pressure(Vec<f64>),
+    /// The certificate of the pressure, which the solver has asked for itself. Its effort is that of the solver.
+    Certified(Box<Solution>),
+}
+
+impl Reached {
+    pub(crate) fn pressure(self) -> Vec<f64> {
+        match self {
+            Self::Pressure(pressure) => pressure,
+            Self::Certified(solution) => solution.pressure.into_raw_vec_and_offset().0,
+        }
+    }
 }
 
 impl Attempt<'_> {

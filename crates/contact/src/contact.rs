@@ -241,8 +241,13 @@ impl Contact {
 
     /// As [`certify`](Self::certify), for a pressure with the rows of this process, all in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
+        self.certified_by(&mut Compliance::of(self), pressure, load)
+    }
+
+    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count.
+    pub(crate) fn certified_by(&self, compliance: &mut Compliance, pressure: Vec<f64>, load: Load) -> Solution {
         let response = &self.response;
-        let mut compliance = Compliance::of(self);
+        let counted = compliance.pairs();
         let mut displacement = vec![0.0; pressure.len()];
         let columns = response.grid().rows()[1];
         let source = |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p);
@@ -256,7 +261,7 @@ impl Contact {
         let length_scale = self.scaled.length_scale(load);
         let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
-        solution.effort.transform_pairs = compliance.pairs();
+        solution.effort.transform_pairs = compliance.pairs() - counted;
         solution
     }
 

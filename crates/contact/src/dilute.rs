@@ -7,22 +7,32 @@ mod points;
 
 use std::ops::ControlFlow;
 
-use candidates::Candidates;
+use candidates::{Candidates, MOST};
 use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target, Visit, Watch, Why};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
 use overlap::Overlap;
-pub(crate) use points::{Points, are_few, at_points, gathered, own_blocks};
+pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 
 use crate::Load;
 use crate::attempt::{Attempt, Ended};
 use crate::dual::MARGIN;
 
-/// The residual at which all points are checked for the first time, over the overlap.
-const FIRST: f64 = 1e-2;
+/// The largest part of the points that may be in blocks at the start, so that this takes less time than transforms of the whole
+/// surface: on small grids, whose fields fit into caches, and on large ones.
+const MOST_AT_START: [f64; 2] = [0.17, 0.23];
 
-/// The factor by which the residual falls until they are checked again.
-const STAGE: f64 = 1e-3;
+/// The number of points of the largest small grid.
+const SMALL: usize = 1 << 19;
+
+/// The residual at which all points are checked for the first time, over the overlap.
+const FIRST: f64 = 0.03;
+
+/// The part of the deepest penetration down to which the residual falls until they are checked again: the errors of images.
+const STAGE: f64 = 5e-4;
+
+/// The tolerance of a search, over the finest one, below which it goes on to this.
+const NEARLY: f64 = 3.0;
 
 /// The number of iterations in which it should do so.
 const PATIENCE: u64 = 60;
@@ -53,6 +63,8 @@ impl<W: Watch> Watch for Unison<'_, W> {
 struct Kept {
     tolerance: f64,
     approach: f64,
+    /// True if a certificate has found points beside the blocks that penetrate.
+    failed: bool,
     places: Vec<usize>,
 }
 
@@ -60,6 +72,7 @@ impl Kept {
     /// Visits it; there are so many places at most.
     fn visit(&mut self, visitor: &mut dyn Visit, most: usize) {
         visitor.numbers(&mut [&mut self.tolerance, &mut self.approach]);
+        visitor.flag(&mut self.failed);
         let mut number = self.places.len() as u64;
         visitor.count(&mut number);
         self.places.resize((number as usize).min(most), 0);
@@ -83,26 +96,33 @@ pub(crate) fn solve(
     if contact.free.is_some() || contact.hardness.is_some() || surface.mean_clearance() == 0.0 {
         return Ok(None);
     }
-    let Some(scattered) = Scattered::of(response, contact.level_under(attempt.load).unwrap_or_default()) else {
-        return Ok(None);
-    };
     let Some(overlap) = Overlap::of(contact, attempt.load) else { return Ok(None) };
     let scale = attempt.length_scale();
     let finest = MARGIN * attempt.budget.tolerance;
-    let most = contact.share.total() / LANES;
+    let blocks = contact.share.total() / LANES;
     let mut kept = match attempt.load {
         Load::MeanPressure(_) => Kept::default(),
         Load::Approach(approach) => Kept { approach, ..Kept::default() },
     };
-    match attempt.watch.recall().filter(|_| continued) {
-        Some(recalled) => kept.visit(recalled, most),
+    let most = match attempt.watch.recall().filter(|_| continued) {
+        Some(recalled) => {
+            kept.visit(recalled, blocks);
+            MOST
+        }
         None => {
             kept.tolerance = finest.max(FIRST * overlap.depth / scale);
             kept.places = Candidates::places(attempt, overlap);
+            MOST_AT_START[usize::from(contact.share.total() > SMALL)]
         }
+    };
+    if !are_few(&kept.places, most, contact.share.total()) {
+        return Ok(None);
     }
+    let Some(scattered) = Scattered::of(response, contact.level_under(attempt.load).unwrap_or_default()) else {
+        return Ok(None);
+    };
     let start = (std::mem::take(&mut kept.places), kept.approach);
-    let Some((mut problem, mut x)) = Candidates::new(attempt, scattered, start, overlap) else { return Ok(None) };
+    let (mut problem, mut x) = Candidates::new(attempt, scattered, start, overlap);
     loop {
         let left = attempt.budget_left();
         let budget = Budget { tolerance: kept.tolerance, max_iterations: left.max_iterations.min(PATIENCE) };
@@ -110,10 +130,12 @@ pub(crate) fn solve(
         let mean = attempt.load.mean_pressure().map(|mean| mean * points);
         let target = Target { mean, gradient_scale: scale, budget };
         (kept.places, kept.approach) = problem.state();
+        let is_finest = kept.tolerance == finest;
+        problem.begin(is_finest, is_finest && !kept.failed);
         let minimum = {
             let watch = attempt.onlooker(false, |visitor: &mut dyn Visit| {
                 outer(visitor);
-                kept.visit(visitor, most);
+                kept.visit(visitor, blocks);
             });
             PreconditionedCg.minimise(&mut problem, &mut x, &target, &mut Unison { share: &contact.share, watch })?
         };
@@ -124,18 +146,31 @@ pub(crate) fn solve(
         if minimum.ending != Ending::Converged {
             break;
         }
-        problem.lower(minimum.reached.multiplier);
-        let survey = problem.survey(&x, kept.tolerance * scale);
-        let is_finest = kept.tolerance == finest;
+        match problem.certified_penetration(&x) {
+            Some(penetration) if penetration <= finest * scale => {
+                return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
+            }
+            Some(_) => {
+                kept.failed = true;
+                continue;
+            }
+            None => {}
+        }
+        problem.settle(&x);
+        let survey = problem.survey(kept.tolerance * scale);
         if is_finest && survey.penetration <= finest * scale {
             return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
         }
-        kept.tolerance = if STAGE * kept.tolerance < 10.0 * finest { finest } else { STAGE * kept.tolerance };
+        let next = STAGE * survey.deepest / scale;
+        if next >= kept.tolerance.max(NEARLY * finest) {
+            break;
+        }
+        kept.tolerance = if next < NEARLY * finest { finest } else { next };
         if !problem.revise(&survey, !is_finest, &mut x) {
             break;
         }
     }
     let ended = problem.ended(attempt, &x, Ending::GaveUp(Why::Iterations));
-    (attempt.start, attempt.effort) = (Some(ended.pressure), ended.effort);
+    (attempt.start, attempt.effort) = (Some(ended.reached.pressure()), ended.effort);
     Ok(None)
 }

@@ -10,7 +10,7 @@ use gfmd_vector::{for_each, pass_by};
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
-use crate::attempt::{Attempt, Ended};
+use crate::attempt::{Attempt, Ended, Reached};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
@@ -283,7 +283,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
-    Ok(Ended { pressure, effort: attempt.effort, ending: minimum.ending })
+    Ok(Ended { reached: Reached::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
 }
 
 #[cfg(test)]

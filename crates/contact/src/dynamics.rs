@@ -15,7 +15,7 @@ use gfmd_relax::{
 };
 
 use crate::Load;
-use crate::attempt::{Attempt, Ended};
+use crate::attempt::{Attempt, Ended, Reached};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
@@ -77,7 +77,7 @@ pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<Ended, Relax
         }
         load => equilibrate(&mut attempt, motion, load, start, None)?,
     };
-    Ok(Ended { pressure, effort: attempt.effort, ending })
+    Ok(Ended { reached: Reached::Pressure(pressure), effort: attempt.effort, ending })
 }
 
 fn equilibrate(

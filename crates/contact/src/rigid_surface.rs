@@ -1,8 +1,10 @@
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share};
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
+use gfmd_vector::{for_each, reduce};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
@@ -52,20 +54,27 @@ impl RigidSurface {
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
+        let heights = heights.as_standard_layout();
+        let heights = heights.as_slice().unwrap_or_default();
         let start = share.own().start;
-        let hole = heights.iter().position(|h| !h.is_finite()).map(|hole| {
-            let index = [hole / expected[1], hole % expected[1]];
-            (start + hole, heights[index])
-        });
+        let hole_in = |mut range: Range<usize>| range.find(|i| !heights[*i].is_finite());
+        let hole = reduce(heights.len(), &hole_in, &|first: Option<usize>, other| first.or(other));
+        let hole = hole.map(|hole| (start + hole, heights[hole]));
         if let Some((hole, value)) = share.first(hole) {
             return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
-        let highest_of = |own: f64| share.each(own).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let highest = highest_of(heights.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-        let clearance: Vec<f64> = heights.iter().map(|h| highest - h).collect();
+        let highest_of = |values: &[f64]| {
+            let highest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            highest(&share.each(reduce(values.len(), &|range| highest(&values[range]), &f64::max)))
+        };
+        let highest = highest_of(heights);
+        let mut clearance = vec![0.0; heights.len()];
+        for_each((&mut clearance[..], heights), &|_, (clearance, heights)| {
+            clearance.iter_mut().zip(heights).for_each(|(c, h)| *c = highest - h);
+        });
         let n = share.total() as f64;
         let mean_clearance = share.total_of(&clearance) / n;
-        let highest = highest_of(clearance.iter().copied().fold(0.0, f64::max));
+        let highest = highest_of(&clearance);
         // The squares of very large or small heights are no numbers. A power of two changes no digit.
         let unit = unit_of(highest);
         let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());

@@ -1,6 +1,6 @@
 use gfmd_relax::{Budget, Watch};
 
-use crate::attempt::Attempt;
+use crate::attempt::{Attempt, Reached};
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
 use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
@@ -82,7 +82,10 @@ impl Equilibrium for Contact {
             Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
             Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into()),
         };
-        let mut solution = self.certified(ended.pressure, load);
+        let mut solution = match ended.reached {
+            Reached::Pressure(pressure) => self.certified(pressure, load),
+            Reached::Certified(solution) => *solution,
+        };
         solution.effort.iterations = ended.effort.iterations;
         solution.effort.transform_pairs += ended.effort.transform_pairs;
         let solution = self.given_units(solution);

@@ -39,6 +39,10 @@ fn compare(contact: &Contact, load: Load) -> [f64; 2] {
         assert!((*few > 0.0) == (*all > 0.0) || few.max(*all) < 1e-5 * highest, "{load:?}: {few} {all}");
     }
     assert!(few.residual.worst() <= TOLERANCE && few.pressure.iter().all(|p| *p >= 0.0));
+    // What the search has asked for is the certificate of its pressure, whoever asks.
+    let mut certificate = contact.certify(&few.pressure, load).unwrap();
+    certificate.effort = few.effort;
+    assert!(certificate == few, "{load:?}: {:?} {:?}", certificate.residual, few.residual);
     [few, all].map(|solution| solution.effort.transform_pairs)
 }
 
@@ -54,7 +58,7 @@ fn the_pressure_on_few_points_is_that_of_the_whole_surface() {
             (slab(0.0, 0.05), 0.8),
         ] {
             let contact = Contact::new(&body, &grid, &rough(&grid, hurst)).unwrap();
-            for reduced_pressure in [1e-6, 1e-4, 1e-3, 4e-3] {
+            for reduced_pressure in [1e-6, 1e-4, 1e-3, 4e-3, 8e-3] {
                 let load = Load::MeanPressure(reduced_pressure * RMS_GRADIENT);
                 let [few, all] = compare(&contact, load);
                 assert!(few < 0.6 * all, "{points:?} H {hurst}, p* {reduced_pressure}: {few} against {all} pairs");
@@ -96,7 +100,7 @@ fn the_cost_at_small_loads_hardly_grows_with_the_grid() {
         let grid = Grid::square(points, 1.0).unwrap();
         for hurst in [0.0, 0.8] {
             let contact = Contact::new(&half_space(), &grid, &rough(&grid, hurst)).unwrap();
-            for (reduced_pressure, bound) in [(1e-4, 8.0), (1e-3, 9.5)] {
+            for (reduced_pressure, bound) in [(1e-4, 5.5), (1e-3, 7.0)] {
                 let load = Load::MeanPressure(reduced_pressure * RMS_GRADIENT);
                 let pairs = contact.press(load).solve().unwrap().effort.transform_pairs;
                 assert!(pairs <= bound, "{points}, H {hurst}, p* {reduced_pressure}: {pairs} > {bound}");
@@ -116,7 +120,7 @@ fn a_start_saves_the_more_iterations_the_nearer_its_load() {
             let before = contact.press(load(part)).solve().unwrap();
             contact.press(load(1.0)).starting_from(Some(&before)).solve().unwrap().effort.iterations
         });
-        assert!(far <= cold && near + 2 <= far && same == 0, "H {hurst}: {cold}, {far}, {near}, {same}");
+        assert!(far <= cold && near < far && same == 0, "H {hurst}: {cold}, {far}, {near}, {same}");
     }
 }
 

@@ -29,19 +29,21 @@ pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64)
 pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
     let mut table = vec![0.0; lanes.len() * positions];
-    let at = |mode: Mode| if mode.is_uniform() { uniform } else { value(mode.wavenumber()) };
     if grid.is_line() {
         table.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, entries)| {
             for (offset, entry) in entries.iter_mut().enumerate() {
-                *entry = at(grid.mode(0, chunk * CHUNK + offset));
+                let mode = grid.mode(0, chunk * CHUNK + offset);
+                *entry = if mode.is_uniform() { uniform } else { value(mode.wavenumber()) };
             }
         });
     } else {
+        let across: Vec<f64> = (0..=positions / 2).map(|position| grid.mode(0, position).wavevector[0]).collect();
         table.par_chunks_mut(positions).enumerate().for_each(|(lane, entries)| {
             let lane = lanes.start + lane;
+            let along = grid.mode(lane, 0).wavevector[1];
             let (half, mirrored) = entries.split_at_mut(positions / 2 + 1);
-            for (position, entry) in half.iter_mut().enumerate() {
-                *entry = at(grid.mode(lane, position));
+            for (position, (entry, across)) in half.iter_mut().zip(&across).enumerate() {
+                *entry = if [lane, position] == [0, 0] { uniform } else { value(across.hypot(along)) };
             }
             for (entry, same) in mirrored.iter_mut().rev().zip(&half[1..]) {
                 *entry = *same;

@@ -64,6 +64,12 @@ pub trait Preconditioned {
         false
     }
 
+    /// True if a search may end by a gradient from images, whose errors are those of single precision at least: the caller computes what it
+    /// needs in double precision itself.
+    fn trusts_images(&self) -> bool {
+        false
+    }
+
     /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;

@@ -31,8 +31,9 @@ use crate::{Ceiling, Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Wh
 ///
 /// The variables have double precision. Steps, their images and the gradient to which these are added have single precision,
 /// which halves their memory and nearly the time of a transform. Whenever the residual has fallen to 1e-4 of what it was,
-/// and before the search ends, the gradient is computed anew from x in double precision: rounding errors then are
-/// relative to a smaller gradient and smaller steps, so that no accuracy is lost (Sleijpen and van der Vorst 1996).
+/// and before the search ends (unless the problem [trusts images](Preconditioned::trusts_images)), the gradient is computed anew
+/// from x in double precision: rounding errors then are relative to a smaller gradient and smaller steps, so that no
+/// accuracy is lost (Sleijpen and van der Vorst 1996).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreconditionedCg;
 
@@ -78,7 +79,9 @@ impl PreconditionedCg {
         loop {
             watch.checkpoint(&mut |visitor| search.visit(problem, x, visitor));
             let mut now = search.settle(target);
-            if !search.is_fresh && (now.optimality.worst() <= target.budget.tolerance.max(REFRESH * search.reference)) {
+            let worst = now.optimality.worst();
+            let is_over = problem.trusts_images() && worst <= target.budget.tolerance;
+            if !(search.is_fresh || is_over) && worst <= target.budget.tolerance.max(REFRESH * search.reference) {
                 search.refresh(problem, x);
                 now = search.settle(target);
             }

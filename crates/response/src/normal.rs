@@ -2,6 +2,7 @@ use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share, Transform};
 use gfmd_green::{Body, GreenError, patch_compliance, table_of_lanes};
+use gfmd_vector::pass;
 
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
@@ -61,10 +62,17 @@ impl NormalResponse {
         let mut compliance = table_of_lanes(&grid, transform.lanes(), 0.0, |q| stiffness_of(body, q));
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let first = usize::from(transform.lanes().contains(&0));
-        let range = compliance[first..].iter().fold([f64::INFINITY, 0.0], |[low, high], k| [k.min(low), k.max(high)]);
-        let ranges = share.each(range).into_iter();
-        let range = ranges.fold([f64::INFINITY, 0.0], |[low, high], [a, b]| [a.min(low), b.max(high)]);
-        compliance.iter_mut().for_each(|k| *k = 1.0 / *k);
+        let none = [f64::INFINITY, 0.0];
+        let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [a.min(low), b.max(high)];
+        let invert = |stiffness: &mut [f64]| {
+            stiffness.iter_mut().fold(none, |range, k| {
+                let range = wider(range, [*k; 2]);
+                *k = 1.0 / *k;
+                range
+            })
+        };
+        let range = pass([&mut compliance[first..]], &|_, [stiffness]| invert(stiffness), &wider);
+        let range = share.each(range).into_iter().fold(none, wider);
         compliance[..first].fill(0.0);
         let [_, uniform] = body.level_compliance();
         Self {

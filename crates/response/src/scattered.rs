@@ -1,16 +1,21 @@
 //! The response of a body between few points of its grid.
 
 mod blocks;
+mod near_part;
 mod sources;
 mod stencil;
 
-use std::f64::consts::{FRAC_2_SQRT_PI, PI, TAU};
+use std::array::from_fn;
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use gfmd_field::{Grid, Mode, Rows, Transform, Workspace};
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 pub use blocks::Blocks;
-use sources::Sources;
+use near_part::near_part;
+use sources::{Source, Sources};
 use stencil::Stencil;
 
 use crate::NormalResponse;
@@ -20,11 +25,11 @@ use crate::units::power_of_two;
 /// Compliance between few points of a periodic grid, in single precision, and what makes up an approximate stiffness: for contacts so
 /// small that transforms of the whole surface would mostly move zeros.
 ///
-/// The compliance is split as Ewald (1921) split Coulomb's sum, with a length s of a few points. The part `g erf(q s)/q`, with g that
-/// of `G = g/q` for the shortest waves, decays in space as `erfc(r/2s)/r`, and is summed over pairs of points. The rest,
-/// `g erfc(q s)/q` on a half-space, has no waves shorter than some s: it is computed on a grid of four times the spacing, to
-/// which pressures are spread, and from which displacements are interpolated, by B-splines (Essmann et al. 1995). Images are
-/// accurate to 4e-4 of the largest ones.
+/// The compliance is split as Ewald (1921) split Coulomb's sum. With g that of `G = g/q` for the shortest waves, the part
+/// `g (1 − Φ(r))/(2π r)` vanishes beyond a radius of some points, and is summed over pairs of points. The rest, `g Φ(r)/(2π r)` on a
+/// half-space, has hardly any short waves: it is computed on a grid of four times the spacing, to which pressures are spread, and from
+/// which displacements are interpolated, by B-splines (Essmann et al. 1995). Φ is the integral of a window of Kaiser and Bessel, which
+/// separates short distances from long waves better than Ewald's error function. Images are accurate to 4e-4 of the largest ones.
 ///
 /// The points come in [`Blocks`] of [`LANES`] neighbours in a row.
 #[derive(Debug)]
@@ -40,26 +45,34 @@ pub struct Scattered {
     stiff: Stencil<NEXT>,
     /// What a point at each of the places between two coarse points gives to those around it.
     weights: [[f32; ORDER]; COARSENING],
-    /// The same for the lanes of a block, by the coarse point.
-    across: [[f32; LANES]; ORDER],
+    /// The same for the lanes of a block and the coarse points around it: what a lane gives to them, and what each gives to the lanes.
+    given: [[f32; PADDED]; LANES],
+    taken: [[f32; LANES]; SPREAD],
     unit: f64,
 }
+
+/// The number of rows of points that are worked on together.
+const ROWS: usize = 16;
 
 /// The number of neighbouring points in a block.
 pub const LANES: usize = 8;
 
-/// The spacing of the coarse grid, in points.
-const COARSENING: usize = 4;
+/// The spacing of the coarse grid of [`Scattered`], in points.
+pub const COARSENING: usize = 4;
 
 /// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
 const ORDER: usize = 8;
 
-/// The number of coarse points along a row to which a block spreads.
+/// The number of coarse points along a row to which a block spreads, and the same with some to which it gives nothing: whole vectors.
 const SPREAD: usize = ORDER + LANES / COARSENING - 1;
+const PADDED: usize = SPREAD.next_multiple_of(LANES);
 
-/// The length of Ewald's sum in spacings of the coarse grid, and the distance in points up to which short waves are summed. The longer the
-/// length, the less is lost on the coarse grid, and the more beyond that distance; here these are alike.
-const WIDTH: f64 = 0.8;
+/// The number of coarse points before the first one of a row to which its first block spreads.
+const BEFORE: usize = ORDER / 2 - 1;
+
+/// The distance in points at which the short waves have decayed but for those that the grid cuts off: these go on as ripples along the
+/// axes, and are summed up to a longer distance.
+const RADIUS: f64 = 10.0;
 const REACH: usize = 16;
 
 /// The number of blocks of a row with points at that distance.
@@ -107,12 +120,12 @@ impl Scattered {
             return None;
         }
         let unit = power_of_two(1.0 / response.stiffness_range()[0]);
-        let width = WIDTH * COARSENING as f64 * (wide * narrow).sqrt();
-        let short = |q: f64| {
-            if q > 0.0 { shortest * libm::erf(q * width) / q } else { shortest * FRAC_2_SQRT_PI * width }
-        };
-        let near = Stencil::new(response, [rows, columns], REACH, |q, _| short(q) / unit).ok()?;
-        let stiff = Stencil::new(response, [rows, columns], STIFF, |_, g| if g > 0.0 { unit / g } else { 0.0 }).ok()?;
+        let radius = RADIUS * (wide * narrow).sqrt();
+        let short = |q: f64| shortest * radius * near_part(q * radius);
+        let cell = [rows, columns];
+        let near = Stencil::new(response, cell, (REACH, radius), |q, _| short(q) / unit).ok()?;
+        let inverse = |_, g: f64| if g > 0.0 { unit / g } else { 0.0 };
+        let stiff = Stencil::new(response, cell, (STIFF, f64::INFINITY), inverse).ok()?;
         let table = |of: &(dyn Fn(Mode, f64) -> f64 + Sync)| long_waves(grid, &coarse, of);
         let smooth = table(&|mode, splines| {
             let all = if mode.is_uniform() { compliance } else { compliance_of(response, mode.number) };
@@ -123,9 +136,22 @@ impl Scattered {
             all * splines * unit
         });
         let weights: [[f32; ORDER]; COARSENING] =
-            std::array::from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
-        let across = std::array::from_fn(|k| std::array::from_fn(|lane| weights[lane % COARSENING][k]));
-        Some(Self { coarse: Transform::new(coarse), smooth, stiffness, near, stiff, weights, across, unit })
+            from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
+        let weight = |lane: usize, k: usize| {
+            let k = k.checked_sub(lane / COARSENING);
+            k.and_then(|k| weights[lane % COARSENING].get(k).copied()).unwrap_or(0.0)
+        };
+        Some(Self {
+            coarse: Transform::new(coarse),
+            smooth,
+            stiffness,
+            near,
+            stiff,
+            weights,
+            given: from_fn(|lane| from_fn(|k| weight(lane, k))),
+            taken: from_fn(|k| from_fn(|lane| weight(lane, k))),
+            unit,
+        })
     }
 
     /// The unit of compliances, a power of two, in length/stress.
@@ -148,8 +174,8 @@ impl Scattered {
     pub fn memory(&self) -> ScatteredMemory {
         ScatteredMemory {
             workspace: self.coarse.workspace(),
-            far: vec![0.0; self.coarse.grid().len()],
-            lines: Vec::new(),
+            far: vec![0.0; self.coarse.grid().points()[0] * self.line()],
+            lines: Lines::default(),
             sources: Sources::default(),
         }
     }
@@ -158,121 +184,183 @@ impl Scattered {
     pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
         self.spread(blocks, pressure, sources, lines);
-        let (sources, lines, columns) = (&*sources, &lines[..], self.coarse.grid().points()[1]);
-        let source = |row: usize, (): (), values: &mut [f32]| self.gather((blocks, sources, lines), row, values);
-        let copy = |_: usize, row: &mut [f32], Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row);
-        let far_rows = Rows(&mut far[..], columns);
-        fits(self.coarse.convolve_rows(&self.smooth, (), source, far_rows, copy, workspace));
-        let far = &*far;
-        sources.sum(&self.near, blocks, out, |block| self.interpolated(blocks, far, block));
+        let lines = &*lines;
+        let source = |row: usize, (): (), values: &mut [f32]| self.gather(lines, row, values);
+        let copy = |_: usize, row: &mut [f32], Rows(line, _): Rows<&mut [f32]>| repeat(row, line);
+        let far_lines = Rows(&mut far[..], self.line());
+        fits(self.coarse.convolve_rows(&self.smooth, (), source, far_lines, copy, workspace));
+        self.interpolate_lines(blocks, far, out);
+        sources.add(&self.near, blocks, out);
     }
 
     /// `out` ← S `gap` times the unit, with the stiffness S of a surface that is held between the points and beyond a few of them.
     /// S is positive definite.
     pub fn stiffness(&self, blocks: &Blocks, gap: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         memory.sources.take(blocks, gap);
-        memory.sources.sum(&self.stiff, blocks, out, |_| [0.0; LANES]);
+        out.fill(0.0);
+        memory.sources.add(&self.stiff, blocks, out);
     }
 
     /// `out` ← I `field`: what is interpolated at the points from a field on the coarse grid.
-    pub fn interpolate(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
-        let out = out.as_chunks_mut().0.par_iter_mut().take(blocks.len()).with_min_len(64);
-        out.enumerate().for_each(|(block, out)| *out = self.interpolated(blocks, field, block));
+    pub fn interpolate(&self, blocks: &Blocks, field: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
+        let rows = field.par_chunks_exact(self.coarse.grid().points()[1]);
+        rows.zip(memory.far.par_chunks_exact_mut(self.line())).for_each(|(row, line)| repeat(row, line));
+        self.interpolate_lines(blocks, &memory.far, out);
+    }
+
+    /// As [`interpolate`](Self::interpolate), from the lines of a field.
+    fn interpolate_lines(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
+        blocks.for_rows(LANES, out, &|rows, out| {
+            let mut line = vec![0.0; self.line()];
+            for (row, of_row, out) in blocks.by_row(rows, LANES, out) {
+                if !of_row.is_empty() {
+                    self.blend(field, row, &mut line);
+                    from_line(&self.taken, &line, (blocks, of_row), out);
+                }
+            }
+        });
     }
 
     /// `field` ← Iᵀ (K I `field` times the unit − `pressure`), with the stiffness K of the body and the transpose of
     /// [`interpolate`](Self::interpolate). K I has the waves of the coarse grid only.
     pub fn stiffen(&self, blocks: &Blocks, field: &mut [f32], pressure: &[f32], memory: &mut ScatteredMemory) {
-        let ScatteredMemory { workspace, far, lines, sources } = memory;
+        let ScatteredMemory { workspace, lines, sources, .. } = memory;
         self.spread(blocks, pressure, sources, lines);
-        let (sources, lines, columns) = (&*sources, &lines[..], self.coarse.grid().points()[1]);
+        let (lines, columns) = (&*lines, self.coarse.grid().points()[1]);
         let source = |_: usize, Rows(field, _): Rows<&[f32]>, values: &mut [f32]| values.copy_from_slice(field);
         let less = |row: usize, values: &mut [f32], Rows(out, _): Rows<&mut [f32]>| {
-            self.gather((blocks, sources, lines), row, out);
+            self.gather(lines, row, out);
             out.iter_mut().zip(values).for_each(|(out, value)| *out = *value - *out);
         };
-        let (input, output) = (Rows(&*field, columns), Rows(&mut far[..], columns));
-        fits(self.coarse.convolve_rows(&self.stiffness, input, source, output, less, workspace));
-        field.copy_from_slice(far);
+        fits(self.coarse.convolve_ahead(&self.stiffness, Rows(&*field, columns), source, workspace));
+        fits(self.coarse.convolve_back(Rows(field, columns), less, workspace));
     }
 
-    /// The sources with these values, and what every one gives to the coarse points of its row.
-    fn spread(&self, blocks: &Blocks, values: &[f32], sources: &mut Sources, lines: &mut Vec<[f32; SPREAD]>) {
+    /// The length of a line: a row of the coarse grid, and what lies beyond its ends as far as blocks spread.
+    fn line(&self) -> usize {
+        self.coarse.grid().points()[1] + PADDED - LANES / COARSENING
+    }
+
+    /// The sources with these values, and what those of every row give to the coarse points of a line.
+    fn spread(&self, blocks: &Blocks, values: &[f32], sources: &mut Sources, lines: &mut Lines) {
         sources.take(blocks, values);
-        let line = |values: &[f32; LANES]| {
-            let mut line = [0.0; SPREAD];
-            for (lane, value) in values.iter().enumerate() {
-                let weights = &self.weights[lane % COARSENING];
-                line[lane / COARSENING..].iter_mut().zip(weights).for_each(|(line, weight)| *line += weight * value);
+        let Lines { values, filled } = lines;
+        values.resize(self.line() * blocks.rows(), 0.0);
+        filled.resize(blocks.rows(), false);
+        let rows = values.par_chunks_exact_mut(self.line()).zip(filled).with_min_len(ROWS);
+        rows.enumerate().for_each(|(row, (line, filled))| {
+            let sources = sources.in_row(blocks, row);
+            *filled = !sources.is_empty();
+            if *filled {
+                to_line(&self.given, sources, line, self.coarse.grid().points()[1]);
             }
-            line
-        };
-        sources.values().with_min_len(256).map(line).collect_into_vec(lines);
+        });
     }
 
-    /// Fills a row of the coarse grid with what the sources around it give.
-    fn gather(&self, (blocks, sources, lines): (&Blocks, &Sources, &[[f32; SPREAD]]), row: usize, values: &mut [f32]) {
+    /// Fills a row of the coarse grid with what the lines around it give.
+    fn gather(&self, lines: &Lines, row: usize, values: &mut [f32]) {
         values.fill(0.0);
         let [rows, columns] = self.coarse.grid().points();
         for k in 0..ORDER {
-            let from = (row + rows + ORDER / 2 - 1 - k) % rows;
-            for within in 0..COARSENING {
-                let weight = self.weights[within][k];
-                let (row, place) = sources.in_row(blocks, from * COARSENING + within);
-                for (source, line) in row.iter().zip(&lines[place..]) {
-                    let first = first_column(source.column(), columns);
-                    match values[first..].first_chunk_mut::<SPREAD>() {
-                        Some(values) => add_times(values, weight, line),
-                        // Across the end of the row.
-                        None => (first..).zip(line).for_each(|(i, line)| values[i % columns] += weight * line),
-                    }
-                }
-            }
+            let from = (row + rows + BEFORE - k) % rows * COARSENING;
+            let is_filled = |within: usize| lines.filled[from + within];
+            let Some(filled) = (0..COARSENING).find(|within| is_filled(*within)) else { continue };
+            let weights = from_fn(|within| if is_filled(within) { self.weights[within][k] } else { 0.0 });
+            let lines: [&[f32]; COARSENING] = from_fn(|within| {
+                let line = from + if is_filled(within) { within } else { filled };
+                &lines.values[line * self.line() + BEFORE..][..columns]
+            });
+            add_all(values, &weights, lines);
         }
     }
 
-    /// What is interpolated at the points of a block.
-    fn interpolated(&self, blocks: &Blocks, far: &[f32], block: usize) -> [f32; LANES] {
-        let [rows, columns] = self.coarse.grid().points();
-        let (row, first) = (blocks.row(block), first_column(blocks.column(block), columns));
-        let mut line = [0.0; SPREAD];
-        for (k, weight) in self.weights[row % COARSENING].iter().enumerate() {
-            let from = (row / COARSENING + rows + k + 1 - ORDER / 2) % rows;
-            let far = &far[from * columns..(from + 1) * columns];
-            match far[first..].first_chunk::<SPREAD>() {
-                Some(far) => add_times(&mut line, *weight, far),
-                None => (first..).zip(&mut line).for_each(|(i, value)| *value += weight * far[i % columns]),
-            }
-        }
-        let mut interpolated = [0.0; LANES];
-        for (k, weights) in self.across.iter().enumerate() {
-            for (lane, (value, weight)) in interpolated.iter_mut().zip(weights).enumerate() {
-                *value += line[lane / COARSENING + k] * weight;
-            }
-        }
-        interpolated
+    /// Fills a line with what the lines around a row of points give.
+    fn blend(&self, lines: &[f32], row: usize, line: &mut [f32]) {
+        line.fill(0.0);
+        let (rows, length) = (self.coarse.grid().points()[0], line.len());
+        let around: [&[f32]; ORDER] = from_fn(|k| {
+            let from = (row / COARSENING + rows + k - BEFORE) % rows;
+            &lines[from * length..(from + 1) * length]
+        });
+        add_all(line, &self.weights[row % COARSENING], around);
     }
 }
 
-/// `a` ← `a` + `factor` `b`, of a length that is known: too short to choose vector instructions by the processor.
-fn add_times(a: &mut [f32; SPREAD], factor: f32, b: &[f32; SPREAD]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+/// `line` ← `row`, continued periodically beyond its ends.
+fn repeat(row: &[f32], line: &mut [f32]) {
+    let columns = row.len();
+    line[BEFORE..BEFORE + columns].copy_from_slice(row);
+    line.copy_within(columns..columns + BEFORE, 0);
+    for i in BEFORE + columns..line.len() {
+        line[i] = line[i - columns];
+    }
 }
 
-/// The first of the coarse columns to which a block in this column spreads.
-fn first_column(column: usize, columns: usize) -> usize {
-    (column * (LANES / COARSENING) + columns + 1 - ORDER / 2) % columns
+/// Adds what a line has beyond the ends of its row of so many `columns` to the points of the row: the transpose of [`repeat`].
+fn fold(line: &mut [f32], columns: usize) {
+    for i in (BEFORE + columns..line.len()).rev() {
+        line[i - columns] += line[i];
+    }
+    for i in 0..BEFORE {
+        line[i + columns] += line[i];
+    }
+}
+
+/// `sum` ← `sum` + Σ weight row, for rows of its length.
+#[multiversion(targets = "simd")]
+fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K]) {
+    let rows = rows.map(|row| &row[..sum.len()]);
+    for (i, sum) in sum.iter_mut().enumerate() {
+        let terms = (0..K).map(|k| weights[k] * rows[k][i]);
+        *sum = terms.fold(*sum, |sum, term| sum + term);
+    }
+}
+
+/// `line` ← what the sources of a row give to its so many coarse points.
+#[multiversion(targets = "simd")]
+fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32], columns: usize) {
+    line.fill(0.0);
+    for source in sources {
+        let place = source.column() * (LANES / COARSENING);
+        let line: &mut [f32; PADDED] = line[place..].first_chunk_mut().expect("blocks of a row");
+        let mut sums = *line;
+        for (value, given) in source.values().into_iter().zip(given) {
+            sums.iter_mut().zip(given).for_each(|(sum, given)| *sum += value * given);
+        }
+        *line = sums;
+    }
+    fold(line, columns);
+}
+
+/// `out` ← what these blocks of a row take from the coarse points of its line.
+#[multiversion(targets = "simd")]
+fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
+    for (block, out) in of_row.zip(out.as_chunks_mut::<LANES>().0) {
+        let place = blocks.column(block) * (LANES / COARSENING);
+        let line: &[f32; SPREAD] = line[place..].first_chunk().expect("blocks of a row");
+        *out = [0.0; LANES];
+        for (value, taken) in line.iter().zip(taken) {
+            out.iter_mut().zip(taken).for_each(|(out, taken)| *out += value * taken);
+        }
+    }
 }
 
 /// Working memory of a [`Scattered`] response.
 #[derive(Debug)]
 pub struct ScatteredMemory {
     workspace: Workspace<f32>,
-    /// The displacement by long waves on the coarse grid.
+    /// The lines of a field on the coarse grid, such as the displacement by long waves.
     far: Vec<f32>,
-    /// What every source gives to the coarse points of its row.
-    lines: Vec<[f32; SPREAD]>,
+    lines: Lines,
     sources: Sources,
+}
+
+/// What the sources of every row give to the coarse points of a line.
+#[derive(Debug, Default)]
+struct Lines {
+    values: Vec<f32>,
+    /// False for rows without sources, whose values are stale.
+    filled: Vec<bool>,
 }
 
 /// A table of the modes of the coarse grid with q_x ≥ 0, in which it is even. `of` gets the mode and the square of the part of it that
@@ -420,7 +508,7 @@ mod tests {
                 |i: usize| (TAU * (number * (i / columns + i % columns) as i64) as f64 / columns as f64).cos() as f32;
             let field: Vec<f32> = (0..rows * columns).map(wave).collect();
             let mut displacement = vec![f32::NAN; grid.len()];
-            scattered.interpolate(&blocks, &field, &mut displacement);
+            scattered.interpolate(&blocks, &field, &mut scattered.memory(), &mut displacement);
             let mut traction = field.clone();
             scattered.stiffen(&blocks, &mut traction, &vec![0.0; grid.len()], &mut scattered.memory());
             let stiffness = scattered.unit() / compliance_of(&response, [number; 2]);

@@ -9,13 +9,13 @@ use gfmd_vector::{lower, pass_by};
 use rayon::prelude::*;
 
 use super::overlap::Overlap;
-use super::points::{Points, are_few, at_points, gathered, own_blocks};
-use crate::attempt::{Attempt, Ended};
+use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
+use crate::attempt::{Attempt, Ended, Reached};
 use crate::compliance::Compliance;
-use crate::{Contact, Load};
+use crate::{Contact, Effort, Load, Solution};
 
 /// The largest part of the points that may be in blocks.
-const MOST: f64 = 0.3;
+pub(super) const MOST: f64 = 0.35;
 
 /// The part of the deepest penetration below which a gap makes a point part of the search.
 const NEARLY: f64 = 0.1;
@@ -30,6 +30,8 @@ const STRETCH: usize = 32 * LANES;
 pub(super) struct Survey {
     /// The deepest penetration outside of the blocks.
     pub(super) penetration: f64,
+    /// The deepest penetration of all.
+    pub(super) deepest: f64,
     /// The gap below which a block is part of the search.
     margin: f64,
     /// The places of the blocks outside with such gaps.
@@ -47,9 +49,17 @@ pub(super) struct Candidates<'a> {
     approach: f64,
     /// Clearance less approach.
     linear: Vec<f64>,
-    /// The displacement downwards of the own rows, by the pressure that was transformed last.
+    /// The displacement downwards of the own rows, by the pressure that was transformed last, and the least of each row.
     displacement: Vec<f64>,
+    least: Vec<f64>,
     known: Known,
+    load: Load,
+    /// True for a search to the finest tolerance.
+    is_finest: bool,
+    /// True if the displacement of the whole surface is that of a certificate.
+    certifies: bool,
+    /// The certificate of the pressure that was transformed last.
+    certificate: Option<Solution>,
     /// The displacement downwards of the points.
     lanes: Vec<f64>,
     pressure: Vec<f32>,
@@ -82,18 +92,15 @@ impl Known {
 
 impl<'a> Candidates<'a> {
     /// The problem on the blocks at these `places`, with the approach so far, for a start of the own rows; also the start for the points
-    /// of the blocks. `None` if it takes longer than that of the whole surface.
+    /// of the blocks.
     pub(super) fn new(
         attempt: &Attempt<'a>,
         scattered: Scattered,
         (places, approach): (Vec<usize>, f64),
         overlap: Overlap,
-    ) -> Option<(Self, Vec<f64>)> {
+    ) -> (Self, Vec<f64>) {
         let contact = attempt.contact;
         let floating = matches!(attempt.load, Load::MeanPressure(_));
-        if !are_few(&places, MOST, contact.share.total()) {
-            return None;
-        }
         let points = Points::new(contact, scattered, floating, places);
         let mut problem = Self {
             contact,
@@ -102,7 +109,12 @@ impl<'a> Candidates<'a> {
             points,
             approach,
             linear: Vec::new(),
-            displacement: vec![0.0; contact.share.own().len()],
+            displacement: Vec::new(),
+            least: Vec::new(),
+            load: attempt.load,
+            is_finest: false,
+            certifies: false,
+            certificate: None,
             known: Known::Roughly,
             lanes: Vec::new(),
             pressure: Vec::new(),
@@ -114,7 +126,7 @@ impl<'a> Candidates<'a> {
             None => problem.linear.iter().map(|c| overlap.pressure(c + approach)).collect(),
         };
         x.resize(problem.linear.len(), 0.0);
-        Some((problem, x))
+        (problem, x)
     }
 
     /// The places of the blocks with points that overlap, or touch at the start.
@@ -143,7 +155,7 @@ impl<'a> Candidates<'a> {
 
     /// Allocates the vectors for the present blocks.
     fn allocate(&mut self) {
-        self.lower(0.0);
+        self.measure();
         let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
         for vector in [&mut self.pressure, &mut self.image] {
@@ -151,13 +163,51 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// Lowers the surface. Behind the points of the blocks come some, up to a whole stretch, that are far from contact.
-    pub(super) fn lower(&mut self, by: f64) {
-        self.approach += by;
-        self.linear = self.at_points(self.contact.scaled.clearance());
-        let far = 2.0 * self.linear.iter().fold(self.contact.scaled.mean_clearance(), |far, c| c.max(far));
-        self.linear.resize(self.linear.len().next_multiple_of(STRETCH), far);
-        self.linear.iter_mut().for_each(|c| *c -= self.approach);
+    /// Measures the clearance from the approach so far. Behind the points of the blocks come some, up to a whole stretch, that are far
+    /// from contact.
+    fn measure(&mut self) {
+        let Self { contact, approach, .. } = *self;
+        let far = 2.0 * (contact.scaled.mean_clearance() + approach.abs());
+        let mut linear = self.at_points(contact.scaled.clearance());
+        linear.resize(linear.len().next_multiple_of(STRETCH), far);
+        linear.iter_mut().for_each(|c| *c -= approach);
+        self.linear = linear;
+    }
+
+    /// Begins a search, to the `finest` tolerance or not. If that `certifies`, the displacement of the whole surface is that of a
+    /// certificate.
+    pub(super) fn begin(&mut self, finest: bool, certifies: bool) {
+        (self.is_finest, self.certifies) = (finest, certifies);
+        if self.certificate.take().is_some() {
+            self.known = Known::Nothing;
+        }
+    }
+
+    /// The penetration of the certificate of the pressure at the end of a search, in length; `None` if there is no certificate.
+    pub(super) fn certified_penetration(&mut self, x: &[f64]) -> Option<f64> {
+        if self.known == Known::Formerly {
+            self.renew(x);
+        }
+        let scale = self.contact.scaled.length_scale(self.load);
+        self.certificate.as_ref().map(|certificate| certificate.residual.penetration * scale)
+    }
+
+    /// Makes the certificate of a pressure, if displacements are those of certificates.
+    fn renew(&mut self, x: &[f64]) {
+        if !self.certifies || self.known == Known::Wholly {
+            return;
+        }
+        let pressure = self.whole(x);
+        // There is memory for one of them.
+        (self.certificate, self.displacement) = (None, Vec::new());
+        let counted = *self.transforms.counter();
+        let mut certificate = self.contact.certified_by(&mut self.transforms, pressure, self.load);
+        if self.known == Known::Formerly {
+            *self.transforms.counter() = counted;
+        }
+        // Its transforms are counted with the others.
+        certificate.effort = Effort::default();
+        (self.certificate, self.known) = (Some(certificate), Known::Wholly);
     }
 
     /// Computes the displacement of the whole surface, if it is not known.
@@ -165,11 +215,16 @@ impl<'a> Candidates<'a> {
         if self.known == Known::Wholly {
             return;
         }
+        self.displacement.resize(self.contact.share.own().len(), 0.0);
+        self.least.resize(self.contact.share.rows().len(), 0.0);
         let counted = *self.transforms.counter();
-        let Self { compliance, transforms, points, displacement, contact, .. } = self;
+        let Self { compliance, transforms, points, displacement, least, contact, .. } = self;
         let blocks = points.blocks();
         let (columns, before) = (contact.share.columns(), contact.share.rows().start);
-        let copy = |_: usize, row: &mut [f64], Rows(out, _): Rows<&mut [f64]>| out.copy_from_slice(row);
+        let copy = |_: usize, row: &mut [f64], (Rows(out, _), least): (Rows<&mut [f64]>, &mut [f64])| {
+            out.copy_from_slice(row);
+            least[0] = lowest(row);
+        };
         let source = |i: usize, (): (), row: &mut [f64]| {
             row.fill(0.0);
             for block in blocks.in_row(before + i) {
@@ -177,7 +232,7 @@ impl<'a> Candidates<'a> {
                 row[first..first + LANES].copy_from_slice(&x[block * LANES..(block + 1) * LANES]);
             }
         };
-        transforms.apply_rows(compliance, ((), source), (Rows(&mut displacement[..], columns), copy));
+        transforms.apply_rows(compliance, ((), source), ((Rows(&mut displacement[..], columns), &mut least[..]), copy));
         if self.known == Known::Formerly {
             *self.transforms.counter() = counted;
         }
@@ -192,36 +247,67 @@ impl<'a> Candidates<'a> {
             self.points.displace(&self.pressure, &mut self.image);
             let unit = unit * self.points.unit();
             self.lanes.iter_mut().zip(&self.image).for_each(|(u, image)| *u = f64::from(*image) * unit);
-        } else {
-            self.displace(x);
-            let points = self.at_points(&self.displacement);
-            self.lanes[..points.len()].copy_from_slice(&points);
+            return;
+        }
+        self.renew(x);
+        match &self.certificate {
+            Some(certificate) => {
+                // But for a constant, which has no effect under a mean pressure.
+                let gaps = self.at_points(certificate.gap.as_slice().unwrap_or_default());
+                let lanes = self.lanes.iter_mut().zip(gaps.iter().zip(&self.linear));
+                lanes.for_each(|(u, (gap, linear))| *u = gap - linear);
+            }
+            None => {
+                self.displace(x);
+                let points = self.at_points(&self.displacement);
+                self.lanes[..points.len()].copy_from_slice(&points);
+            }
+        }
+    }
+
+    /// Lowers the surface such that points in contact have no gap on average, if the approach is not prescribed.
+    pub(super) fn settle(&mut self, x: &[f64]) {
+        self.displace(x);
+        let points = self.at_points(&self.displacement);
+        self.lanes[..points.len()].copy_from_slice(&points);
+        if let Load::MeanPressure(_) = self.load {
+            let gaps = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c);
+            let touching = gaps.zip(x).filter(|(_, x)| **x > 0.0);
+            let (sum, number) = touching.fold((0.0, 0.0), |(sum, number), (gap, _)| (sum + gap, number + 1.0));
+            let lower = sum / number;
+            self.approach += lower;
+            self.linear.iter_mut().for_each(|c| *c -= lower);
         }
     }
 
     /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest penetration.
-    pub(super) fn survey(&mut self, x: &[f64], mut margin: f64) -> Survey {
-        self.displace(x);
-        let Self { contact, approach, points, displacement, .. } = self;
+    pub(super) fn survey(&self, mut margin: f64) -> Survey {
+        let Self { contact, approach, points, displacement, least, .. } = self;
         let blocks = points.blocks();
         let Contact { scaled, share, .. } = contact;
         let clearance = scaled.clearance();
         let (width, before) = (share.columns() / LANES, share.own().start / LANES);
-        let lowest = |place: usize| {
+        // The lowest gap of a block, or infinity if all are above the margin by the clearance and the least displacement of the row alone.
+        let lowest_gap = |place: usize, margin: f64| {
+            let row = (place - before) / width;
             let points = (place - before) * LANES..(place - before + 1) * LANES;
-            let gaps = clearance[points.clone()].iter().zip(&displacement[points]).map(|(c, u)| c + u - *approach);
+            let clearance = &clearance[points.clone()];
+            if lowest(clearance) + least[row] - *approach > margin {
+                return f64::INFINITY;
+            }
+            let gaps = clearance.iter().zip(&displacement[points]).map(|(c, u)| c + u - *approach);
             gaps.fold(f64::INFINITY, lower)
         };
         let others = |row: usize| {
             let mut own = blocks.places()[blocks.in_row(row)].iter().peekable();
             (row * width..(row + 1) * width).filter(move |place| own.next_if_eq(&place).is_none())
         };
-        // The lowest gap, and the blocks with gaps below the margin.
+        // The lowest gap below the margin, and the blocks with gaps below the margin.
         let survey = |margin: f64| {
             let of_row = |row: usize| {
                 let mut found = Vec::new();
                 let least = others(row).fold(f64::INFINITY, |least, place| {
-                    let gap = lowest(place);
+                    let gap = lowest_gap(place, margin);
                     if gap < margin {
                         found.push(place);
                     }
@@ -239,14 +325,14 @@ impl<'a> Candidates<'a> {
             margin = -NEARLY * least;
             found = survey(margin).1;
         }
-        Survey { penetration: -least, margin, found: gathered(share, found) }
+        let inside = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c).fold(f64::INFINITY, lower);
+        Survey { penetration: -least, deepest: -lower(least, inside), margin, found: gathered(share, found) }
     }
 
     /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set `may_shrink`. False if
     /// the blocks become too many.
     pub(super) fn revise(&mut self, survey: &Survey, may_shrink: bool, x: &mut Vec<f64>) -> bool {
-        let displacement = self.at_points(&self.displacement);
-        let gaps: Vec<f64> = displacement.iter().zip(&self.linear).map(|(u, c)| u + c).collect();
+        let gaps: Vec<f64> = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c).collect();
         let places = self.points.blocks().places();
         let values = x.as_chunks::<LANES>().0.iter().zip(gaps.as_chunks::<LANES>().0);
         let is_idle = |(x, gaps): (&[f64; LANES], &[f64; LANES])| {
@@ -255,6 +341,7 @@ impl<'a> Candidates<'a> {
         let stay = places.iter().zip(values).filter(|(_, values)| !is_idle(*values));
         let mut blocks: Vec<(usize, [f64; LANES])> = stay.map(|(place, (x, _))| (*place, *x)).collect();
         if survey.found.is_empty() && blocks.len() == places.len() {
+            self.measure();
             return true;
         }
         blocks.extend(survey.found.iter().map(|place| (*place, [0.0; LANES])));
@@ -270,16 +357,30 @@ impl<'a> Candidates<'a> {
         true
     }
 
-    pub(super) fn ended(&self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
+    /// The pressure of the own rows.
+    fn whole(&self, x: &[f64]) -> Vec<f64> {
         let share = &self.contact.share;
         let mut pressure = vec![0.0; share.own().len()];
         for (values, row) in own_blocks(self.points.blocks(), share) {
             pressure[row].copy_from_slice(&x[values]);
         }
+        pressure
+    }
+
+    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
         let mut effort = attempt.effort;
         effort.transform_pairs += self.transforms.pairs() + self.points.pairs();
-        Ended { pressure, effort, ending }
+        let reached = match self.certificate {
+            Some(certificate) => Reached::Certified(certificate.into()),
+            None => Reached::Pressure(self.whole(x)),
+        };
+        Ended { reached, effort, ending }
     }
+}
+
+/// The lowest value; NaN if any is NaN.
+fn lowest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, lower)
 }
 
 impl Preconditioned for Candidates<'_> {
@@ -320,7 +421,7 @@ impl Preconditioned for Candidates<'_> {
         let rows = (Rows(input, STRETCH), Rows(&mut self.pressure[..], STRETCH));
         pass_by(1, rows, &|_, (Rows(input, _), Rows(row, _))| source(input, row), &|(), ()| ());
         self.points.displace(&self.pressure, &mut self.image);
-        self.known = Known::Nothing;
+        (self.known, self.certificate) = (Known::Nothing, None);
     }
 
     fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
@@ -335,7 +436,16 @@ impl Preconditioned for Candidates<'_> {
     }
 
     fn precondition(&mut self, x: &[f64], gradient: &[f32], level: f32, out: &mut [f32]) {
-        self.points.press(|i| x[i] > 0.0, |i| SURPLUS * (gradient[i] - level), out);
+        let (x, gradient) = (x.as_chunks::<LANES>().0, gradient.as_chunks::<LANES>().0);
+        let gaps = |block: usize| Gaps {
+            touches: x[block].map(|x| x > 0.0),
+            gap: gradient[block].map(|g| SURPLUS * (g - level)),
+        };
+        self.points.press(gaps, out);
+    }
+
+    fn trusts_images(&self) -> bool {
+        !self.is_finest
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {

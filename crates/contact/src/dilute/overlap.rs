@@ -12,12 +12,9 @@ const OVERLAPPING: f64 = 3.0;
 /// The least number of such points.
 const LEAST: f64 = 32.0;
 
-/// The largest part of the points that may overlap so that this takes less time than transforms of the whole surface: on small grids and on
-/// large ones, whose fields do not fit into caches.
-const MOST: [f64; 2] = [0.031, 0.065];
-
-/// The number of points of the largest small grid.
-const SMALL: usize = 1 << 19;
+/// The largest part of the points that may overlap: with more, there are hardly so few blocks that transforms of the whole surface take
+/// longer.
+const MOST: f64 = 0.2;
 
 /// a_r g E*/p, about.
 const KAPPA: f64 = 2.0;
@@ -68,7 +65,7 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
 /// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
 fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
     let asked = (part * share.total() as f64).max(LEAST);
-    let possible = asked <= MOST[usize::from(share.total() > SMALL)] * share.total() as f64;
+    let possible = asked <= MOST * share.total() as f64;
     if !possible {
         return None;
     }

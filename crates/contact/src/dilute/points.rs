@@ -1,16 +1,19 @@
 //! Few points of a surface in blocks, with the compliance between them and its preconditioner.
 
+use std::array::from_fn;
 use std::ops::Range;
 
-use gfmd_response::{Blocks, LANES, Scattered, ScatteredMemory};
+use gfmd_response::{Blocks, COARSENING, LANES, Scattered, ScatteredMemory};
 use gfmd_vector::{Parcel, Share};
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::Contact;
 use crate::pull_push::PullPush;
 
-/// The number of blocks below which one thread works on them alone.
+/// The number of blocks that a thread works on alone, and of their points.
 const FEW: usize = 64;
+const STRETCH: usize = FEW * LANES;
 
 /// Blocks of points, with the compliance G between them and a preconditioner M, about its inverse between those that are free.
 ///
@@ -22,8 +25,6 @@ pub(crate) struct Points {
     memory: ScatteredMemory,
     blocks: Blocks,
     extension: PullPush,
-    /// A gap on the coarse grid, and then its traction.
-    far: Vec<f32>,
     /// What is left of the gap at the points.
     rest: Vec<f32>,
     /// 1 for free points, else 0.
@@ -40,7 +41,6 @@ impl Points {
             memory: scattered.memory(),
             blocks: Blocks::new(contact.response.grid(), places),
             extension: PullPush::on_cells(cells, floating, contact.stiffness_of_waves()),
-            far: vec![0.0; scattered.coarse().len()],
             scattered,
             rest: Vec::new(),
             free: Vec::new(),
@@ -83,92 +83,127 @@ impl Points {
         self.scattered.compliance(&self.blocks, pressure, &mut self.memory, out);
     }
 
-    /// `out` ← M `gap` times the unit, by the number of each point; zero if it is not free. `touches` tells which points are in contact.
-    /// These are free, and those that are about to enter: with a negative gap, less than that which is continued to them.
-    pub(crate) fn press(
-        &mut self,
-        touches: impl Fn(usize) -> bool + Sync,
-        gap: impl Fn(usize) -> f32 + Sync,
-        out: &mut [f32],
-    ) {
+    /// `out` ← M g times the unit, of the gaps g that `gaps` tells of the points of each block; zero if a point is not free. Points in
+    /// contact are free, and those that are about to enter: with a negative gap, less than that which is continued to them.
+    pub(crate) fn press(&mut self, gaps: impl Fn(usize) -> Gaps + Sync, out: &mut [f32]) {
         self.pairs += 1;
         for vector in [&mut self.rest, &mut self.free] {
             vector.clear();
             vector.resize(out.len(), 0.0);
         }
-        self.pull(&touches, &gap);
-        let Self { scattered, memory, blocks, extension, far, rest, free, .. } = self;
+        let Self { scattered, memory, blocks, extension, rest, free, .. } = self;
+        let columns = scattered.coarse().points()[1];
+        let (weights, values) = extension.cells();
+        let cells = weights.par_chunks_mut(columns).zip(values.par_chunks_mut(columns));
+        cells.enumerate().for_each(|(row, cells)| pull(blocks, row, &gaps, cells));
         extension.fill();
-        far.copy_from_slice(extension.cells().1);
-        scattered.interpolate(blocks, far, out);
-        let points = out.par_chunks_mut(LANES).zip(rest.par_chunks_mut(LANES)).zip(free.par_chunks_mut(LANES));
-        points.take(blocks.len()).with_min_len(FEW).enumerate().for_each(|(block, ((far, rest), free))| {
-            for (lane, ((far, rest), free)) in far.iter().zip(rest).zip(free).enumerate() {
-                let point = block * LANES + lane;
-                let own = gap(point);
-                let is_free = touches(point) | ((own < 0.0) & (own < *far));
-                [*rest, *free] = if is_free { [own - far, 1.0] } else { [0.0; 2] };
-            }
+        scattered.interpolate(blocks, extension.cells().1, memory, out);
+        let points = out.par_chunks_mut(STRETCH).zip(rest.par_chunks_mut(STRETCH)).zip(free.par_chunks_mut(STRETCH));
+        let blocks_of = |stretch: usize| stretch * FEW..blocks.len().min((stretch + 1) * FEW);
+        points.enumerate().for_each(|(stretch, ((far, rest), free))| {
+            take_away(blocks_of(stretch), &gaps, far, (rest, free));
         });
         scattered.stiffness(blocks, rest, memory, out);
         gfmd_vector::for_each((&mut *out, &free[..]), &|_, (out, free)| {
             out.iter_mut().zip(free).for_each(|(out, free)| *out *= free);
         });
-        scattered.stiffen(blocks, far, out, memory);
-        extension.cells().1.copy_from_slice(far);
+        scattered.stiffen(blocks, extension.cells().1, out, memory);
         extension.fill_transposed();
-        self.push(&touches, out);
-    }
-
-    /// The number of points along the side of a coarse cell, and of coarse cells along both axes.
-    fn cells(&self) -> (usize, [usize; 2]) {
-        let cells = self.scattered.coarse().points();
-        (self.blocks.rows() / cells[0], cells)
-    }
-
-    /// Puts the numbers of points in contact, and their mean gaps, into the coarse cells.
-    fn pull(&mut self, touches: &(impl Fn(usize) -> bool + Sync), gap: &(impl Fn(usize) -> f32 + Sync)) {
-        let (side, [_, columns]) = self.cells();
-        let Self { blocks, extension, .. } = self;
-        let rows = blocks.rows();
         let (weights, values) = extension.cells();
-        let cells = weights.par_chunks_mut(columns).zip(values.par_chunks_mut(columns));
-        cells.enumerate().for_each(|(i, (weights, values))| {
-            weights.fill(0.0);
-            values.fill(0.0);
-            let near = (0..side).map(|k| (i * side + k + rows - side / 2) % rows);
-            for block in near.flat_map(|row| blocks.in_row(row)) {
-                for point in (block * LANES..(block + 1) * LANES).filter(|point| touches(*point)) {
-                    let cell = cell_of(blocks.column(block) * LANES + point % LANES, side, columns);
-                    weights[cell] += 1.0;
-                    values[cell] += gap(point);
-                }
-            }
+        gfmd_vector::for_each((values, &*weights), &|_, (values, weights)| {
             for (value, weight) in values.iter_mut().zip(weights) {
                 *value = if *weight > 0.0 { *value / *weight } else { 0.0 };
             }
         });
-    }
-
-    /// Adds to `out` at the points in contact what the coarse cells have: the transpose of [`pull`](Self::pull).
-    fn push(&mut self, touches: &(impl Fn(usize) -> bool + Sync), out: &mut [f32]) {
-        let (side, [rows, columns]) = self.cells();
-        let Self { blocks, extension, .. } = self;
-        let (weights, values) = extension.cells();
-        let out = out.par_chunks_mut(LANES).take(blocks.len()).with_min_len(FEW);
-        out.enumerate().for_each(|(block, out)| {
-            let row = cell_of(blocks.row(block), side, rows) * columns;
-            for (lane, out) in out.iter_mut().enumerate().filter(|(lane, _)| touches(block * LANES + lane)) {
-                let cell = row + cell_of(blocks.column(block) * LANES + lane, side, columns);
-                *out += values[cell] / weights[cell];
-            }
+        let values = &*extension.cells().1;
+        out.par_chunks_mut(STRETCH).enumerate().for_each(|(stretch, out)| {
+            push((blocks, blocks_of(stretch)), &gaps, (values, columns), out);
         });
     }
 }
 
-/// The coarse cell around the nearest coarse point, of so many `cells`.
-fn cell_of(point: usize, side: usize, cells: usize) -> usize {
-    (point + side / 2) / side % cells
+/// The gaps of the points of a block.
+#[derive(Clone, Copy)]
+pub(crate) struct Gaps {
+    /// True for points in contact.
+    pub(crate) touches: [bool; LANES],
+    pub(crate) gap: [f32; LANES],
+}
+
+/// The number of coarse cells with points of a block. A coarse cell has the points around its coarse point.
+const CELLS: usize = LANES / COARSENING + 1;
+
+/// Which of these cells a lane lies in.
+const fn cell_of(lane: usize) -> usize {
+    (lane + COARSENING / 2) / COARSENING
+}
+
+/// Puts the numbers of points in contact, and their mean gaps, into a row of coarse cells.
+#[multiversion(targets = "simd")]
+fn pull<F: Fn(usize) -> Gaps>(blocks: &Blocks, row: usize, gaps: F, (weights, values): (&mut [f32], &mut [f32])) {
+    weights.fill(0.0);
+    values.fill(0.0);
+    let (rows, columns) = (blocks.rows(), weights.len());
+    let near = (0..COARSENING).map(|k| (row * COARSENING + k + rows - COARSENING / 2) % rows);
+    for block in near.flat_map(|row| blocks.in_row(row)) {
+        let Gaps { touches, gap } = gaps(block);
+        let mut sums = [[0.0; 2]; CELLS];
+        for lane in 0..LANES {
+            let [weight, value] = &mut sums[cell_of(lane)];
+            *weight += if touches[lane] { 1.0 } else { 0.0 };
+            *value += if touches[lane] { gap[lane] } else { 0.0 };
+        }
+        let first = blocks.column(block) * (LANES / COARSENING);
+        for (k, [weight, value]) in sums.into_iter().enumerate() {
+            let cell = if first + k < columns { first + k } else { 0 };
+            weights[cell] += weight;
+            values[cell] += value;
+        }
+    }
+    for (value, weight) in values.iter_mut().zip(weights) {
+        *value = if *weight > 0.0 { *value / *weight } else { 0.0 };
+    }
+}
+
+/// `rest` ← the gaps of free points less those that are continued to them; `free` ← 1 for these.
+#[multiversion(targets = "simd")]
+fn take_away<F: Fn(usize) -> Gaps>(
+    blocks: Range<usize>,
+    gaps: F,
+    continued: &[f32],
+    (rest, free): (&mut [f32], &mut [f32]),
+) {
+    let (rest, free) = (rest.as_chunks_mut::<LANES>().0, free.as_chunks_mut::<LANES>().0);
+    for (block, (far, (rest, free))) in
+        blocks.zip(continued.as_chunks::<LANES>().0.iter().zip(rest.iter_mut().zip(free)))
+    {
+        let Gaps { touches, gap } = gaps(block);
+        for lane in 0..LANES {
+            let is_free = touches[lane] | ((gap[lane] < 0.0) & (gap[lane] < far[lane]));
+            rest[lane] = if is_free { gap[lane] - far[lane] } else { 0.0 };
+            free[lane] = if is_free { 1.0 } else { 0.0 };
+        }
+    }
+}
+
+/// Adds to `out` at the points in contact their parts of the `values` of coarse cells: the transpose of [`pull`].
+#[multiversion(targets = "simd")]
+fn push<F: Fn(usize) -> Gaps>(
+    (blocks, some): (&Blocks, Range<usize>),
+    gaps: F,
+    (values, columns): (&[f32], usize),
+    out: &mut [f32],
+) {
+    let rows = values.len() / columns;
+    for (block, out) in some.zip(out.as_chunks_mut::<LANES>().0) {
+        let row = (blocks.row(block) + COARSENING / 2) / COARSENING % rows;
+        let first = blocks.column(block) * (LANES / COARSENING);
+        let parts: [f32; CELLS] = from_fn(|k| values[row * columns + if first + k < columns { first + k } else { 0 }]);
+        let Gaps { touches, .. } = gaps(block);
+        for lane in 0..LANES {
+            out[lane] += if touches[lane] { parts[cell_of(lane)] } else { 0.0 };
+        }
+    }
 }
 
 /// True if there are blocks at these places, and at most this part of the points is in them.
@@ -186,8 +221,12 @@ pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item =
 }
 
 /// The values at the points of the blocks, of a field with these `own` rows.
-pub(crate) fn at_points<T: Copy + Parcel>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
-    let here = own_blocks(blocks, share).filter_map(|(_, row)| own[row].first_chunk::<LANES>().copied());
+pub(crate) fn at_points<T: Copy + Parcel + Sync>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
+    let [first, end] = [share.own().start, share.own().end].map(|point| point / LANES);
+    let places = blocks.places();
+    let here = &places[places.partition_point(|place| *place < first)..places.partition_point(|place| *place < end)];
+    let values = own.as_chunks::<LANES>().0;
+    let here = here.par_iter().with_min_len(FEW).map(|place| values[place - first]);
     gathered(share, here.collect::<Vec<_>>().into_flattened())
 }
 
@@ -198,8 +237,6 @@ pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: Vec<T>) -> Vec<T> {
 
 #[cfg(test)]
 mod tests {
-    use std::array::from_fn;
-
     use gfmd_field::Grid;
     use gfmd_green::{Body, Material};
     use gfmd_surface::{Discretisation, SelfAffine};
@@ -231,7 +268,8 @@ mod tests {
     fn press(points: &mut Points, touches: &[bool], gap: &[f32]) -> Vec<f32> {
         // Stale values of other points do not matter.
         let mut out = vec![1e9; gap.len()];
-        points.press(|i| touches[i], |i| gap[i], &mut out);
+        let (touches, gap) = (touches.as_chunks().0, gap.as_chunks().0);
+        points.press(|block| Gaps { touches: touches[block], gap: gap[block] }, &mut out);
         out
     }
 

@@ -3,7 +3,7 @@
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::{Share, dot, total};
 
-use crate::dilute::{Points, are_few, at_points, gathered, own_blocks};
+use crate::dilute::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::{Contact, Effort};
 
 /// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
@@ -46,7 +46,7 @@ impl Few {
         let touching: Vec<f32> = at_points(points.blocks(), &share, pressure).into_iter().map(touches).collect();
         let constant = (!points.keeps_constants()).then(|| {
             let mut constant = vec![0.0; touching.len()];
-            points.press(|i| touching[i] > 0.0, |i| touching[i], &mut constant);
+            points.press(gaps(&touching, &touching), &mut constant);
             constant
         });
         Some(Self { points, share, touching, constant, images: 0 })
@@ -106,12 +106,18 @@ impl Few {
     /// `out` ← M − M 1 1ᵀM/(1ᵀM 1) of the residual, which has no sum.
     fn precondition(&mut self, residual: &[f32], out: &mut [f32]) {
         let Self { points, touching, constant, .. } = self;
-        points.press(|i| touching[i] > 0.0, |i| residual[i], out);
+        points.press(gaps(touching, residual), out);
         if let Some(constant) = constant {
             let level = (total(out) / total(constant)) as f32;
             out.iter_mut().zip(constant).for_each(|(out, constant)| *out -= level * *constant);
         }
     }
+}
+
+/// Which points of each block touch, and their gaps.
+fn gaps(touching: &[f32], gap: &[f32]) -> impl Fn(usize) -> Gaps + Sync {
+    let (touching, gap) = (touching.as_chunks().0, gap.as_chunks().0);
+    move |block| Gaps { touches: touching[block].map(|touches: f32| touches > 0.0), gap: gap[block] }
 }
 
 /// Sets values beside the contact to zero.

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use gfmd_field::Grid;
 
-use super::LANES;
+use super::{LANES, ROWS};
 
 /// Blocks of [`LANES`] neighbouring points in a row, sorted as the points of the grid. Values of the points come block by block.
 #[derive(Debug)]
@@ -71,22 +71,36 @@ impl Blocks {
         self.places[block] % self.width
     }
 
-    /// Calls `each` on several threads for at most so many rows together, with the values of their blocks, `size` for each. Rows without
+    /// Calls `each` on several threads for at most [`ROWS`] rows together, with the values of their blocks, `size` for each. Rows without
     /// blocks may be left out.
     pub(super) fn for_rows<T: Send>(
         &self,
-        most: usize,
         size: usize,
         values: &mut [T],
         each: &(impl Fn(Range<usize>, &mut [T]) + Sync),
     ) {
-        self.for_some(0..self.rows(), [most, size], values, each);
+        self.for_some(0..self.rows(), size, values, each);
+    }
+
+    /// The numbers of these rows, and the blocks of each with their values, `size` for each, of the `values` of all blocks of the rows.
+    pub(super) fn by_row<'a, T>(
+        &'a self,
+        rows: Range<usize>,
+        size: usize,
+        mut values: &'a mut [T],
+    ) -> impl Iterator<Item = (usize, Range<usize>, &'a mut [T])> {
+        rows.map(move |row| {
+            let of_row = self.in_row(row);
+            let (own, behind) = std::mem::take(&mut values).split_at_mut(of_row.len() * size);
+            values = behind;
+            (row, of_row, own)
+        })
     }
 
     fn for_some<T: Send>(
         &self,
         rows: Range<usize>,
-        [most, size]: [usize; 2],
+        size: usize,
         values: &mut [T],
         each: &(impl Fn(Range<usize>, &mut [T]) + Sync),
     ) {
@@ -94,14 +108,14 @@ impl Blocks {
         if first == end {
             return;
         }
-        if rows.len() <= most {
+        if rows.len() <= ROWS {
             each(rows, values);
             return;
         }
         let middle = rows.start + rows.len() / 2;
         let (before, behind) = values.split_at_mut((self.starts[middle] - first) * size);
-        let mut one = || self.for_some(rows.start..middle, [most, size], before, each);
-        let mut other = || self.for_some(middle..rows.end, [most, size], behind, each);
+        let mut one = || self.for_some(rows.start..middle, size, before, each);
+        let mut other = || self.for_some(middle..rows.end, size, behind, each);
         if end - first < FEW {
             (one(), other())
         } else {

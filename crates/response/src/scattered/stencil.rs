@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use gfmd_field::{Grid, GridError, Transform};
 
 use super::LANES;
@@ -11,18 +13,25 @@ pub(super) struct Stencil<const N: usize> {
     /// The largest distance, in points.
     reach: usize,
     table: Vec<f32>,
+    wide: Range<usize>,
 }
+
+/// The number of blocks that a row of a kernel reaches at least: the own one, and one on each side.
+pub(super) const NARROW: usize = 3;
+
+/// The distance in points from an axis, up to which a kernel has ripples along the axis.
+const RIPPLE: usize = 1;
 
 impl<const N: usize> Stencil<N> {
     /// The length of a row of the table.
     const WIDTH: usize = (N + 1) * LANES - 1;
 
-    /// The kernel whose value for the wave q is `of(q, G)`, up to `reach`. It is computed on a periodic cell of fewer `points`, which
-    /// divide those of the grid: its waves are waves of the grid.
+    /// The kernel whose value for the wave q is `of(q, G)`, up to a distance in length, and near the axes up to one in points. It is computed
+    /// on a periodic cell of fewer `points`, which divide those of the grid: its waves are waves of the grid.
     pub(super) fn new(
         response: &NormalResponse,
         points: [usize; 2],
-        reach: usize,
+        (reach, radius): (usize, f64),
         of: impl Fn(f64, f64) -> f64,
     ) -> Result<Self, GridError> {
         let grid = response.grid();
@@ -40,10 +49,17 @@ impl<const N: usize> Stencil<N> {
         let mut table = vec![0.0; (2 * reach + 1) * Self::WIDTH];
         for (i, row) in table.chunks_exact_mut(Self::WIDTH).enumerate() {
             for (j, value) in row[Self::WIDTH / 2 - reach..].iter_mut().take(2 * reach + 1).enumerate() {
-                *value = field[i.abs_diff(reach) * points[1] + j.abs_diff(reach)] as f32;
+                let [i, j] = [i, j].map(|k| k.abs_diff(reach));
+                let distance = (i as f64 * grid.spacing()[0]).hypot(j as f64 * grid.spacing()[1]);
+                *value = if distance < radius || i.min(j) <= RIPPLE { field[i * points[1] + j] as f32 } else { 0.0 };
             }
         }
-        Ok(Self { reach, table })
+        let reaches = |row: &[f32]| {
+            let narrow = (Self::WIDTH + 1 - (NARROW + 1) * LANES) / 2;
+            row[..narrow].iter().chain(&row[Self::WIDTH - narrow..]).any(|value| *value != 0.0)
+        };
+        let wide = table.chunks_exact(Self::WIDTH).position(reaches).unwrap_or(reach);
+        Ok(Self { reach, table, wide: wide..2 * reach + 1 - wide })
     }
 
     /// The largest distance, in points.
@@ -51,9 +67,17 @@ impl<const N: usize> Stencil<N> {
         self.reach
     }
 
-    /// The kernel for targets `k` − reach rows behind the source. The values from its lane l to all lanes of all blocks within reach
-    /// begin at `LANES` − 1 − l.
-    pub(super) fn row(&self, k: usize) -> &[f32] {
-        &self.table[k * Self::WIDTH..(k + 1) * Self::WIDTH]
+    /// The rows in which the kernel reaches N blocks; in others it reaches [`NARROW`].
+    pub(super) fn wide(&self) -> &Range<usize> {
+        &self.wide
+    }
+
+    /// The kernel for targets `k` − reach rows behind the source, without so many blocks at its beginning. The values from its lane l to
+    /// all lanes of all blocks within reach begin at `LANES` − 1 − l.
+    #[inline(always)]
+    pub(super) fn rows(&self, k: Range<usize>, without: usize) -> impl Iterator<Item = &[f32]> {
+        self.table[k.start * Self::WIDTH..k.end * Self::WIDTH]
+            .chunks_exact(Self::WIDTH)
+            .map(move |row| &row[without * LANES..])
     }
 }

@@ -1,0 +1,86 @@
+//! The part of the kernel 1/r at short distances, which vanishes beyond a radius.
+
+use std::sync::LazyLock;
+
+/// β of the window: the larger, the less of the other part is left beyond a wavenumber, and the larger this wavenumber is.
+const BETA: f64 = 6.5;
+
+/// The spacing of the table, and its last k: beyond that of the shortest waves.
+const STEP: f64 = 0.125;
+const LAST: f64 = 64.0;
+
+/// The number of terms of the window's series.
+const TERMS: i32 = 24;
+
+/// The number of stretches over which is integrated.
+const STRETCHES: usize = 24;
+
+/// The transform ∫₀¹ (1 − Φ(t)) J₀(k t) dt of the part (1 − Φ(r))/r of the kernel 1/r, which vanishes beyond r = 1. Φ(t) is the
+/// integral from 0 to t of the window I₀(β √(1 − t²)) of Kaiser and Bessel, over that to 1.
+pub(super) fn near_part(k: f64) -> f64 {
+    static TABLE: LazyLock<Vec<f64>> =
+        LazyLock::new(|| (-1..=(LAST / STEP) as i32 + 2).map(|i| transform(STEP * f64::from(i))).collect());
+    let place = k / STEP;
+    let first = (place as usize).min((LAST / STEP) as usize);
+    let t = place - first as f64;
+    // Lagrange's cubic polynomial through the four values around k.
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| TABLE[first + i]);
+    let (below, above) = (1.0 + t, 2.0 - t);
+    let outer = (a * above + d * below) * t * (1.0 - t) / -6.0;
+    outer + (b * (1.0 - t) + c * t) * below * above / 2.0
+}
+
+fn transform(k: f64) -> f64 {
+    // Gauss's rule with three points.
+    let rule = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
+    let width = 1.0 / STRETCHES as f64;
+    let points = (0..STRETCHES).flat_map(|i| rule.map(|(x, weight)| ((i as f64 + 0.5 * (1.0 + x)) * width, weight)));
+    points.map(|(t, weight)| width * weight * (1.0 - window_up_to(t) / window_up_to(1.0)) * libm::j0(k * t)).sum()
+}
+
+/// ∫₀ᵗ I₀(β √(1 − u²)) du, by the series of I₀.
+fn window_up_to(t: f64) -> f64 {
+    let (mut power, mut integral, mut factor, mut sum) = (1.0, t, 1.0, t);
+    for n in 1..=TERMS {
+        let n = f64::from(n);
+        power *= 1.0 - t * t;
+        integral = (t * power + 2.0 * n * integral) / (2.0 * n + 1.0);
+        factor *= (BETA / (2.0 * n)).powi(2);
+        sum += factor * integral;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_to_long_waves_decays() {
+        // Of 1/r, whose transform is 1/k, the near part leaves nothing at short distances: waves of k > 2 β are all in it.
+        assert_eq!(near_part(0.0), transform(0.0));
+        for k in (0..500).map(|i| 0.1237 * f64::from(i)) {
+            let near = near_part(k);
+            assert!((near - transform(k)).abs() < 1e-6, "{k}: {near}");
+            let left = 1.0 - k * near;
+            assert!((-2e-3..=1.0).contains(&left) && (k < 2.0 * BETA || left.abs() < 1e-3), "{k}: {left}");
+        }
+    }
+
+    #[test]
+    fn the_window_is_that_of_kaiser_and_bessel() {
+        // I₀(6.5), and the integral by Simpson's rule.
+        let bessel = |x: f64| {
+            (1..60).scan(1.0, move |term, n| {
+                *term *= (x / (2.0 * f64::from(n))).powi(2);
+                Some(*term)
+            })
+        };
+        let window = |t: f64| 1.0 + bessel(BETA * (1.0 - t * t).max(0.0).sqrt()).sum::<f64>();
+        let simpson = (0..500).map(|i| {
+            let [a, b, c] = [0.0, 0.5, 1.0].map(|x| window((f64::from(i) + x) / 1000.0));
+            (a + 4.0 * b + c) / 6000.0
+        });
+        approx::assert_relative_eq!(simpson.sum::<f64>(), window_up_to(0.5), max_relative = 1e-12);
+    }
+}
