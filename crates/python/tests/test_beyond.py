@@ -90,8 +90,9 @@ def test_all_fields_are_drawn():
         c = gfmd.contact(SMALL, BODY, p_star=0.05, **KINDS[kind])
         drawn = [c.plot(field).figure.axes[1].get_ylabel() for field in c._fields()]
         assert label in drawn, drawn
-        with pytest.raises(gfmd.InputError, match="field is 'shear'"):
-            c.plot("shear")
+        for other, shown in (("shear", "'shear'"), ([], r"\[\]")):
+            with pytest.raises(gfmd.InputError, match=f"field is {shown}"):
+                c.plot(other)
 
 
 def test_what_does_not_go_together_is_named():

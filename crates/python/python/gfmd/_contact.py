@@ -326,7 +326,7 @@ class Contact(Record):
         from . import _show
 
         fields = self._fields()
-        if field not in fields:
+        if not isinstance(field, str) or field not in fields:
             raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
         return _show.field(fields[field], self.surface, field, ax)
 
