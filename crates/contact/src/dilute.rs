@@ -20,7 +20,7 @@ use crate::dual::MARGIN;
 
 /// The largest part of the points that may be in blocks at the start, so that this takes less time than transforms of the whole
 /// surface: on small grids, whose fields fit into caches, and on large ones.
-const MOST_AT_START: [f64; 2] = [0.17, 0.23];
+const MOST_AT_START: [f64; 2] = [0.17, 0.2];
 
 /// The number of points of the largest small grid.
 const SMALL: usize = 1 << 19;

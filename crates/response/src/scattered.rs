@@ -174,7 +174,7 @@ impl Scattered {
     pub fn memory(&self) -> ScatteredMemory {
         ScatteredMemory {
             workspace: self.coarse.workspace(),
-            far: vec![0.0; self.coarse.grid().points()[0] * self.line()],
+            far: Vec::new(),
             lines: Lines::default(),
             sources: Sources::default(),
         }
@@ -185,6 +185,7 @@ impl Scattered {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
         self.spread(blocks, pressure, sources, lines);
         let lines = &*lines;
+        far.resize(self.coarse.grid().points()[0] * self.line(), 0.0);
         let source = |row: usize, (): (), values: &mut [f32]| self.gather(lines, row, values);
         let copy = |_: usize, row: &mut [f32], Rows(line, _): Rows<&mut [f32]>| repeat(row, line);
         let far_lines = Rows(&mut far[..], self.line());
@@ -203,6 +204,7 @@ impl Scattered {
 
     /// `out` ← I `field`: what is interpolated at the points from a field on the coarse grid.
     pub fn interpolate(&self, blocks: &Blocks, field: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
+        memory.far.resize(self.coarse.grid().points()[0] * self.line(), 0.0);
         let rows = field.par_chunks_exact(self.coarse.grid().points()[1]);
         rows.zip(memory.far.par_chunks_exact_mut(self.line())).for_each(|(row, line)| repeat(row, line));
         self.interpolate_lines(blocks, &memory.far, out);
@@ -353,6 +355,13 @@ pub struct ScatteredMemory {
     far: Vec<f32>,
     lines: Lines,
     sources: Sources,
+}
+
+impl ScatteredMemory {
+    /// Frees what does not need to be kept until the next image.
+    pub fn release(&mut self) {
+        (self.far, self.lines, self.sources) = Default::default();
+    }
 }
 
 /// What the sources of every row give to the coarse points of a line.

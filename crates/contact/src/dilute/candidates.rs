@@ -156,11 +156,20 @@ impl<'a> Candidates<'a> {
     /// Allocates the vectors for the present blocks.
     fn allocate(&mut self) {
         self.measure();
+        self.release();
+        self.reserve();
+    }
+
+    /// Frees the vectors that are only needed within an iteration.
+    fn release(&mut self) {
+        (self.lanes, self.pressure, self.image) = Default::default();
+    }
+
+    /// Allocates them.
+    fn reserve(&mut self) {
         let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
-        for vector in [&mut self.pressure, &mut self.image] {
-            *vector = vec![0.0; variables];
-        }
+        (self.pressure, self.image) = (vec![0.0; variables], vec![0.0; variables]);
     }
 
     /// Measures the clearance from the approach so far. Behind the points of the blocks come some, up to a whole stretch, that are far
@@ -198,10 +207,13 @@ impl<'a> Candidates<'a> {
             return;
         }
         let pressure = self.whole(x);
-        // There is memory for one of them.
+        // The fields of the certificate need the memory.
         (self.certificate, self.displacement) = (None, Vec::new());
+        self.release();
+        self.points.release();
         let counted = *self.transforms.counter();
         let mut certificate = self.contact.certified_by(&mut self.transforms, pressure, self.load);
+        self.reserve();
         if self.known == Known::Formerly {
             *self.transforms.counter() = counted;
         }

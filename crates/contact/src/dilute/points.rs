@@ -57,6 +57,12 @@ impl Points {
         &self.blocks
     }
 
+    /// Frees memory until the next image.
+    pub(super) fn release(&mut self) {
+        (self.rest, self.free) = Default::default();
+        self.memory.release();
+    }
+
     /// The unit of compliances, in length/stress.
     pub(crate) fn unit(&self) -> f64 {
         self.scattered.unit()
