@@ -31,11 +31,11 @@ const FIRST: f64 = 0.03;
 /// The part of the deepest penetration down to which the residual falls until they are checked again: the errors of images.
 const STAGE: f64 = 5e-4;
 
-/// The tolerance of a search, over the finest one, below which it goes on to this.
-const NEARLY: f64 = 3.0;
-
 /// The number of iterations in which it should do so.
 const PATIENCE: u64 = 60;
+
+/// The tolerance, over the finest one, below which a search goes on to the finest one at once.
+const AT_ONCE: f64 = 3.0;
 
 /// Watches for all processes, which search for themselves: they stop together.
 struct Unison<'a, W> {
@@ -162,10 +162,10 @@ pub(crate) fn solve(
             return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
         }
         let next = STAGE * survey.deepest / scale;
-        if next >= kept.tolerance.max(NEARLY * finest) {
+        if next >= kept.tolerance.max(AT_ONCE * finest) {
             break;
         }
-        kept.tolerance = if next < NEARLY * finest { finest } else { next };
+        kept.tolerance = if next < AT_ONCE * finest { finest } else { next };
         if !problem.revise(&survey, !is_finest, &mut x) {
             break;
         }

@@ -116,11 +116,7 @@ impl Points {
         scattered.stiffen(blocks, extension.cells().1, out, memory);
         extension.fill_transposed();
         let (weights, values) = extension.cells();
-        gfmd_vector::for_each((values, &*weights), &|_, (values, weights)| {
-            for (value, weight) in values.iter_mut().zip(weights) {
-                *value = if *weight > 0.0 { *value / *weight } else { 0.0 };
-            }
-        });
+        gfmd_vector::for_each((values, &*weights), &|_, (values, weights)| divide(values, weights));
         let values = &*extension.cells().1;
         out.par_chunks_mut(STRETCH).enumerate().for_each(|(stretch, out)| {
             push((blocks, blocks_of(stretch)), &gaps, (values, columns), out);
@@ -144,6 +140,13 @@ const fn cell_of(lane: usize) -> usize {
     (lane + COARSENING / 2) / COARSENING
 }
 
+/// The cells of a row with points of the block in this column, of so many `columns` of cells.
+#[inline(always)]
+fn cells_of(column: usize, columns: usize) -> [usize; CELLS] {
+    let first = column * (LANES / COARSENING);
+    from_fn(|k| if first + k < columns { first + k } else { 0 })
+}
+
 /// Puts the numbers of points in contact, and their mean gaps, into a row of coarse cells.
 #[multiversion(targets = "simd")]
 fn pull<F: Fn(usize) -> Gaps>(blocks: &Blocks, row: usize, gaps: F, (weights, values): (&mut [f32], &mut [f32])) {
@@ -159,13 +162,17 @@ fn pull<F: Fn(usize) -> Gaps>(blocks: &Blocks, row: usize, gaps: F, (weights, va
             *weight += if touches[lane] { 1.0 } else { 0.0 };
             *value += if touches[lane] { gap[lane] } else { 0.0 };
         }
-        let first = blocks.column(block) * (LANES / COARSENING);
-        for (k, [weight, value]) in sums.into_iter().enumerate() {
-            let cell = if first + k < columns { first + k } else { 0 };
+        for (cell, [weight, value]) in cells_of(blocks.column(block), columns).into_iter().zip(sums) {
             weights[cell] += weight;
             values[cell] += value;
         }
     }
+    divide(values, weights);
+}
+
+/// Divides sums over cells by the numbers of points in contact; zero without any.
+#[inline(always)]
+fn divide(values: &mut [f32], weights: &[f32]) {
     for (value, weight) in values.iter_mut().zip(weights) {
         *value = if *weight > 0.0 { *value / *weight } else { 0.0 };
     }
@@ -203,8 +210,7 @@ fn push<F: Fn(usize) -> Gaps>(
     let rows = values.len() / columns;
     for (block, out) in some.zip(out.as_chunks_mut::<LANES>().0) {
         let row = (blocks.row(block) + COARSENING / 2) / COARSENING % rows;
-        let first = blocks.column(block) * (LANES / COARSENING);
-        let parts: [f32; CELLS] = from_fn(|k| values[row * columns + if first + k < columns { first + k } else { 0 }]);
+        let parts = cells_of(blocks.column(block), columns).map(|cell| values[row * columns + cell]);
         let Gaps { touches, .. } = gaps(block);
         for lane in 0..LANES {
             out[lane] += if touches[lane] { parts[cell_of(lane)] } else { 0.0 };

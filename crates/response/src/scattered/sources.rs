@@ -1,9 +1,10 @@
 use std::array::from_fn;
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use super::stencil::{NARROW, Stencil};
 use super::{Blocks, LANES};
-use multiversion::multiversion;
 
 /// The blocks with values that are not zero. Those of a row come first at the place of its blocks.
 #[derive(Debug, Default)]
