@@ -241,14 +241,20 @@ impl Contact {
 
     /// As [`certify`](Self::certify), for a pressure with the rows of this process, all in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
-        self.certified_by(&mut Compliance::of(self), pressure, load)
+        self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load)
     }
 
-    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count.
-    pub(crate) fn certified_by(&self, compliance: &mut Compliance, pressure: Vec<f64>, load: Load) -> Solution {
+    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count. The displacement takes the place of
+    /// what is in the second vector.
+    pub(crate) fn certified_by(
+        &self,
+        compliance: &mut Compliance,
+        (pressure, mut displacement): (Vec<f64>, Vec<f64>),
+        load: Load,
+    ) -> Solution {
         let response = &self.response;
         let counted = compliance.pairs();
-        let mut displacement = vec![0.0; pressure.len()];
+        displacement.resize(pressure.len(), 0.0);
         let columns = response.grid().rows()[1];
         let source = |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p);
         // u_z = −G p.
@@ -257,7 +263,10 @@ impl Contact {
         };
         let (input, output) = (Rows(&pressure[..], columns), Rows(&mut displacement[..], columns));
         compliance.apply_rows(response.compliance(), (input, source), (output, sink));
-        let uniform = self.uniform_compliance() * self.share.total_of(&pressure) / self.share.total() as f64;
+        let uniform = match self.uniform_compliance() {
+            0.0 => 0.0,
+            compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,
+        };
         let length_scale = self.scaled.length_scale(load);
         let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);

@@ -37,6 +37,9 @@ const PATIENCE: u64 = 60;
 /// The tolerance, over the finest one, below which a search goes on to the finest one at once.
 const AT_ONCE: f64 = 3.0;
 
+/// The gap, over the tolerance, below which a point becomes part of the search.
+const NEAR: f64 = 0.5;
+
 /// Watches for all processes, which search for themselves: they stop together.
 struct Unison<'a, W> {
     share: &'a Share,
@@ -157,7 +160,7 @@ pub(crate) fn solve(
             None => {}
         }
         problem.settle(&x);
-        let survey = problem.survey(kept.tolerance * scale);
+        let survey = problem.survey(NEAR * kept.tolerance * scale);
         if is_finest && survey.penetration <= finest * scale {
             return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
         }

@@ -1,11 +1,13 @@
 //! The problem on blocks of candidate points.
 
 use std::borrow::Cow;
+use std::mem::take;
 
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Ending, Preconditioned, Visit};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::{lower, pass_by};
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::overlap::Overlap;
@@ -206,13 +208,13 @@ impl<'a> Candidates<'a> {
         if !self.certifies || self.known == Known::Wholly {
             return;
         }
-        let pressure = self.whole(x);
         // The fields of the certificate need the memory.
-        (self.certificate, self.displacement) = (None, Vec::new());
+        self.certificate = None;
         self.release();
         self.points.release();
+        let fields = (self.whole(x), take(&mut self.displacement));
         let counted = *self.transforms.counter();
-        let mut certificate = self.contact.certified_by(&mut self.transforms, pressure, self.load);
+        let mut certificate = self.contact.certified_by(&mut self.transforms, fields, self.load);
         self.reserve();
         if self.known == Known::Formerly {
             *self.transforms.counter() = counted;
@@ -391,8 +393,14 @@ impl<'a> Candidates<'a> {
 }
 
 /// The lowest value; NaN if any is NaN.
+#[multiversion(targets = "simd")]
 fn lowest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, lower)
+    let (blocks, rest) = values.as_chunks::<LANES>();
+    let mut least = [f64::INFINITY; LANES];
+    for block in blocks {
+        least.iter_mut().zip(block).for_each(|(least, value)| *least = lower(*least, *value));
+    }
+    least.iter().chain(rest).copied().fold(f64::INFINITY, lower)
 }
 
 impl Preconditioned for Candidates<'_> {
