@@ -46,14 +46,15 @@ impl Report {
                 (!seconds.is_empty()).then(|| Point::new(*x, median(&seconds)))
             };
             let found: Vec<Option<Point>> = places.iter().map(at).collect();
+            let joined = |run: &[Option<Point>]| Series {
+                mark: Mark::JoinedPoints,
+                ..Series::points(name, hue, run.iter().flatten().copied().collect())
+            };
             // No line crosses what was left out.
-            let last = found.iter().rposition(Option::is_some);
-            let mut between = found.iter().take(last.unwrap_or(0)).skip_while(|point| point.is_none());
-            let mark = if between.all(Option::is_some) { Mark::JoinedPoints } else { Mark::Points };
-            Series { mark, ..Series::points(name, hue, found.into_iter().flatten().collect()) }
+            let runs = found.split(Option::is_none).filter(|run| !run.is_empty());
+            runs.map(joined).collect::<Vec<_>>()
         };
-        let series: Vec<Series> = self.contestants.iter().enumerate().map(series).collect();
-        let series = series.into_iter().filter(|series| !series.points.is_empty()).collect();
+        let series = self.contestants.iter().enumerate().flat_map(series).collect();
         Panel { title, x, y: Axis::log("time, s"), series, ..Panel::default() }
     }
 }

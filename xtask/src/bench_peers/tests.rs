@@ -149,6 +149,26 @@ fn the_page_has_a_figure_beside_it() {
     assert!(Report { cases: Vec::new(), ..report() }.figure().is_err());
 }
 
+#[test]
+fn no_line_crosses_what_was_left_out() {
+    let report = report();
+    let case = |p_star, has_all: bool| {
+        let mut case = Case { p_star, ..report.cases[0].clone() };
+        if !has_all {
+            case.timings[0].entries.pop();
+        }
+        case
+    };
+    let lines = |finished: [bool; 5]| {
+        let cases = finished.iter().zip(1..).map(|(has_all, p)| case(f64::from(p), *has_all)).collect();
+        Report { cases, ..report.clone() }.figure().unwrap().matches("stroke-linejoin").count()
+    };
+    assert_eq!(lines([true; 5]), 2);
+    assert_eq!(lines([true, true, false, true, true]), 3);
+    // A point alone has no line.
+    assert_eq!(lines([true, true, true, false, true]), 2);
+}
+
 /// The title of the times against the size.
 const BY_SIZE: &str = "loads that all finished, median";
 
