@@ -3,19 +3,18 @@
 mod blocks;
 mod near_part;
 mod sources;
+mod splines;
 mod stencil;
 
-use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
-use std::ops::Range;
 
 use gfmd_field::{Grid, Mode, Rows, Transform, Workspace};
-use multiversion::multiversion;
 use rayon::prelude::*;
 
 pub use blocks::Blocks;
 use near_part::near_part;
-use sources::{Source, Sources};
+use sources::Sources;
+use splines::{Lines, ORDER, Splines, repeat};
 use stencil::Stencil;
 
 use crate::NormalResponse;
@@ -43,11 +42,7 @@ pub struct Scattered {
     near: Stencil<NEAR>,
     /// The stiffness between two points times the unit, cut off at a short distance.
     stiff: Stencil<NEXT>,
-    /// What a point at each of the places between two coarse points gives to those around it.
-    weights: [[f32; ORDER]; COARSENING],
-    /// The same for the lanes of a block and the coarse points around it: what a lane gives to them, and what each gives to the lanes.
-    given: [[f32; PADDED]; LANES],
-    taken: [[f32; LANES]; SPREAD],
+    splines: Splines,
     unit: f64,
 }
 
@@ -59,16 +54,6 @@ pub const LANES: usize = 8;
 
 /// The spacing of the coarse grid of [`Scattered`], in points.
 pub const COARSENING: usize = 4;
-
-/// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
-const ORDER: usize = 8;
-
-/// The number of coarse points along a row to which a block spreads, and the same with some to which it gives nothing: whole vectors.
-const SPREAD: usize = ORDER + LANES / COARSENING - 1;
-const PADDED: usize = SPREAD.next_multiple_of(LANES);
-
-/// The number of coarse points before the first one of a row to which its first block spreads.
-const BEFORE: usize = ORDER / 2 - 1;
 
 /// The distance in points at which the short waves have decayed but for those that the grid cuts off: these go on as ripples along the
 /// axes, and are summed up to a longer distance.
@@ -135,21 +120,13 @@ impl Scattered {
             let all = if mode.is_uniform() { stiffness } else { 1.0 / compliance_of(response, mode.number) };
             all * splines * unit
         });
-        let weights: [[f32; ORDER]; COARSENING] =
-            from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
-        let weight = |lane: usize, k: usize| {
-            let k = k.checked_sub(lane / COARSENING);
-            k.and_then(|k| weights[lane % COARSENING].get(k).copied()).unwrap_or(0.0)
-        };
         Some(Self {
             coarse: Transform::new(coarse),
             smooth,
             stiffness,
             near,
             stiff,
-            weights,
-            given: from_fn(|lane| from_fn(|k| weight(lane, k))),
-            taken: from_fn(|k| from_fn(|lane| weight(lane, k))),
+            splines: Splines::new(coarse.points()),
             unit,
         })
     }
@@ -183,14 +160,15 @@ impl Scattered {
     /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is zero.
     pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
-        self.spread(blocks, pressure, sources, lines);
+        sources.take(blocks, pressure);
+        self.splines.spread(blocks, sources, lines);
         let lines = &*lines;
-        far.resize(self.coarse.grid().points()[0] * self.line(), 0.0);
-        let source = |row: usize, (): (), values: &mut [f32]| self.gather(lines, row, values);
+        far.resize(self.coarse.grid().points()[0] * self.splines.line(), 0.0);
+        let source = |row: usize, (): (), values: &mut [f32]| self.splines.gather(lines, row, values);
         let copy = |_: usize, row: &mut [f32], Rows(line, _): Rows<&mut [f32]>| repeat(row, line);
-        let far_lines = Rows(&mut far[..], self.line());
+        let far_lines = Rows(&mut far[..], self.splines.line());
         fits(self.coarse.convolve_rows(&self.smooth, (), source, far_lines, copy, workspace));
-        self.interpolate_lines(blocks, far, out);
+        self.splines.interpolate(blocks, far, out);
         sources.add(&self.near, blocks, out);
     }
 
@@ -204,146 +182,26 @@ impl Scattered {
 
     /// `out` ← I `field`: what is interpolated at the points from a field on the coarse grid.
     pub fn interpolate(&self, blocks: &Blocks, field: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
-        memory.far.resize(self.coarse.grid().points()[0] * self.line(), 0.0);
+        memory.far.resize(self.coarse.grid().points()[0] * self.splines.line(), 0.0);
         let rows = field.par_chunks_exact(self.coarse.grid().points()[1]);
-        rows.zip(memory.far.par_chunks_exact_mut(self.line())).for_each(|(row, line)| repeat(row, line));
-        self.interpolate_lines(blocks, &memory.far, out);
-    }
-
-    /// As [`interpolate`](Self::interpolate), from the lines of a field.
-    fn interpolate_lines(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
-        blocks.for_rows(LANES, out, &|rows, out| {
-            let mut line = vec![0.0; self.line()];
-            for (row, of_row, out) in blocks.by_row(rows, LANES, out) {
-                if !of_row.is_empty() {
-                    self.blend(field, row, &mut line);
-                    from_line(&self.taken, &line, (blocks, of_row), out);
-                }
-            }
-        });
+        rows.zip(memory.far.par_chunks_exact_mut(self.splines.line())).for_each(|(row, line)| repeat(row, line));
+        self.splines.interpolate(blocks, &memory.far, out);
     }
 
     /// `field` ← Iᵀ (K I `field` times the unit − `pressure`), with the stiffness K of the body and the transpose of
     /// [`interpolate`](Self::interpolate). K I has the waves of the coarse grid only.
     pub fn stiffen(&self, blocks: &Blocks, field: &mut [f32], pressure: &[f32], memory: &mut ScatteredMemory) {
         let ScatteredMemory { workspace, lines, sources, .. } = memory;
-        self.spread(blocks, pressure, sources, lines);
+        sources.take(blocks, pressure);
+        self.splines.spread(blocks, sources, lines);
         let (lines, columns) = (&*lines, self.coarse.grid().points()[1]);
         let source = |_: usize, Rows(field, _): Rows<&[f32]>, values: &mut [f32]| values.copy_from_slice(field);
         let less = |row: usize, values: &mut [f32], Rows(out, _): Rows<&mut [f32]>| {
-            self.gather(lines, row, out);
+            self.splines.gather(lines, row, out);
             out.iter_mut().zip(values).for_each(|(out, value)| *out = *value - *out);
         };
         fits(self.coarse.convolve_ahead(&self.stiffness, Rows(&*field, columns), source, workspace));
         fits(self.coarse.convolve_back(Rows(field, columns), less, workspace));
-    }
-
-    /// The length of a line: a row of the coarse grid, and what lies beyond its ends as far as blocks spread.
-    fn line(&self) -> usize {
-        self.coarse.grid().points()[1] + PADDED - LANES / COARSENING
-    }
-
-    /// The sources with these values, and what those of every row give to the coarse points of a line.
-    fn spread(&self, blocks: &Blocks, values: &[f32], sources: &mut Sources, lines: &mut Lines) {
-        sources.take(blocks, values);
-        let Lines { values, filled } = lines;
-        values.resize(self.line() * blocks.rows(), 0.0);
-        filled.resize(blocks.rows(), false);
-        let rows = values.par_chunks_exact_mut(self.line()).zip(filled).with_min_len(ROWS);
-        rows.enumerate().for_each(|(row, (line, filled))| {
-            let sources = sources.in_row(blocks, row);
-            *filled = !sources.is_empty();
-            if *filled {
-                to_line(&self.given, sources, line, self.coarse.grid().points()[1]);
-            }
-        });
-    }
-
-    /// Fills a row of the coarse grid with what the lines around it give.
-    fn gather(&self, lines: &Lines, row: usize, values: &mut [f32]) {
-        values.fill(0.0);
-        let [rows, columns] = self.coarse.grid().points();
-        for k in 0..ORDER {
-            let from = (row + rows + BEFORE - k) % rows * COARSENING;
-            let is_filled = |within: usize| lines.filled[from + within];
-            let Some(filled) = (0..COARSENING).find(|within| is_filled(*within)) else { continue };
-            let weights = from_fn(|within| if is_filled(within) { self.weights[within][k] } else { 0.0 });
-            let lines: [&[f32]; COARSENING] = from_fn(|within| {
-                let line = from + if is_filled(within) { within } else { filled };
-                &lines.values[line * self.line() + BEFORE..][..columns]
-            });
-            add_all(values, &weights, lines);
-        }
-    }
-
-    /// Fills a line with what the lines around a row of points give.
-    fn blend(&self, lines: &[f32], row: usize, line: &mut [f32]) {
-        line.fill(0.0);
-        let (rows, length) = (self.coarse.grid().points()[0], line.len());
-        let around: [&[f32]; ORDER] = from_fn(|k| {
-            let from = (row / COARSENING + rows + k - BEFORE) % rows;
-            &lines[from * length..(from + 1) * length]
-        });
-        add_all(line, &self.weights[row % COARSENING], around);
-    }
-}
-
-/// `line` ← `row`, continued periodically beyond its ends.
-fn repeat(row: &[f32], line: &mut [f32]) {
-    let columns = row.len();
-    line[BEFORE..BEFORE + columns].copy_from_slice(row);
-    line.copy_within(columns..columns + BEFORE, 0);
-    for i in BEFORE + columns..line.len() {
-        line[i] = line[i - columns];
-    }
-}
-
-/// Adds what a line has beyond the ends of its row of so many `columns` to the points of the row: the transpose of [`repeat`].
-fn fold(line: &mut [f32], columns: usize) {
-    for i in (BEFORE + columns..line.len()).rev() {
-        line[i - columns] += line[i];
-    }
-    for i in 0..BEFORE {
-        line[i + columns] += line[i];
-    }
-}
-
-/// `sum` ← `sum` + Σ weight row, for rows of its length.
-#[multiversion(targets = "simd")]
-fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K]) {
-    let rows = rows.map(|row| &row[..sum.len()]);
-    for (i, sum) in sum.iter_mut().enumerate() {
-        let terms = (0..K).map(|k| weights[k] * rows[k][i]);
-        *sum = terms.fold(*sum, |sum, term| sum + term);
-    }
-}
-
-/// `line` ← what the sources of a row give to its so many coarse points.
-#[multiversion(targets = "simd")]
-fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32], columns: usize) {
-    line.fill(0.0);
-    for source in sources {
-        let place = source.column() * (LANES / COARSENING);
-        let line: &mut [f32; PADDED] = line[place..].first_chunk_mut().expect("blocks of a row");
-        let mut sums = *line;
-        for (value, given) in source.values().into_iter().zip(given) {
-            sums.iter_mut().zip(given).for_each(|(sum, given)| *sum += value * given);
-        }
-        *line = sums;
-    }
-    fold(line, columns);
-}
-
-/// `out` ← what these blocks of a row take from the coarse points of its line.
-#[multiversion(targets = "simd")]
-fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
-    for (block, out) in of_row.zip(out.as_chunks_mut::<LANES>().0) {
-        let place = blocks.column(block) * (LANES / COARSENING);
-        let line: &[f32; SPREAD] = line[place..].first_chunk().expect("blocks of a row");
-        *out = [0.0; LANES];
-        for (value, taken) in line.iter().zip(taken) {
-            out.iter_mut().zip(taken).for_each(|(out, taken)| *out += value * taken);
-        }
     }
 }
 
@@ -362,14 +220,6 @@ impl ScatteredMemory {
     pub fn release(&mut self) {
         (self.far, self.lines, self.sources) = Default::default();
     }
-}
-
-/// What the sources of every row give to the coarse points of a line.
-#[derive(Debug, Default)]
-struct Lines {
-    values: Vec<f32>,
-    /// False for rows without sources, whose values are stale.
-    filled: Vec<bool>,
 }
 
 /// A table of the modes of the coarse grid with q_x ≥ 0, in which it is even. `of` gets the mode and the square of the part of it that
@@ -395,21 +245,6 @@ fn compliance_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
     let grid = response.grid();
     let index = grid.index_of(number).or_else(|| grid.index_of(number.map(|number| -number)));
     index.map_or(0.0, |index| response.compliance_at(index))
-}
-
-/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place` between 0 and 1.
-fn spline(place: f64) -> [f64; ORDER] {
-    // De Boor's recurrence for equidistant knots.
-    let mut values = [0.0; ORDER];
-    values[0] = 1.0;
-    for degree in 1..ORDER {
-        for k in (0..=degree).rev() {
-            let [own, before] = [values[k], if k > 0 { values[k - 1] } else { 0.0 }];
-            let behind = (degree - k) as f64;
-            values[k] = ((place + behind) * before + (1.0 - place + k as f64) * own) / degree as f64;
-        }
-    }
-    values
 }
 
 #[cfg(test)]
@@ -524,18 +359,6 @@ mod tests {
             let expected = stiffness * gfmd_vector::dot(&displacement, &displacement);
             let energy = gfmd_vector::dot(&field, &traction);
             assert!((energy / expected - 1.0).abs() < 1e-4, "{number}: {energy} {expected}");
-        }
-    }
-
-    #[test]
-    fn splines_are_parts_of_one_and_keep_their_centre() {
-        for place in [0.0, 0.25, 0.5, 0.9] {
-            let values = spline(place);
-            let [sum, centre] = [0, 1].map(|power| {
-                let terms = values.iter().enumerate();
-                terms.map(|(k, w)| w * (k as f64 + 1.0 - ORDER as f64 / 2.0).powi(power)).sum::<f64>()
-            });
-            assert!((sum - 1.0).abs() < 1e-14 && (centre - place).abs() < 1e-14, "{place}: {sum} {centre}");
         }
     }
 }

@@ -1,0 +1,211 @@
+//! B-splines, by which points spread to a coarse grid, and fields are interpolated from it (Essmann et al. 1995).
+
+use std::array::from_fn;
+use std::ops::Range;
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::sources::{Source, Sources};
+use super::{Blocks, COARSENING, LANES, ROWS};
+
+/// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
+pub(super) const ORDER: usize = 8;
+
+/// The number of coarse points along a row to which a block spreads, and the same with some to which it gives nothing: whole vectors.
+const SPREAD: usize = ORDER + LANES / COARSENING - 1;
+const PADDED: usize = SPREAD.next_multiple_of(LANES);
+
+/// The number of coarse points before the first one of a row to which its first block spreads.
+const BEFORE: usize = ORDER / 2 - 1;
+
+/// The splines between the points of blocks and a coarse grid. What they take and give along rows lies in lines: rows of the coarse grid,
+/// and what lies beyond their ends as far as blocks spread.
+#[derive(Debug)]
+pub(super) struct Splines {
+    /// The numbers of coarse points.
+    points: [usize; 2],
+    /// What a point at each of the places between two coarse points gives to those around it.
+    weights: [[f32; ORDER]; COARSENING],
+    /// The same for the lanes of a block and the coarse points around it: what a lane gives to them, and what each gives to the lanes.
+    given: [[f32; PADDED]; LANES],
+    taken: [[f32; LANES]; SPREAD],
+}
+
+/// What the sources of every row give to the coarse points of a line.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    values: Vec<f32>,
+    /// False for rows without sources, whose values are stale.
+    filled: Vec<bool>,
+}
+
+impl Splines {
+    /// For a coarse grid of so many points.
+    pub(super) fn new(points: [usize; 2]) -> Self {
+        let weights: [[f32; ORDER]; COARSENING] =
+            from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
+        let weight = |lane: usize, k: usize| {
+            let k = k.checked_sub(lane / COARSENING);
+            k.and_then(|k| weights[lane % COARSENING].get(k).copied()).unwrap_or(0.0)
+        };
+        Self {
+            points,
+            weights,
+            given: from_fn(|lane| from_fn(|k| weight(lane, k))),
+            taken: from_fn(|k| from_fn(|lane| weight(lane, k))),
+        }
+    }
+
+    /// The length of a line: a row of the coarse grid, and what lies beyond its ends as far as blocks spread.
+    pub(super) fn line(&self) -> usize {
+        self.points[1] + PADDED - LANES / COARSENING
+    }
+
+    /// Fills the lines with what the sources of every row of points give to coarse points.
+    pub(super) fn spread(&self, blocks: &Blocks, sources: &Sources, lines: &mut Lines) {
+        let Lines { values, filled } = lines;
+        values.resize(self.line() * blocks.rows(), 0.0);
+        filled.resize(blocks.rows(), false);
+        let rows = values.par_chunks_exact_mut(self.line()).zip(filled).with_min_len(ROWS);
+        rows.enumerate().for_each(|(row, (line, filled))| {
+            let sources = sources.in_row(blocks, row);
+            *filled = !sources.is_empty();
+            if *filled {
+                to_line(&self.given, sources, line, self.points[1]);
+            }
+        });
+    }
+
+    /// Fills a row of the coarse grid with what the lines around it give.
+    pub(super) fn gather(&self, lines: &Lines, row: usize, values: &mut [f32]) {
+        values.fill(0.0);
+        let [rows, columns] = self.points;
+        for k in 0..ORDER {
+            let from = (row + rows + BEFORE - k) % rows * COARSENING;
+            let is_filled = |within: usize| lines.filled[from + within];
+            let Some(filled) = (0..COARSENING).find(|within| is_filled(*within)) else { continue };
+            let weights = from_fn(|within| if is_filled(within) { self.weights[within][k] } else { 0.0 });
+            let lines: [&[f32]; COARSENING] = from_fn(|within| {
+                let line = from + if is_filled(within) { within } else { filled };
+                &lines.values[line * self.line() + BEFORE..][..columns]
+            });
+            add_all(values, &weights, lines);
+        }
+    }
+
+    /// `out` ← what is interpolated at the points of the blocks from the lines of a field on the coarse grid.
+    pub(super) fn interpolate(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
+        blocks.for_rows(LANES, out, &|rows, out| {
+            let mut line = vec![0.0; self.line()];
+            for (row, of_row, out) in blocks.by_row(rows, LANES, out) {
+                if !of_row.is_empty() {
+                    self.blend(field, row, &mut line);
+                    from_line(&self.taken, &line, (blocks, of_row), out);
+                }
+            }
+        });
+    }
+
+    /// Fills a line with what the lines around a row of points give.
+    fn blend(&self, lines: &[f32], row: usize, line: &mut [f32]) {
+        line.fill(0.0);
+        let (rows, length) = (self.points[0], line.len());
+        let around: [&[f32]; ORDER] = from_fn(|k| {
+            let from = (row / COARSENING + rows + k - BEFORE) % rows;
+            &lines[from * length..(from + 1) * length]
+        });
+        add_all(line, &self.weights[row % COARSENING], around);
+    }
+}
+
+/// `line` ← `row`, continued periodically beyond its ends.
+pub(super) fn repeat(row: &[f32], line: &mut [f32]) {
+    let columns = row.len();
+    line[BEFORE..BEFORE + columns].copy_from_slice(row);
+    line.copy_within(columns..columns + BEFORE, 0);
+    for i in BEFORE + columns..line.len() {
+        line[i] = line[i - columns];
+    }
+}
+
+/// Adds what a line has beyond the ends of its row of so many `columns` to the points of the row: the transpose of [`repeat`].
+fn fold(line: &mut [f32], columns: usize) {
+    for i in (BEFORE + columns..line.len()).rev() {
+        line[i - columns] += line[i];
+    }
+    for i in 0..BEFORE {
+        line[i + columns] += line[i];
+    }
+}
+
+/// `sum` ← `sum` + Σ weight row, for rows of its length.
+#[multiversion(targets = "simd")]
+fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K]) {
+    let rows = rows.map(|row| &row[..sum.len()]);
+    for (i, sum) in sum.iter_mut().enumerate() {
+        let terms = (0..K).map(|k| weights[k] * rows[k][i]);
+        *sum = terms.fold(*sum, |sum, term| sum + term);
+    }
+}
+
+/// `line` ← what the sources of a row give to its so many coarse points.
+#[multiversion(targets = "simd")]
+fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32], columns: usize) {
+    line.fill(0.0);
+    for source in sources {
+        let place = source.column() * (LANES / COARSENING);
+        let line: &mut [f32; PADDED] = line[place..].first_chunk_mut().expect("blocks of a row");
+        let mut sums = *line;
+        for (value, given) in source.values().into_iter().zip(given) {
+            sums.iter_mut().zip(given).for_each(|(sum, given)| *sum += value * given);
+        }
+        *line = sums;
+    }
+    fold(line, columns);
+}
+
+/// `out` ← what these blocks of a row take from the coarse points of its line.
+#[multiversion(targets = "simd")]
+fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
+    for (block, out) in of_row.zip(out.as_chunks_mut::<LANES>().0) {
+        let place = blocks.column(block) * (LANES / COARSENING);
+        let line: &[f32; SPREAD] = line[place..].first_chunk().expect("blocks of a row");
+        *out = [0.0; LANES];
+        for (value, taken) in line.iter().zip(taken) {
+            out.iter_mut().zip(taken).for_each(|(out, taken)| *out += value * taken);
+        }
+    }
+}
+
+/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place` between 0 and 1.
+fn spline(place: f64) -> [f64; ORDER] {
+    // De Boor's recurrence for equidistant knots.
+    let mut values = [0.0; ORDER];
+    values[0] = 1.0;
+    for degree in 1..ORDER {
+        for k in (0..=degree).rev() {
+            let [own, before] = [values[k], if k > 0 { values[k - 1] } else { 0.0 }];
+            let behind = (degree - k) as f64;
+            values[k] = ((place + behind) * before + (1.0 - place + k as f64) * own) / degree as f64;
+        }
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splines_are_parts_of_one_and_keep_their_centre() {
+        for place in [0.0, 0.25, 0.5, 0.9] {
+            let values = spline(place);
+            let [sum, centre] = [0, 1].map(|power| {
+                let terms = values.iter().enumerate();
+                terms.map(|(k, w)| w * (k as f64 + 1.0 - ORDER as f64 / 2.0).powi(power)).sum::<f64>()
+            });
+            assert!((sum - 1.0).abs() < 1e-14 && (centre - place).abs() < 1e-14, "{place}: {sum} {centre}");
+        }
+    }
+}
