@@ -392,15 +392,10 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// The lowest value; NaN if any is NaN.
+/// [`gfmd_vector::lowest`], by vectors.
 #[multiversion(targets = "simd")]
 fn lowest(values: &[f64]) -> f64 {
-    let (blocks, rest) = values.as_chunks::<LANES>();
-    let mut least = [f64::INFINITY; LANES];
-    for block in blocks {
-        least.iter_mut().zip(block).for_each(|(least, value)| *least = lower(*least, *value));
-    }
-    least.iter().chain(rest).copied().fold(f64::INFINITY, lower)
+    gfmd_vector::lowest(values)
 }
 
 impl Preconditioned for Candidates<'_> {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Parcel, Share, lower, reduce};
+use gfmd_vector::{Parcel, Share, lower, lowest, reduce};
 use multiversion::multiversion;
 
 use super::active::{Flags, is_idle};
@@ -162,7 +162,11 @@ type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>, Flags<'a>);
 
 /// The sums over a stretch after a step; `own` makes the gradient less the multiplier.
 #[multiversion(targets = "simd")]
-pub(super) fn measure<G: Float, F: Fn(G) -> f64>(view: View, own: F, stretch: Stretch<'_, G>) -> Sums {
+pub(super) fn measure<G: Copy + PartialOrd + From<f32>, F: Fn(G) -> f64>(
+    view: View,
+    own: F,
+    stretch: Stretch<'_, G>,
+) -> Sums {
     let (gradient, x, step, upper, flags) = stretch;
     let mut sums = Sums::EMPTY;
     let blocks = gradient.chunks(BLOCK).zip(x.chunks(BLOCK)).zip(step.chunks(BLOCK));
@@ -232,30 +236,6 @@ pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -
     sums
 }
 
-/// A number of single or double precision.
-pub(super) trait Float: Copy + PartialOrd {
-    const INFINITY: Self;
-}
-
-impl Float for f32 {
-    const INFINITY: Self = Self::INFINITY;
-}
-
-impl Float for f64 {
-    const INFINITY: Self = Self::INFINITY;
-}
-
-/// The lowest value; NaN if any is NaN.
-#[inline(always)]
-fn lowest<T: Float>(values: &[T]) -> T {
-    let mut lanes = [T::INFINITY; 8];
-    let (wide, rest) = values.as_chunks::<8>();
-    for values in wide {
-        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = lower(*lane, *value));
-    }
-    lanes.iter().chain(rest).fold(T::INFINITY, |lowest, value| lower(lowest, *value))
-}
-
 #[cfg(test)]
 mod tests {
     use std::hint::black_box;
@@ -282,16 +262,5 @@ mod tests {
             let all = sums.map(|sum| black_box(sum[0] + sum[1]) + black_box(sum[2] + sum[3]));
             assert_eq!([products, squares], all, "{length}");
         }
-    }
-
-    #[test]
-    fn the_lowest_value_is_nan_if_one_is() {
-        let mut values = [3.0_f32; BLOCK];
-        values[37] = -2.0;
-        assert_eq!(lowest(&values), -2.0);
-        values[11] = f32::NAN;
-        assert!(lowest(&values).is_nan());
-        values[37] = 3.0;
-        assert!(lowest(&values).is_nan() && lowest(&values[12..]) == 3.0);
     }
 }
