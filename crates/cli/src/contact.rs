@@ -256,12 +256,6 @@ impl Prepared {
         }
         args.check_components(&body)?;
         args.check_dynamics()?;
-        // The statistics of loads that are kept are measured again.
-        if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
-            && fields.pressure_and_gap().is_none()
-        {
-            return Err(Failure::value("--fields", fields, "with pressure and gap for --statistics with --resume"));
-        }
         args.check_lower()?;
         let surface = args.source.bounded(args.boundary, session)?;
         let lower = args.lower.read(&args.source, &surface, session)?;
@@ -275,9 +269,20 @@ impl Prepared {
             let needs = match missing {
                 "plastic_depth" => "--hardness",
                 "displacement_x" | "displacement_y" => "--components all or --finite-slope (a profile has no y)",
+                "repulsion" => {
+                    "a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure"
+                }
                 _ => "--lower-surface or --lower-seed",
             };
             return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
+        }
+        // The statistics of loads that are kept are measured again.
+        let recording = args.recording(&surface);
+        if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
+            && fields.contact_and_gap(recording).is_none()
+        {
+            let needed = format!("with {} and gap for --statistics with --resume", recording.repulsion());
+            return Err(Failure::value("--fields", fields, needed));
         }
         args.trace.tracer(&surface.grid, args.axes(&surface))?;
         if args.flow_threshold {
@@ -519,6 +524,7 @@ impl Args {
     fn recording(&self, surface: &Surface) -> Recording {
         Recording {
             with_law: self.law.law != Kind::HardWall,
+            has_wall: self.law.law.has_wall(),
             boundary: surface.boundary,
             is_plastic: self.hardness.is_some(),
             is_steep: self.finite_slope,

@@ -9,15 +9,17 @@ use crate::failure::Failure;
 
 mod columns;
 mod recorded;
+mod undefined;
 
 pub use columns::{
     FLOW, FORCE, LATERAL_TRACTION, LAW_SCALARS, LOWER, PLASTIC_SCALARS, Recording, SCALARS, SECONDS, SLOPE_SCALARS,
     STATISTICS, STIFFNESS, columns,
 };
 pub use recorded::{Recorded, Stiff};
+pub use undefined::Undefined;
 
 /// The scalars of one load. Units: those of the input (stress, length).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct LoadRecord {
     pub mean_pressure: f64,
@@ -69,6 +71,9 @@ pub struct LoadRecord {
     /// Of the lower face of a slab between two surfaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lower: Option<LowerRecord>,
+    /// The reasons why columns have no value.
+    #[serde(default, skip_serializing_if = "Undefined::is_empty")]
+    pub undefined: Undefined,
     #[serde(flatten)]
     pub law: Option<LawRecord>,
 }
@@ -226,7 +231,7 @@ impl LoadRecord {
     /// # Errors
     /// The name and the value of such a number.
     pub fn check(&self, index: usize) -> Result<(), Failure> {
-        let undefined = |name: &str| self.law.is_some() && name.starts_with("kappa");
+        let undefined = |name: &str| self.law.is_some() && name.starts_with("kappa") || self.undefined.has(name);
         match SCALARS.iter().find(|column| !(column.value)(self).is_finite() && !undefined(column.name)) {
             Some(column) if self.converged => Err(Failure::Computation(format!(
                 "load {index}: {} is {}; it must be finite, which other units of stress or length make it",
@@ -278,6 +283,7 @@ impl LoadRecord {
             conductance: None,
             flow: None,
             lower: None,
+            undefined: Undefined::default(),
             law: None,
         }
     }

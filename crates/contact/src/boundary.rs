@@ -1,6 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use gfmd_measure::Surroundings;
+
 /// The surroundings of the surface of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Boundary {
@@ -21,6 +23,14 @@ impl Boundary {
         match self {
             Self::Periodic => "periodic",
             Self::Free => "free",
+        }
+    }
+
+    /// The surroundings of fields on the surface.
+    pub fn surroundings(self) -> Surroundings {
+        match self {
+            Self::Periodic => Surroundings::Repeats,
+            Self::Free => Surroundings::Ends,
         }
     }
 

@@ -2,6 +2,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share};
+use gfmd_measure::Surroundings;
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
 use gfmd_vector::{for_each, reduce};
@@ -95,6 +96,11 @@ impl RigidSurface {
     #[must_use]
     pub fn alone(self) -> Self {
         Self { repeats: false, rms_gradient: OnceLock::new(), ..self }
+    }
+
+    /// The surroundings of the fields on the surface.
+    pub fn surroundings(&self) -> Surroundings {
+        if self.repeats { Surroundings::Repeats } else { Surroundings::Ends }
     }
 
     /// The surface with `depth` added to its clearance. Its rms height and gradient stay.

@@ -127,7 +127,8 @@ impl Fields for Solution {
 
     fn summary_in(&self, scales: &Scales) -> Summary {
         let Self { pressure, displacement, gap, mean_pressure, surface, .. } = self;
-        Summary::over(surface.share(), [pressure, displacement, gap].map(|field| field.view()), *mean_pressure, scales)
+        let fields = [pressure, displacement, gap].map(|field| field.view());
+        Summary::over(surface.share(), fields, *mean_pressure, scales, surface.surroundings())
     }
 }
 

@@ -151,7 +151,8 @@ impl Fields for State {
     /// over pressure has no meaning then.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
-        let summary = Summary::of(repulsion.view(), self.displacement_z(), self.gap(), self.mean_pressure, scales);
+        let (displacement, gap, surroundings) = (self.displacement_z(), self.gap(), self.surface.surroundings());
+        let summary = Summary::of(repulsion.view(), displacement, gap, self.mean_pressure, scales, surroundings);
         let is_pressed = self.mean_pressure > LEAST_LOAD * summary.max_pressure;
         Summary {
             kappa: if is_pressed { summary.kappa } else { f64::NAN },

@@ -98,6 +98,11 @@ impl Kind {
         }
     }
 
+    /// True if the surfaces of the law cannot penetrate each other ([`Law::has_wall`]).
+    pub fn has_wall(self) -> bool {
+        matches!(self, Self::HardWall | Self::Exponential | Self::Dugdale)
+    }
+
     /// The parameters, in the order of [`Kind::with`].
     pub fn parameters(self) -> &'static [Parameter] {
         match self {

@@ -1,12 +1,15 @@
 use gfmd_vector::Share;
 use ndarray::ArrayView2;
 
+use crate::Surroundings;
+
 /// The part of the surface in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactArea {
     /// The number of points with a pressure above zero.
     pub nodes: usize,
-    /// The number of pairs of neighbours (along x and y, periodic) of which exactly one is in contact.
+    /// The number of pairs of neighbours (along x and y) of which exactly one is in contact. Points at opposite edges are
+    /// neighbours in a field that repeats, and only there.
     pub boundary_links: usize,
     /// The fraction of points in contact.
     pub fraction: f64,
@@ -14,32 +17,43 @@ pub struct ContactArea {
     ///
     /// Yastrebov et al. (2017): A = A_pixels − (π − 1 + ln 2)/24 · S a, with S the length of the pixel edges between
     /// contact and non-contact and a the spacing; for rectangular pixels S a is the sum of the pixel areas over the
-    /// boundary links. Never below zero. No correction is known for a line contact (one point along y), where it equals
-    /// `fraction`.
+    /// boundary links. The edge of a field that ends is no part of S: a contact that reaches it ends there exactly. Never
+    /// below zero. No correction is known for a line contact (one point along y), where it equals `fraction`.
     pub corrected_fraction: f64,
 }
 
-/// Counts the contact of a `[x, y]` pressure field.
-pub fn contact_area(pressure: ArrayView2<f64>) -> ContactArea {
+/// Counts the contact of a `[x, y]` pressure field with these surroundings.
+pub fn contact_area(pressure: ArrayView2<f64>, surroundings: Surroundings) -> ContactArea {
     let (rows, columns) = pressure.dim();
     let pressure = pressure.as_standard_layout();
-    contact_area_over(&Share::whole(rows, columns), columns, pressure.as_slice().unwrap_or_default())
+    contact_area_over(&Share::whole(rows, columns), columns, pressure.as_slice().unwrap_or_default(), surroundings)
 }
 
 /// Counts the contact of a pressure field of which each process has its rows of so many `columns`.
-pub(crate) fn contact_area_over(share: &Share, columns: usize, points: &[f64]) -> ContactArea {
+pub(crate) fn contact_area_over(
+    share: &Share,
+    columns: usize,
+    points: &[f64],
+    surroundings: Surroundings,
+) -> ContactArea {
     let rows = || points.chunks_exact(columns.max(1));
+    let is_last = share.rows().end == share.all_rows().iter().map(|rows| rows.end).max().unwrap_or(0);
     let after = match (rows().next(), rows().last()) {
         (Some(first), Some(last)) => {
             let [_, after] = share.beside(first, last);
-            after
+            // Pairs of a row with itself are no links.
+            if is_last && surroundings == Surroundings::Ends { last.to_vec() } else { after }
         }
         _ => Vec::new(),
+    };
+    let around = |row: &[f64]| match surroundings {
+        Surroundings::Repeats => links(&row[..1], &row[columns - 1..]),
+        Surroundings::Ends => 0,
     };
     let (mut nodes, mut boundary_links) = (0, 0);
     for (row, next) in rows().zip(rows().skip(1).chain([&after[..]])) {
         nodes += row.iter().map(|p| u64::from(*p > 0.0)).sum::<u64>();
-        boundary_links += links(row, next) + links(&row[1..], row) + links(&row[..1], &row[columns - 1..]);
+        boundary_links += links(row, next) + links(&row[1..], row) + around(row);
     }
     let counts = share.each([nodes, boundary_links]);
     let [nodes, boundary_links] = [0, 1].map(|which| counts.iter().map(|counts| counts[which]).sum::<u64>());
@@ -58,6 +72,8 @@ fn links(here: &[f64], there: &[f64]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Patches;
+    use Surroundings::{Ends, Repeats};
     use ndarray::Array2;
 
     #[test]
@@ -69,7 +85,7 @@ mod tests {
             })
         };
         let n = 512;
-        let area = contact_area(disc(n, 0.3).view());
+        let area = contact_area(disc(n, 0.3).view(), Repeats);
         // The pixel perimeter of a disc is 8 r, not 2 π r.
         assert!((area.boundary_links as f64 / n as f64 - 8.0 * 0.3).abs() < 4.0 / n as f64);
         let ring = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0 / n as f64;
@@ -79,7 +95,7 @@ mod tests {
     #[test]
     fn full_and_empty_contact_have_no_boundary() {
         for value in [0.0, 1.0] {
-            let area = contact_area(Array2::from_elem((5, 7), value).view());
+            let area = contact_area(Array2::from_elem((5, 7), value).view(), Repeats);
             assert_eq!((area.boundary_links, area.corrected_fraction, area.fraction), (0, value, value));
         }
     }
@@ -88,10 +104,11 @@ mod tests {
     fn a_transposed_field_has_the_same_contact() {
         let field = Array2::from_shape_fn((5, 7), |(i, j)| (0.9 * i as f64 + 0.4 * (j * j) as f64).sin());
         let copied = Array2::from_shape_fn((7, 5), |(j, i)| field[[i, j]]);
-        assert_eq!(contact_area(field.t()), contact_area(copied.view()));
-        assert_eq!(contact_area(field.t()).boundary_links, contact_area(field.view()).boundary_links);
+        assert_eq!(contact_area(field.t(), Repeats), contact_area(copied.view(), Repeats));
+        assert_eq!(contact_area(field.t(), Repeats).boundary_links, contact_area(field.view(), Repeats).boundary_links);
         assert_eq!(
-            contact_area(Array2::zeros((0, 3)).view()).nodes + contact_area(Array2::zeros((3, 0)).view()).nodes,
+            contact_area(Array2::zeros((0, 3)).view(), Repeats).nodes
+                + contact_area(Array2::zeros((3, 0)).view(), Repeats).nodes,
             0
         );
     }
@@ -100,16 +117,43 @@ mod tests {
     fn links_wrap_around() {
         let mut p = Array2::zeros((4, 6));
         p[[0, 0]] = 1.0;
-        assert_eq!(contact_area(p.view()).boundary_links, 4);
+        assert_eq!(contact_area(p.view(), Repeats).boundary_links, 4);
         p[[3, 0]] = 1.0;
-        assert_eq!(contact_area(p.view()).boundary_links, 6);
+        assert_eq!(contact_area(p.view(), Repeats).boundary_links, 6);
+    }
+
+    #[test]
+    fn no_link_crosses_the_seam_of_a_field_that_ends_and_patches_have_the_same_links() {
+        let mut random = 1_u64;
+        for (rows, columns) in [(7, 9), (1, 6), (6, 1), (2, 2), (12, 5)] {
+            let p = Array2::from_shape_fn((rows, columns), |_| {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                f64::from(random >> 62 != 0)
+            });
+            let differ = |a: [usize; 2], b: [usize; 2]| u64::from((p[a] > 0.0) != (p[b] > 0.0));
+            let (mut inside, mut seam) = (0, 0);
+            for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+                for ([a, b], ends) in [([i + 1, j], i + 1 == rows), ([i, j + 1], j + 1 == columns)] {
+                    let links = differ([i, j], [a % rows, b % columns]);
+                    if ends { seam += links } else { inside += links }
+                }
+            }
+            let links = |surroundings| contact_area(p.view(), surroundings).boundary_links as u64;
+            assert_eq!((links(Ends), links(Repeats)), (inside, inside + seam));
+            for surroundings in [Ends, Repeats] {
+                let patches = Patches::of(p.mapv(|p| p > 0.0).view(), surroundings).patches;
+                let of_patches = patches.iter().map(|patch| patch.links.iter().sum::<u64>()).sum::<u64>();
+                // Two neighbours along an axis of two points that repeats are linked twice.
+                assert_eq!(of_patches, links(surroundings), "{rows} x {columns}, {surroundings:?}");
+            }
+        }
     }
 
     #[test]
     fn a_line_contact_is_not_corrected() {
         let mut p = Array2::zeros((8, 1));
         p[[2, 0]] = 1.0;
-        let area = contact_area(p.view());
+        let area = contact_area(p.view(), Repeats);
         assert_eq!((area.boundary_links, area.corrected_fraction), (2, 0.125));
     }
 }

@@ -4,11 +4,11 @@
 //! from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! ```
-//! use gfmd_measure::{contact_area, kappa, theory};
+//! use gfmd_measure::{Surroundings, contact_area, kappa, theory};
 //! use ndarray::array;
 //!
 //! let pressure = array![[0.0, 0.0, 0.0, 0.0], [0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
-//! let area = contact_area(pressure.view());
+//! let area = contact_area(pressure.view(), Surroundings::Repeats);
 //! assert_eq!(area.nodes, 2);
 //! assert_eq!(area.fraction, 2.0 / 16.0);
 //! assert_eq!(area.boundary_links, 6);

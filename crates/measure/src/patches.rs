@@ -15,7 +15,7 @@ pub struct Patch {
     /// Number of points.
     pub points: u64,
     /// Pairs of neighbours along x of which one belongs to the patch and one to none, and the same along y. The edge of a field
-    /// that ends counts.
+    /// that ends has none, so that the links of all patches are those of [`contact_area`](crate::contact_area).
     pub links: [u64; 2],
     /// Mean of the indices of its points, within the field; along an axis around which the patch winds it is NaN.
     pub centre: [f64; 2],
@@ -82,8 +82,8 @@ impl Patches {
                     let leaves = if step == 1 { index + 1 == n } else { index == 0 };
                     let mut beside = [i, j];
                     beside[axis] = (index + step) % n;
-                    let alone = if leaves && surroundings == Surroundings::Ends { true } else { labels[beside] == 0 };
-                    patches[number].links[axis] += u64::from(alone && n > 1);
+                    let is_edge = leaves && surroundings == Surroundings::Ends;
+                    patches[number].links[axis] += u64::from(!is_edge && labels[beside] == 0);
                 }
             }
         }
@@ -278,7 +278,7 @@ mod tests {
         let full = Patches::of(Array2::from_elem((3, 5), true).view(), Surroundings::Repeats);
         assert_eq!((full.largest(), full.percolate(), full.patches[0].links), (15, [true; 2], [0; 2]));
         let alone = Patches::of(Array2::from_elem((3, 5), true).view(), Surroundings::Ends);
-        assert_eq!((alone.percolate(), alone.patches[0].links), ([true; 2], [10, 6]));
+        assert_eq!((alone.percolate(), alone.patches[0].links), ([true; 2], [0; 2]));
         let empty = Patches::of(Array2::from_elem((3, 5), false).view(), Surroundings::Repeats);
         assert_eq!((empty.largest(), empty.percolate()), (0, [false; 2]));
         let line = found(&["#", "#", ".", "#"], Surroundings::Repeats);
@@ -291,7 +291,7 @@ mod tests {
             (0.7 * i as f64 + (0.5 * j as f64).cos()).sin() + (1.3 * j as f64).sin() > 0.4
         });
         let pressure = field.mapv(|touches| if touches { 2.0 } else { 0.0 });
-        let area = crate::contact_area(pressure.view());
+        let area = crate::contact_area(pressure.view(), Surroundings::Repeats);
         let patches = Patches::of(field.view(), Surroundings::Repeats);
         assert_eq!(
             patches.patches.iter().map(|patch| patch.links[0] + patch.links[1]).sum::<u64>(),

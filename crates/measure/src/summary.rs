@@ -3,7 +3,7 @@ use ndarray::ArrayView2;
 
 use crate::area::contact_area_over;
 use crate::pressure::{InContact, elastic_energy_over};
-use crate::{kappa, reduced_pressure};
+use crate::{Surroundings, kappa, reduced_pressure};
 
 /// The scales of reduced quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Summary {
     pub kappa_corrected: f64,
     /// Number of points in contact.
     pub contact_nodes: u64,
-    /// Neighbouring pairs with one point in contact and one not.
+    /// Neighbouring pairs with one point in contact and one not; none across the edge of a field that ends.
     pub boundary_links: u64,
     /// Mean distance between the surfaces, in length.
     pub mean_gap: f64,
@@ -56,18 +56,26 @@ impl Summary {
         gap: ArrayView2<f64>,
         mean_pressure: f64,
         scales: &Scales,
+        surroundings: Surroundings,
     ) -> Self {
         let (rows, columns) = pressure.dim();
-        Self::over(&Share::whole(rows, columns), [pressure, displacement_z, gap], mean_pressure, scales)
+        let fields = [pressure, displacement_z, gap];
+        Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, surroundings)
     }
 
     /// As [`of`](Self::of), for `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All
     /// processes get the summary that one would make of the whole fields.
-    pub fn over(share: &Share, fields: [ArrayView2<f64>; 3], mean_pressure: f64, scales: &Scales) -> Self {
+    pub fn over(
+        share: &Share,
+        fields: [ArrayView2<f64>; 3],
+        mean_pressure: f64,
+        scales: &Scales,
+        surroundings: Surroundings,
+    ) -> Self {
         let columns = fields[0].ncols();
         let fields = fields.each_ref().map(|field| field.as_standard_layout());
         let [pressure, displacement_z, gap] = fields.each_ref().map(|field| field.as_slice().unwrap_or_default());
-        let area = contact_area_over(share, columns, pressure);
+        let area = contact_area_over(share, columns, pressure, surroundings);
         let contact = InContact::of(share, pressure);
         let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);
         Self {
@@ -90,7 +98,7 @@ impl Summary {
 }
 
 /// A scalar of `T` as a variable of a table or a file.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Column<T> {
     /// Name of the variable.
     pub name: &'static str,
@@ -101,6 +109,14 @@ pub struct Column<T> {
     /// The value.
     pub value: fn(&T) -> f64,
 }
+
+impl<T> Clone for Column<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Column<T> {}
 
 impl<T> Column<T> {
     /// A column of the table.

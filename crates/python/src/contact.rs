@@ -222,6 +222,12 @@ impl State {
         this.get().rest.lower().map(|fields| fields.map(|field| lent(&this, &field)))
     }
 
+    /// The pressure of the wall of a law that has one, without a copy.
+    #[getter]
+    fn repulsion(this: Bound<'_, Self>) -> Option<Array<'_>> {
+        this.get().rest.repulsion().map(|field| lent(&this, &field))
+    }
+
     /// The plastic depth of a contact with a hardness, without a copy.
     #[getter]
     fn plastic_depth(this: Bound<'_, Self>) -> Option<Array<'_>> {

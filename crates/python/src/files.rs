@@ -19,7 +19,8 @@ use crate::surface::grid;
 use crate::worker::quick;
 
 /// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth, with all
-/// components or finite slopes also u_x and u_y, between two surfaces also pressure, displacement and gap of the lower face.
+/// components or finite slopes also u_x and u_y, between two surfaces also pressure, displacement and gap of the lower face,
+/// with a law that has a wall also its pressure.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
 /// A surface: heights, lengths, unit, description.
@@ -72,8 +73,11 @@ pub(crate) fn save(
         let others = 3 + usize::from(is_plastic) + if is_squeezed { 3 } else { 0 };
         let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(others));
         let is_steep = records.iter().any(|record| record.mean_shear.is_some());
-        let recording =
-            Recording { is_plastic, is_steep, lateral, is_squeezed, ..Recording::plain(with_law, boundary) };
+        // Beside a law there is no further field but the pressure of its wall.
+        let has_wall = !with_law || lateral > 0;
+        let lateral = if with_law { 0 } else { lateral };
+        let plain = Recording::plain(with_law, boundary);
+        let recording = Recording { has_wall, is_plastic, is_steep, lateral, is_squeezed, ..plain };
         let provenance = session.provenance(config);
         let mut file =
             ContactFile::create(Some(&output), &provenance, &surface, records.len(), recording, Chosen::ALL)?;

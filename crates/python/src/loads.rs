@@ -29,7 +29,7 @@ enum Kindred {
     Full(FullContact),
     Steep(SteepContact),
     Squeezed(SqueezedContact),
-    Law(Interface),
+    Law(Interface, Kind),
 }
 
 /// What a contact has beside its surface and its body.
@@ -58,8 +58,8 @@ enum Reached {
     Steep(Box<SteepSolution>),
     /// A state between two surfaces, and u_z of the lower face.
     Squeezed(Box<SqueezedSolution>, Array2<f64>),
-    /// A state with a law, and the pressure that follows from its traction.
-    Law(Box<State>, Array2<f64>),
+    /// A state with a law, the pressure that follows from its traction, and the pressure of the wall if there is one.
+    Law(Box<State>, Array2<f64>, Option<Array2<f64>>),
 }
 
 impl Rest {
@@ -87,6 +87,15 @@ impl Rest {
         Some([solution.lower.pressure.view(), displacement.view(), solution.lower.gap.view()])
     }
 
+    /// The pressure of the wall of a law that has one.
+    pub(crate) fn repulsion(&self) -> Option<ArrayView2<'_, f64>> {
+        if let Reached::Law(_, _, repulsion) = &self.reached {
+            repulsion.as_ref().map(|field| field.view())
+        } else {
+            None
+        }
+    }
+
     /// The lateral displacement, if it was unknown.
     pub(crate) fn lateral(&self) -> &[Array2<f64>] {
         match &self.reached {
@@ -105,7 +114,7 @@ impl Rest {
             Reached::Squeezed(solution, _) => {
                 [solution.upper.pressure.view(), solution.displacement_z(), solution.gap()]
             }
-            Reached::Law(state, pressure) => [pressure.view(), state.displacement_z(), state.gap()],
+            Reached::Law(state, pressure, _) => [pressure.view(), state.displacement_z(), state.gap()],
         }
     }
 }
@@ -127,9 +136,13 @@ fn squeezed(solution: SqueezedSolution) -> Reached {
     Reached::Squeezed(Box::new(solution), displacement)
 }
 
-fn with_pressure(state: State) -> Reached {
-    let pressure = state.pressure().into_owned();
-    Reached::Law(Box::new(state), pressure)
+/// A state with a law, of which `kind` tells whether it has a wall.
+fn with_law(kind: Kind) -> impl FnOnce(State) -> Reached {
+    move |state| {
+        let pressure = state.pressure().into_owned();
+        let repulsion = kind.has_wall().then(|| state.repulsion().into_owned());
+        Reached::Law(Box::new(state), pressure, repulsion)
+    }
 }
 
 impl Loads {
@@ -159,14 +172,14 @@ impl Loads {
                 Boundary::Periodic => Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?,
                 Boundary::Free => Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?,
             };
-            Kindred::Law(interface)
+            Kindred::Law(interface, kind)
         };
         let allowed = match &contact {
             Kindred::Wall(contact) => contact.solvers(),
             Kindred::Full(contact) => contact.solvers(),
             Kindred::Steep(contact) => contact.solvers(),
             Kindred::Squeezed(contact) => contact.solvers(),
-            Kindred::Law(interface) => interface.solvers(),
+            Kindred::Law(interface, _) => interface.solvers(),
         };
         if !allowed.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed });
@@ -176,7 +189,7 @@ impl Loads {
 
     /// The remark that single points jump on this grid, if the law is too steep for it.
     pub(crate) fn trapping(&self) -> Option<String> {
-        if let Kindred::Law(interface) = &self.contact {
+        if let Kindred::Law(interface, _) = &self.contact {
             interface.trapping().map(|told| told.to_string())
         } else {
             None
@@ -221,10 +234,10 @@ impl Loads {
                 let start = if let Some(Reached::Squeezed(start, _)) = last { Some(&**start) } else { None };
                 self.rested((contact, squeezed), load, (budget, scales), start, watch)
             }
-            Kindred::Law(interface) => {
-                let start = if let Some(Reached::Law(start, _)) = last { Some(&**start) } else { None };
+            Kindred::Law(interface, kind) => {
+                let start = if let Some(Reached::Law(start, ..)) = last { Some(&**start) } else { None };
                 let (mut rest, failure) =
-                    self.rested((interface, with_pressure), load, (budget, scales), start, watch)?;
+                    self.rested((interface, with_law(*kind)), load, (budget, scales), start, watch)?;
                 rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid());
                 Ok((rest, failure))
             }
@@ -298,9 +311,9 @@ impl Loads {
                 let solution = contact.certify([kept.pressure, lower], load).map_err(refuse)?;
                 Ok(Rest::of(solution, squeezed, scales, f64::INFINITY, 0.0))
             }
-            Kindred::Law(interface) => {
+            Kindred::Law(interface, kind) => {
                 let state = interface.recall(kept).map_err(refuse)?;
-                Ok(Rest::of(state, with_pressure, scales, f64::INFINITY, 0.0))
+                Ok(Rest::of(state, with_law(*kind), scales, f64::INFINITY, 0.0))
             }
         }
     }

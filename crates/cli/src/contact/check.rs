@@ -15,7 +15,7 @@ use super::{Args, Prepared, Unknown};
 use crate::base::MovedBase;
 use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
 use crate::failure::Failure;
-use crate::load::{FlowRecord, LoadRecord, Recorded, Recording, columns};
+use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::session::Session;
 use crate::source::Surface;
 
@@ -189,26 +189,30 @@ impl Checked<'_> {
                 ("/fields/lower_gap", lower.gap.iter().copied().collect()),
             ]
         });
-        let all = fields.iter().chain(&depth).chain(&lateral).chain(lower.iter().flatten());
+        let repulsion = ("/fields/repulsion", state.repulsion().iter().copied().collect());
+        let repulsion = recording.attracts_at_wall().then_some(repulsion);
+        let all = fields.iter().chain(&depth).chain(&lateral).chain(lower.iter().flatten()).chain(&repulsion);
         for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
         let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
-        let mut record = record.stiff(stiffness.filter(|_| record.converged));
+        let is_solved = record.converged;
+        let mut record = record.stiff(stiffness.filter(|_| is_solved));
         if recording.statistics || recording.flow {
             // From the fields of the file: a number that rounding moves to another bin would be a difference.
             let stored = |name: &str, made: ArrayView2<f64>| {
                 if reader.contains(&format!("/fields/{name}")) { self.field(name, index) } else { Ok(made.to_owned()) }
             };
-            let repulsion = stored("pressure", state.pressure().view())?.mapv(|p| p.max(0.0));
+            let repulsion = stored(recording.repulsion(), state.repulsion().view())?.mapv(|p| p.max(0.0));
             let gap = stored("gap", state.gap())?;
             if recording.statistics {
                 let modulus = self.unknown.conducting(scales.contact_modulus);
                 self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);
             }
             if recording.flow {
-                let found = through(surface, repulsion.view(), gap.view(), record.mean_gap);
-                record.flow = found.as_ref().ok().map(FlowRecord::from);
+                if let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap) {
+                    record.set_flow(&found);
+                }
             }
         }
         for Column { name, value, .. } in

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gfmd_files::contiguous;
 use gfmd_measure::theory::{ElastoplasticArea, persson_pressure};
 use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
-use ndarray::Array2;
+use ndarray::ArrayView2;
 
 use super::Report;
 use super::series::Gathered;
@@ -103,7 +103,7 @@ pub(super) fn measured(
     prefix: &Path,
     report: &Report,
     surface: &Surface,
-    pressure: &Array2<f64>,
+    repulsion: &ArrayView2<f64>,
     gathered: &Gathered,
     variance: f64,
 ) -> Result<Vec<PathBuf>, Failure> {
@@ -119,7 +119,7 @@ pub(super) fn measured(
         return Ok(files);
     }
     if !grid.is_line() {
-        let found = patches(surface, pressure.view());
+        let found = patches(surface, *repulsion);
         // Neighbours in the order of their numbers get distant colours, by steps of the golden section.
         let colour =
             |label: &u32| if *label == 0 { 0.0 } else { 0.05 + 0.95 * (f64::from(*label) * 0.618_033_988_75).fract() };
@@ -141,7 +141,8 @@ pub(super) fn measured(
         let positive = bins.filter(|(_, density)| **density > 0.0);
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
         pressures.push(Series::line(&label(load), hue, densities));
-        if report.hardness.is_none() {
+        // The theory is one of elastic bodies that do not attract each other.
+        if report.hardness.is_none() && report.loads[load].law.is_none() {
             let mean = report.loads[load].mean_pressure;
             let density = |p: &f64| (p / scale, persson_pressure(*p, mean, variance) * scale);
             let theory: Vec<_> = found.pressure.middles.iter().map(density).filter(|(_, p)| *p > 1e-6).collect();

@@ -19,7 +19,7 @@ use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
-use crate::load::{LoadRecord, Recorded, Recording, columns};
+use crate::load::{LoadRecord, Recorded, Recording, Undefined, columns};
 use crate::lower;
 use crate::rows;
 use crate::source::Surface;
@@ -36,7 +36,7 @@ pub struct ContactFile<'a> {
 }
 
 /// The fields of a load: path, units, meaning.
-const FIELDS: [(&str, &str, &str); 9] = [
+const FIELDS: [(&str, &str, &str); 10] = [
     ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
     ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
     ("/fields/gap", "length", "distance between the surfaces"),
@@ -46,6 +46,7 @@ const FIELDS: [(&str, &str, &str); 9] = [
     ("/fields/lower_pressure", "stress", "pressure on the lower face of the slab"),
     ("/fields/lower_displacement_z", "length", "normal displacement of the lower face of the slab, positive upwards"),
     ("/fields/lower_gap", "length", "distance between the lower face of the slab and the lower surface"),
+    ("/fields/repulsion", "stress", "pressure of the wall, without the attraction; positive at the points in contact"),
 ];
 
 /// The number of fields.
@@ -69,7 +70,13 @@ impl Recording {
     /// The fields that the loads have.
     fn fields(self) -> [bool; COUNT] {
         let Self { is_plastic, lateral, is_squeezed, .. } = self;
-        [true, true, true, is_plastic, lateral > 0, lateral > 1, is_squeezed, is_squeezed, is_squeezed]
+        let attracts = self.attracts_at_wall();
+        [true, true, true, is_plastic, lateral > 0, lateral > 1, is_squeezed, is_squeezed, is_squeezed, attracts]
+    }
+
+    /// The name of the field whose positive values are those of the points in contact.
+    pub(super) fn repulsion(self) -> &'static str {
+        if self.attracts_at_wall() { "repulsion" } else { "pressure" }
     }
 }
 
@@ -84,10 +91,12 @@ impl Chosen {
         fields.find(|(_, (named, has))| *named && !has).map(|(name, _)| name)
     }
 
-    /// The places of pressure and gap among the chosen fields, if both are.
-    pub(super) fn pressure_and_gap(&self) -> Option<[usize; 2]> {
-        let place = |field: usize| self.of(0..COUNT).position(|chosen| chosen == field);
-        Some([place(0)?, place(2)?])
+    /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
+    pub(super) fn contact_and_gap(&self, recording: Recording) -> Option<[usize; 2]> {
+        let place = |wanted: &str| {
+            written(recording, self).position(|(path, ..)| path.trim_start_matches("/fields/") == wanted)
+        };
+        Some([place(recording.repulsion())?, place("gap")?])
     }
 
     /// The chosen ones of the items, one for each field.
@@ -98,6 +107,7 @@ impl Chosen {
     /// The chosen ones of the fields that a state has, in the order of the file.
     pub(super) fn fields<'s>(
         &self,
+        recording: Recording,
         state: &'s impl Recorded,
         lift: Option<&Array2<f64>>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
@@ -114,7 +124,8 @@ impl Chosen {
             }
             None => [const { None }; 3],
         };
-        self.of(normal.into_iter().chain(lower)).flatten().collect()
+        let repulsion = recording.attracts_at_wall().then(|| state.repulsion());
+        self.of(normal.into_iter().chain(lower).chain([repulsion])).flatten().collect()
     }
 }
 
@@ -160,7 +171,7 @@ pub(super) struct Field<'s> {
 
 /// All fields of a state; a base that moves adds `lift` to the displacement.
 pub(super) fn fields<'s>(recording: Recording, state: &'s impl Recorded, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
-    let all = written(recording, &Chosen::ALL).zip(Chosen::ALL.fields(state, lift));
+    let all = written(recording, &Chosen::ALL).zip(Chosen::ALL.fields(recording, state, lift));
     let named =
         all.map(|((path, units, _), values)| Field { name: path.trim_start_matches("/fields/"), units, values });
     named.collect()
@@ -234,7 +245,7 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&mut self, index: usize, state: &impl Recorded, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
-        self.write_fields(index, self.chosen.fields(state, lift))
+        self.write_fields(index, self.chosen.fields(self.recording, state, lift))
     }
 
     /// As [`write`](Self::write), from the values of the fields row by row.
@@ -303,7 +314,11 @@ impl<'a> ContactFile<'a> {
         let load = Dimension::index("load", count, "load step");
         for Column { name, units, long_name, value } in columns(self.recording) {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
-            archive.write(&format!("/loads/{name}"), &Variable { dimensions: &[&load], units, long_name }, &values)?;
+            let path = format!("/loads/{name}");
+            archive.write(&path, &Variable { dimensions: &[&load], units, long_name }, &values)?;
+            if let Some(reason) = Undefined::of_column(loads, name) {
+                archive.attribute(&path, "undefined", &*reason)?;
+            }
         }
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         Ok(Some(archive.finish()?))

@@ -18,7 +18,7 @@ use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
 use crate::figures::{Face, Scene, Shown, rough};
-use crate::load::{FlowRecord, LoadRecord, Recorded, Stiff};
+use crate::load::{LoadRecord, Recorded, Stiff};
 use crate::progress::Progress;
 use crate::resume::{Kept, Part};
 use crate::session::Session;
@@ -124,10 +124,10 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             let stiffness = self.stiffness(index, &state, stopped.is_some());
             let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
             record.seconds = started.elapsed().as_secs_f64();
-            self.gather(index, &state.pressure().view(), &state.gap(), &mut record, &mut gathered, true)?;
+            self.gather(index, &state.repulsion().view(), &state.gap(), &mut record, &mut gathered, true)?;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
             record.check(index)?;
-            report.loads.push(record);
+            report.loads.push(record.clone());
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
                 unmet.tell("load");
@@ -144,7 +144,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             // The file of a series that is complete follows at once.
             let is_last = index + 1 == controls.len() && !args.flow_threshold;
             if let (Some(kept), false) = (&mut kept, is_last) {
-                let fields = chosen.fields(&state, lift);
+                let fields = chosen.fields(recording, &state, lift);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&Part { text: record.to_toml()?, fields });
                 kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
@@ -218,8 +218,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         let mut files = figures::draw(prefix, report, &scenes, variance)?;
-        let pressure = state.pressure().mapv(|p| p.max(0.0));
-        files.extend(figures::measured(prefix, report, surface, &pressure, gathered, variance)?);
+        files.extend(figures::measured(prefix, report, surface, &state.repulsion().view(), gathered, variance)?);
         Ok(files)
     }
 
@@ -238,7 +237,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     fn gather(
         &self,
         index: usize,
-        pressure: &ArrayView2<f64>,
+        repulsion: &ArrayView2<f64>,
         gap: &ArrayView2<f64>,
         record: &mut LoadRecord,
         gathered: &mut Gathered,
@@ -247,13 +246,13 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let Self { prepared: Prepared { surface, body, .. }, args, session, .. } = *self;
         if args.statistics || (args.flow && is_new) {
             // In contact are the points that are repelled.
-            let pressure = pressure.mapv(|p| p.max(0.0));
+            let repulsion = repulsion.mapv(|p| p.max(0.0));
             if args.statistics {
                 let e_star = args.components.conducting(body.contact_modulus());
-                gathered.loads.push(Measured::of(surface, pressure.view(), *gap, e_star, record)?);
+                gathered.loads.push(Measured::of(surface, repulsion.view(), *gap, e_star, record)?);
             }
             if args.flow && is_new {
-                let found = match through(surface, pressure.view(), *gap, record.mean_gap) {
+                let found = match through(surface, repulsion.view(), *gap, record.mean_gap) {
                     Err(FlowError::NotConverged { state, .. }) => {
                         session
                             .warn("flow", format!("load {index}: the residual of the flow is {:.1e}", state.residual));
@@ -263,7 +262,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                         found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
                     }
                 };
-                record.flow = Some(FlowRecord::from(&found));
+                record.set_flow(&found);
                 gathered.flow = Some(found);
             }
         }
@@ -280,16 +279,17 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         progress: &Progress,
     ) -> Result<Option<E::State>, Failure> {
         let shape = self.prepared.surface.grid.points();
-        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).pressure_and_gap();
+        let recording = self.args.recording(&self.prepared.surface);
+        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).contact_and_gap(recording);
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
             let mut record: LoadRecord =
                 toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
-            if let Some([pressure, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
+            if let Some([repulsion, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
                 let field = |values| ArrayView2::from_shape(shape, values);
                 let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
-                let (pressure, gap) = (field(pressure).map_err(unusable)?, field(gap).map_err(unusable)?);
-                self.gather(index, &pressure, &gap, &mut record, gathered, false)?;
+                let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
+                self.gather(index, &repulsion, &gap, &mut record, gathered, false)?;
             }
             report.loads.push(record);
             file.write_values(index, &fields)?;

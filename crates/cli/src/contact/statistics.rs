@@ -4,7 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Transform};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_flow::{Flow, FlowError, flow};
-use gfmd_measure::{Distribution, Patches, Surroundings, density_over_decades};
+use gfmd_measure::{Distribution, Patches, density_over_decades};
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
@@ -41,21 +41,14 @@ struct Spectra {
     correlation: [Vec<f64>; 2],
 }
 
-/// What lies beyond the edges of a field with a boundary.
-pub(super) fn surroundings(boundary: Boundary) -> Surroundings {
-    match boundary {
-        Boundary::Periodic => Surroundings::Repeats,
-        Boundary::Free => Surroundings::Ends,
-    }
-}
-
-/// The patches of the points with a positive pressure.
-pub(super) fn patches(surface: &Surface, pressure: ArrayView2<f64>) -> Patches {
-    Patches::of(pressure.mapv(|p| p > 0.0).view(), surroundings(surface.boundary))
+/// The patches of the points that are repelled.
+pub(super) fn patches(surface: &Surface, repulsion: ArrayView2<f64>) -> Patches {
+    Patches::of(repulsion.mapv(|p| p > 0.0).view(), surface.boundary.surroundings())
 }
 
 impl Measured {
-    /// Measures the fields of a load and completes its record.
+    /// Measures the fields of a load and completes its record. The `pressure` is the repulsive part alone, which is zero out
+    /// of contact.
     ///
     /// # Errors
     /// Fields that do not fit the grid.
@@ -119,27 +112,42 @@ fn spectra(grid: &Grid, pressure: ArrayView2<f64>) -> Result<Spectra, Failure> {
     Ok(Spectra { radial, correlation: [along_x, (0..=ny / 2).map(|j| relative(j % ny)).collect()] })
 }
 
-/// The flow through the gap, relative to a uniform gap equal to the mean gap.
+/// The flow through the gap, relative to a uniform gap equal to the mean gap; `repulsion` is the pressure that is zero out of
+/// contact. Soft surfaces may overlap so far that their mean gap is not positive: the flow is then relative to a uniform gap
+/// equal to the largest one, and has no meaning but that of the paths that it takes.
 ///
 /// # Errors
 /// A flow that cannot be computed.
 pub(super) fn through(
     surface: &Surface,
-    pressure: ArrayView2<f64>,
+    repulsion: ArrayView2<f64>,
     gap: ArrayView2<f64>,
     mean_gap: f64,
 ) -> Result<Flow, FlowError> {
+    let scale = if mean_gap > 0.0 { mean_gap } else { gap.fold(f64::MIN_POSITIVE, |largest, gap| largest.max(*gap)) };
     let mut cubes = Array2::zeros(gap.dim());
-    Zip::from(&mut cubes).and(gap).and(pressure).for_each(|cube, gap, p| {
-        *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / mean_gap).powi(3) };
+    Zip::from(&mut cubes).and(gap).and(repulsion).for_each(|cube, gap, p| {
+        *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / scale).powi(3) };
     });
-    flow(&surface.grid, cubes.view(), surroundings(surface.boundary))
+    flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
 }
 
-impl From<&Flow> for FlowRecord {
-    fn from(flow: &Flow) -> Self {
-        let Flow { conductivity, percolates, residual, .. } = *flow;
-        Self { conductivity, percolates, residual }
+/// The columns of the flow that are relative to the mean gap.
+const RELATIVE: [&str; 4] = ["flow_xx", "flow_xy", "flow_yx", "flow_yy"];
+
+impl LoadRecord {
+    /// Records the flow through the gap.
+    pub(super) fn set_flow(&mut self, flow: &Flow) {
+        let Flow { mut conductivity, percolates, residual, .. } = *flow;
+        if self.mean_gap <= 0.0 {
+            conductivity = [[f64::NAN; 2]; 2];
+            let reason = format!(
+                "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
+                self.mean_gap
+            );
+            RELATIVE.iter().for_each(|name| self.undefined.insert(name, &*reason));
+        }
+        self.flow = Some(FlowRecord { conductivity, percolates, residual });
     }
 }
 
@@ -207,7 +215,11 @@ pub(super) fn write(archive: &mut Archive, surface: &Surface, loads: &[Measured]
         let (dimensions, units, long_name): (&[&Dimension], _, _) = match path {
             "/patches/load" => (&per_patch, "1", "load step to which the patch belongs"),
             "/patches/area" => (&per_patch, "length^2", "area: number of points times that of a cell"),
-            "/patches/perimeter" => (&per_patch, "length", "length of the edges of the cells between contact and none"),
+            "/patches/perimeter" => (
+                &per_patch,
+                "length",
+                "length of the edges between points in contact and points not in contact; the edge of a patch with free boundaries has no part in it",
+            ),
             "/patches/force" => (&per_patch, "stress*length^2", "force on the patch"),
             "/patches/x" => {
                 (&per_patch, unit, "x of the centre of area; NaN if the patch winds around the cell along x")

@@ -1,10 +1,12 @@
 //! The report of a contact in words and numbers.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use gfmd_contact::Boundary;
 
 use super::{Report, Unknown};
+use crate::load::Undefined;
 use crate::session::list_files;
 
 impl fmt::Display for Report {
@@ -87,6 +89,12 @@ impl fmt::Display for Report {
         }
         self.lower_face(f)?;
         self.statistics(f)?;
+        let names: BTreeSet<&str> =
+            self.loads.iter().flat_map(|load| load.undefined.iter()).map(|(name, _)| name).collect();
+        for name in names {
+            let reason = Undefined::of_column(&self.loads, name).unwrap_or_default();
+            writeln!(f, "no {name}: {reason}")?;
+        }
         list_files(f, self.vtk.as_deref(), &[])?;
         list_files(f, self.out.as_deref(), &self.plots)
     }

@@ -6,7 +6,6 @@ use gfmd_law::Kind;
 use gfmd_measure::{Patches, Scales};
 use serde::Serialize;
 
-use super::statistics::surroundings;
 use super::watching::Watching;
 use super::{Args, Series};
 use crate::convergence::History;
@@ -134,7 +133,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         let record = LoadRecord::measure(&state, scales, budget.tolerance, 0.0);
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
-        let open = Patches::of(conducting.view(), surroundings(surface.boundary)).percolate();
+        let open = Patches::of(conducting.view(), surface.boundary.surroundings()).percolate();
         progress.advance(
             0.0,
             &format!("threshold of the flow: p* {:.4e}, area {:.4}", record.p_star, record.area_fraction),

@@ -288,6 +288,8 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
 pub struct Recording {
     /// True if a law acts across the gap.
     pub with_law: bool,
+    /// True if the surfaces cannot penetrate each other, with a law and without one.
+    pub has_wall: bool,
     /// The surroundings of the surface.
     pub boundary: Boundary,
     /// True with a hardness.
@@ -309,6 +311,7 @@ impl Recording {
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
         Self {
             with_law,
+            has_wall: !with_law,
             boundary,
             is_plastic: false,
             is_steep: false,
@@ -318,12 +321,17 @@ impl Recording {
             is_squeezed: false,
         }
     }
+
+    /// True if a wall carries the repulsion beside an attraction, so that the pressure does not tell the points in contact.
+    pub fn attracts_at_wall(self) -> bool {
+        self.with_law && self.has_wall
+    }
 }
 
 /// The scalars of a load in a file. Names and units are common to all contacts; the meanings depend on the interaction
 /// between the surfaces.
 pub fn columns(kind: Recording) -> Vec<Column<LoadRecord>> {
-    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow, lateral, is_squeezed } = kind;
+    let Recording { with_law, boundary, is_plastic, is_steep, statistics, flow, lateral, is_squeezed, .. } = kind;
     let mut columns: Vec<Column<LoadRecord>> = SCALARS.iter().chain(STIFFNESS).chain([&SECONDS]).copied().collect();
     if boundary == Boundary::Free {
         columns.push(FORCE);

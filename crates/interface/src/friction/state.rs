@@ -134,7 +134,8 @@ impl Fields for FrictionState {
 
     fn summary_in(&self, scales: &Scales) -> Summary {
         let pressure = self.pressure();
-        let summary = Summary::of(pressure.view(), self.displacement_z(), self.gap(), self.mean_pressure, scales);
+        let (displacement, gap, surroundings) = (self.displacement_z(), self.gap(), self.surface.surroundings());
+        let summary = Summary::of(pressure.view(), displacement, gap, self.mean_pressure, scales, surroundings);
         Summary { elastic_energy: self.elastic_energy, ..summary }
     }
 }

@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 # The fields of every contact, in the order of a file.
 FIELDS = ("pressure", "displacement_z", "gap")
 
-# Further fields, in the order of a file: those of a contact with a hardness, with lateral components, with a surface below.
+# Further fields, in the order of a file: those of a contact with a hardness, with lateral components, with a surface below, with a
+# law that has a wall.
 LATERAL = ("displacement_x", "displacement_y")
 LOWER = ("lower_pressure", "lower_displacement_z", "lower_gap")
-OTHERS = ("plastic_depth", *LATERAL, *LOWER)
+REPULSION = "repulsion"
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
 
 
@@ -212,6 +213,13 @@ class Contact(Record):
         return self._others.get("plastic_depth")
 
     @property
+    def repulsion(self) -> Array:
+        """Repulsive part of the pressure [x, y], stress: what the wall carries under the attraction of a law that has one, elsewhere the
+        positive part of the pressure. Read-only."""
+        own = self._others.get(REPULSION)
+        return frozen(np.maximum(self._pressure, 0.0)) if own is None else own
+
+    @property
     def lower_pressure(self) -> Optional[Array]:
         """Pressure on the lower face of the slab [x, y], stress; None without a lower surface. Read-only."""
         return self._others.get("lower_pressure")
@@ -246,8 +254,8 @@ class Contact(Record):
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
-        """The points with positive pressure [x, y]."""
-        return np.asarray(self._pressure > 0.0)
+        """The points in contact [x, y]: those that are repelled, as `area_fraction` counts them."""
+        return np.asarray(self.repulsion > 0.0)
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.

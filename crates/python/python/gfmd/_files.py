@@ -12,7 +12,7 @@ import numpy as np
 from . import _check, _gfmd
 from ._body import Body, Law
 from ._check import Array
-from ._contact import LATERAL, LOWER, Contact, Contacts, Settings
+from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
 from ._errors import InputError
 from ._record import Record, Residual
 from ._surface import Surface, _surface
@@ -181,6 +181,11 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     lateral = LATERAL[: 1 if surface.n[1] == 1 else 2] if components == "all" or finite_slope else ()
     further = (*(() if hardness is None else ("plastic_depth",)), *lateral, *(LOWER if between else ()))
     others = {field: _gfmd.read_array(name, f"/fields/{field}") for field in further}
+    if law.name != "hard-wall":
+        try:
+            others[REPULSION] = _gfmd.read_array(name, f"/fields/{REPULSION}")
+        except InputError:  # a law without a wall, or a file of an earlier version
+            pass
     told = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")))
     settings = Settings(*told, hardness, components, finite_slope, lower)
     control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))

@@ -12,7 +12,7 @@ from . import _gfmd
 from ._body import Body, Law, as_body, as_law
 from ._check import flag, integer, number, numbers, word
 from ._command import body_flags
-from ._contact import LATERAL, LOWER, Contact, Contacts, Settings
+from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
 from ._record import Record, Residual, parsed, without_null
@@ -143,6 +143,8 @@ class _Setup:
         settings = Settings(self.solver, self.tolerance, self.boundary, self.hardness, self.components, self.finite_slope, self.lower_surface, load)
         others = dict(zip(LATERAL, state.lateral)) if state.plastic_depth is None else {"plastic_depth": state.plastic_depth}
         others.update(zip(LOWER, state.lower or ()))
+        if state.repulsion is not None:
+            others[REPULSION] = state.repulsion
         contact = Contact(without_null(values), parts, (pressure, displacement, gap), settings, state, others)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised

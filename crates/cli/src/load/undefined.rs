@@ -1,0 +1,55 @@
+//! The reasons why columns of a load have no value.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::LoadRecord;
+
+/// The columns of a load that have no value (null in JSON, NaN in HDF5), by name, each with its reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Undefined(BTreeMap<String, String>);
+
+impl Undefined {
+    /// True if every column has a value.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// True if the column has no value.
+    pub fn has(&self, column: &str) -> bool {
+        self.0.contains_key(column)
+    }
+
+    /// The names of the columns, each with its reason.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(column, reason)| (&**column, &**reason))
+    }
+
+    /// Gives the reason why a column has no value.
+    pub fn insert(&mut self, column: &str, reason: impl Into<String>) {
+        self.0.insert(column.into(), reason.into());
+    }
+
+    /// The reason for one column of several loads: the attribute `undefined` of its dataset. A reason that does not hold
+    /// for all loads begins with their indices.
+    pub fn of_column(loads: &[LoadRecord], column: &str) -> Option<String> {
+        let mut reasons: Vec<(&str, Vec<usize>)> = Vec::new();
+        for (index, load) in loads.iter().enumerate() {
+            let Some(reason) = load.undefined.0.get(column) else { continue };
+            match reasons.iter_mut().find(|(known, _)| known == reason) {
+                Some((_, indices)) => indices.push(index),
+                None => reasons.push((reason, vec![index])),
+            }
+        }
+        let text = |(reason, indices): &(&str, Vec<usize>)| match indices.len() {
+            all if all == loads.len() => (*reason).to_owned(),
+            count => {
+                let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
+                format!("{} {}: {reason}", if count == 1 { "load" } else { "loads" }, indices.join(", "))
+            }
+        };
+        (!reasons.is_empty()).then(|| reasons.iter().map(text).collect::<Vec<_>>().join("; "))
+    }
+}
