@@ -25,6 +25,7 @@ pub mod choice;
 pub mod contact;
 pub mod convergence;
 pub mod damping;
+mod digits;
 pub mod dynamics;
 pub mod elastic;
 pub mod failure;

@@ -126,6 +126,10 @@ pub struct PatchRecord {
 #[expect(missing_docs, reason = "`FLOW` has the meanings, once for code and files")]
 pub struct FlowRecord {
     pub conductivity: [[f64; 2]; 2],
+    /// NaN off the diagonal, here and below.
+    pub conductivity_limit: [[f64; 2]; 2],
+    pub conductivity_limit_error: [[f64; 2]; 2],
+    pub conductivity_grid_error: [[f64; 2]; 2],
     pub percolates: [bool; 2],
     pub residual: f64,
 }

@@ -22,6 +22,7 @@
 
 mod area;
 mod distribution;
+mod grid_error;
 mod long_waves;
 mod patches;
 mod pressure;
@@ -32,6 +33,7 @@ pub mod theory;
 
 pub use area::{ContactArea, contact_area};
 pub use distribution::{Distribution, density_over_decades};
+pub use grid_error::{GridLimit, NoLimit};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use patches::{Patch, Patches, Surroundings};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};

@@ -10,7 +10,7 @@ use gfmd_measure::{Column, Scales};
 use gfmd_response::FullResponse;
 use ndarray::{Array2, ArrayView2};
 
-use super::statistics::{Measured, Stored, arrays, through};
+use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
 use super::{Args, Prepared, Unknown};
 use crate::base::MovedBase;
 use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
@@ -65,6 +65,7 @@ pub(crate) fn check(
         tolerance,
         recording,
         unknown: args.components,
+        not_calibrated: not_calibrated(&args, surface),
         measured: Vec::new(),
     };
     if args.finite_slope {
@@ -128,6 +129,8 @@ struct Checked<'a> {
     tolerance: f64,
     recording: Recording,
     unknown: Unknown,
+    /// The reason why the error of the grid is not known.
+    not_calibrated: Option<String>,
     /// The statistics of the loads so far, from the fields of the file.
     measured: Vec<Measured>,
 }
@@ -211,7 +214,7 @@ impl Checked<'_> {
             }
             if recording.flow {
                 if let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap) {
-                    record.set_flow(&found);
+                    record.set_flow(&found, surface.grid.len(), self.not_calibrated.as_deref());
                 }
             }
         }

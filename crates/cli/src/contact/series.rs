@@ -11,7 +11,7 @@ use ndarray::ArrayView2;
 
 use super::file::{Chosen, ContactFile};
 use super::report::Report;
-use super::statistics::{Measured, through};
+use super::statistics::{Measured, not_calibrated, through};
 use super::watching::Watching;
 use super::whole::Whole;
 use super::{Args, Prepared, figures, file};
@@ -262,7 +262,8 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
                         found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
                     }
                 };
-                record.set_flow(&found);
+                let not_calibrated = not_calibrated(args, surface);
+                record.set_flow(&found, surface.grid.len(), not_calibrated.as_deref());
                 gathered.flow = Some(found);
             }
         }

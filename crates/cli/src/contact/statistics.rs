@@ -4,10 +4,14 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Transform};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_flow::{Flow, FlowError, flow};
-use gfmd_measure::{Distribution, Patches, density_over_decades};
+use gfmd_green::Height;
+use gfmd_law::Kind;
+use gfmd_measure::{Distribution, GridLimit, Patches, density_over_decades};
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
+use super::{Args, Unknown};
+use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::load::{FlowRecord, LoadRecord, PatchRecord};
 use crate::source::Surface;
@@ -135,9 +139,38 @@ pub(super) fn through(
 /// The columns of the flow that are relative to the mean gap.
 const RELATIVE: [&str; 4] = ["flow_xx", "flow_xy", "flow_yx", "flow_yy"];
 
+/// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
+const UNRESOLVED: f64 = 0.01;
+
+/// The reason why the error of the grid is not known for this kind of contact; `None` if it is.
+pub(super) fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
+    let BodyArgs { height, others, .. } = &args.body;
+    let is_half_space = *height == Height::Infinite && others.layer.is_empty() && others.second_body.is_none();
+    let other = [
+        ("a law", args.law.law != Kind::HardWall),
+        ("a hardness", args.hardness.is_some()),
+        ("free boundaries", surface.boundary == Boundary::Free),
+        ("further unknown components", args.components != Unknown::Normal),
+        ("finite slopes", args.finite_slope),
+        ("a body that is no half-space", !is_half_space),
+    ];
+    if let Some((name, _)) = other.into_iter().find(|(_, is_so)| *is_so) {
+        return Some(format!("the error of the grid was measured for a hard wall on half-spaces, not with {name}"));
+    }
+    let spectrum = PowerSpectrum::of(&surface.heights, &surface.grid).ok()?;
+    let short = spectrum.short_waves();
+    (short > UNRESOLVED).then(|| {
+        format!(
+            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
+            100.0 * short
+        )
+    })
+}
+
 impl LoadRecord {
-    /// Records the flow through the gap.
-    pub(super) fn set_flow(&mut self, flow: &Flow) {
+    /// Records the flow through the gap of so many `points`, with the error of the grid unless there is a reason why it is
+    /// not known.
+    pub(super) fn set_flow(&mut self, flow: &Flow, points: usize, not_calibrated: Option<&str>) {
         let Flow { mut conductivity, percolates, residual, .. } = *flow;
         if self.mean_gap <= 0.0 {
             conductivity = [[f64::NAN; 2]; 2];
@@ -147,7 +180,35 @@ impl LoadRecord {
             );
             RELATIVE.iter().for_each(|name| self.undefined.insert(name, &*reason));
         }
-        self.flow = Some(FlowRecord { conductivity, percolates, residual });
+        let [mut limit, mut limit_error, mut grid_error] = [[[f64::NAN; 2]; 2]; 3];
+        for (axis, name) in ["flow_xx", "flow_yy"].into_iter().enumerate() {
+            let value = conductivity[axis][axis];
+            let found = match not_calibrated {
+                Some(reason) => Err(reason.to_owned()),
+                None => GridLimit::of_flow(value, self.contact_nodes, self.boundary_links, points)
+                    .map_err(|reason| reason.to_string()),
+            };
+            match found {
+                Ok(found) => {
+                    limit[axis][axis] = found.limit;
+                    limit_error[axis][axis] = found.half_width;
+                    grid_error[axis][axis] = found.error_of(value);
+                }
+                Err(reason) => {
+                    for kind in ["limit", "limit_error", "grid_error"] {
+                        self.undefined.insert(&format!("{name}_{kind}"), &*reason);
+                    }
+                }
+            }
+        }
+        self.flow = Some(FlowRecord {
+            conductivity,
+            conductivity_limit: limit,
+            conductivity_limit_error: limit_error,
+            conductivity_grid_error: grid_error,
+            percolates,
+            residual,
+        });
     }
 }
 

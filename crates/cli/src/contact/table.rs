@@ -6,6 +6,7 @@ use std::fmt;
 use gfmd_contact::Boundary;
 
 use super::{Report, Unknown};
+use crate::digits::uncertain;
 use crate::load::Undefined;
 use crate::session::list_files;
 
@@ -152,14 +153,21 @@ impl Report {
             )?;
         }
         if self.loads.iter().any(|load| load.flow.is_some()) {
-            let head = ["flow xx", "flow yy", "flow xy"];
-            writeln!(f, "\n{:>11} {:>11} {:>11} {:>11} {:>10}", "p*", head[0], head[1], head[2], "percolate")?;
+            let [xx, yy, xy] = ["flow xx", "flow yy", "flow xy"];
+            let limit = "fine grid";
+            writeln!(f, "\n{:>11} {xx:>8} {limit:>12} {yy:>8} {limit:>12} {xy:>8} {:>10}", "p*", "percolate")?;
         }
         for load in &self.loads {
             let Some(flow) = load.flow else { continue };
             let [[xx, xy], [_, yy]] = flow.conductivity;
-            let through = yes(flow.percolates);
-            writeln!(f, "{:>11.4e} {xx:>11.4e} {yy:>11.4e} {xy:>11.4e} {through:>10}", load.p_star)?;
+            let limit =
+                |axis: usize| uncertain(flow.conductivity_limit[axis][axis], flow.conductivity_limit_error[axis][axis]);
+            let ([along_x, along_y], through) = ([0, 1].map(limit), yes(flow.percolates));
+            writeln!(
+                f,
+                "{:>11.4e} {xx:>8.1e} {along_x:>12} {yy:>8.1e} {along_y:>12} {xy:>8.1e} {through:>10}",
+                load.p_star
+            )?;
         }
         for (axis, found) in ["x", "y"].iter().zip(self.flow_threshold.iter().flatten()) {
             match found {

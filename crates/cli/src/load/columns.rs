@@ -3,7 +3,7 @@
 use gfmd_contact::Boundary;
 use gfmd_measure::Column;
 
-use super::LoadRecord;
+use super::{FlowRecord, LoadRecord};
 
 /// Appends the scale of stress to the meaning of a residual that is a stress.
 macro_rules! per_stress {
@@ -114,6 +114,11 @@ pub const STATISTICS: &[Column<LoadRecord>] = &[
     ),
 ];
 
+/// A number of the flow along an axis.
+fn along(load: &LoadRecord, axis: usize, of: fn(&FlowRecord) -> [[f64; 2]; 2]) -> f64 {
+    load.flow.map_or(f64::NAN, |flow| of(&flow)[axis][axis])
+}
+
 /// The scalars of the flow through the gap.
 pub const FLOW: &[Column<LoadRecord>] = &[
     Column::new(
@@ -130,6 +135,28 @@ pub const FLOW: &[Column<LoadRecord>] = &[
     }),
     Column::new("flow_yy", "1", "the same along y by a gradient along y", |r| {
         r.flow.map_or(f64::NAN, |flow| flow.conductivity[1][1])
+    }),
+    Column::new(
+        "flow_xx_limit",
+        "1",
+        "estimate of flow_xx on an infinitely fine grid (grids of the same surface; hard wall on half-spaces only)",
+        |r| along(r, 0, |flow| flow.conductivity_limit),
+    ),
+    Column::new("flow_xx_limit_error", "1", "95 % of the errors of flow_xx_limit are smaller", |r| {
+        along(r, 0, |flow| flow.conductivity_limit_error)
+    }),
+    Column::new(
+        "flow_xx_grid_error",
+        "1",
+        "error of flow_xx by the finite grid: |flow_xx - limit| + limit_error",
+        |r| along(r, 0, |flow| flow.conductivity_grid_error),
+    ),
+    Column::new("flow_yy_limit", "1", "as flow_xx_limit, along y", |r| along(r, 1, |flow| flow.conductivity_limit)),
+    Column::new("flow_yy_limit_error", "1", "as flow_xx_limit_error, along y", |r| {
+        along(r, 1, |flow| flow.conductivity_limit_error)
+    }),
+    Column::new("flow_yy_grid_error", "1", "as flow_xx_grid_error, along y", |r| {
+        along(r, 1, |flow| flow.conductivity_grid_error)
     }),
     Column::new("flow_percolates_x", "1", "1 if the gap lets a fluid through along x", |r| {
         flag(r.flow.map(|flow| flow.percolates), 0)
