@@ -386,9 +386,12 @@ impl Prepared {
         }
         let interface =
             Interface::bounded(args.boundary, body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
-        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
+        let adhesion = self.adhesion(args);
+        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
+        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
+            session.warn("process-zone", unresolved);
         }
         let start = || self.after_longer_ranges(args, heights, session);
         self.press(&interface, interface.surface(), args, Some(&start), session)

@@ -318,6 +318,8 @@ impl Problem {
             advice.map_or(Ok(()), |advice| advice.tell(coarse))?;
             if let Some(trapping) = loads.trapping() {
                 tracing::warn!("{trapping}");
+            } else if let Some(unresolved) = advice.and_then(|advice| advice.unresolved()) {
+                tracing::warn!("{unresolved}");
             }
         }
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };

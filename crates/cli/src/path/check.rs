@@ -44,7 +44,7 @@ pub(crate) fn check(
     flags.extend(words(config, &beside_fields(reader))?);
     let args: Args = parsed(&flags)?;
     let prepared = Prepared::new(&args, session)?;
-    let columns = scalars(prepared.is_plastic()).map(|scalar| {
+    let columns = scalars(prepared.is_plastic(), false).map(|scalar| {
         let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
         Ok((scalar.name, values))
     });
@@ -120,8 +120,8 @@ impl StateCheck<'_> {
                 let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
                 comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), 0.0);
                 self.displacement(waypoint, &state, comparison)?;
-                let mut record = state.record(&problem.reading(&state), &Step::default(), args.tol);
-                record.p_star = record.mean_pressure / self.stress();
+                let record =
+                    state.record(&self.prepared.scales(), &problem.reading(&state), &Step::default(), args.tol);
                 self.scalars(&record, comparison, stored);
                 Ok(())
             }
@@ -134,8 +134,7 @@ impl StateCheck<'_> {
                 comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
                 self.displacement(waypoint, &state, comparison)?;
                 let reading = interface.reading(&state);
-                let mut record = state.record(&reading, &Step::default(), args.tol);
-                record.p_star = reading.mean_pressure / self.stress();
+                let record = state.record(&self.prepared.scales(), &reading, &Step::default(), args.tol);
                 self.scalars(&record, comparison, stored);
                 Ok(())
             }
@@ -152,7 +151,7 @@ impl StateCheck<'_> {
 
     /// Compares the scalars that follow from a state.
     fn scalars(&self, record: &StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
-        let of_state = scalars(self.prepared.is_plastic()).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
+        let of_state = scalars(self.prepared.is_plastic(), false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
         for scalar in of_state {
             let (path, stored, found) = (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(record));
             match scalar.name {

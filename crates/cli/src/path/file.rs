@@ -1,6 +1,7 @@
 //! The HDF5 file of a path.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
@@ -90,10 +91,19 @@ impl<'a> PathFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let step = Dimension::index("step", count, "step of the path");
-        for scalar in scalars(self.is_plastic) {
+        let has_friction = steps.iter().any(|step| step.increments.is_some());
+        for scalar in scalars(self.is_plastic, has_friction) {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
-            self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;
+            let path = format!("/path/{}", scalar.name);
+            self.archive.write(&path, &variable, &values)?;
+            let reasons: BTreeSet<&str> = (steps.iter().flat_map(|step| step.undefined.iter()))
+                .filter_map(|(name, reason)| (name == scalar.name).then_some(reason))
+                .collect();
+            if !reasons.is_empty() {
+                let reasons: Vec<&str> = reasons.into_iter().collect();
+                self.archive.attribute(&path, "undefined", &*reasons.join("; "))?;
+            }
         }
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
         Ok(self.archive.finish()?)

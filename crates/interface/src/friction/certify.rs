@@ -15,7 +15,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let traction = increment.traction(&increment.shear[..lateral]);
     let mut displacement = vec![0.0; traction.len()];
     increment.transforms.compliance(&traction, &mut displacement);
-    let Increment { contact, drive, stuck, pressure, .. } = &*increment;
+    let Increment { contact, drive, stuck, pressure, limits_before, .. } = &*increment;
     let n = pressure.len();
     let (clearance, length_scale) = (contact.surface.clearance(), contact.surface.length_scale(drive.load));
     let components = lateral / n;
@@ -41,7 +41,10 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         &|range| {
             range.fold([0.0; 3], |sums, i| {
                 let sticks = limits.values[i] > 0.0 && magnitude(i) < limits.values[i] * (1.0 - 1e-9);
+                // The shear is at its limit while a point slips, and the limit changes on the way.
+                let mean = 0.5 * (limits_before[i] + limits.values[i]) / limits.values[i];
                 let work: f64 = (0..components).map(|c| -traction[c * n + i] * slip[c * n + i]).sum();
+                let work = if limits.values[i] > 0.0 { mean * work } else { 0.0 };
                 add(sums, [f64::from(sticks), work, pressure[i] * gap[i]])
             })
         },

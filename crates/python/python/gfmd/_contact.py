@@ -238,7 +238,7 @@ class Contact(Record):
     def adhesion(self) -> Optional[Record]:
         """The attraction on this surface and grid in numbers; None without one.
 
-        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `wang_zhou_muser`,
+        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`,
         `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
         """
         if self.law.name == "hard-wall":
