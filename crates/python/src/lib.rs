@@ -17,7 +17,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::command::{program, run};
     #[pymodule_export]
-    use crate::contact::{Problem, State, adhesion, check_law, solvers};
+    use crate::contact::{Problem, State, adhesion, check_law, conductance, solvers};
     #[pymodule_export]
     use crate::files::{json_to_toml, read_array, read_text, save, toml_to_json};
     #[pymodule_export]

@@ -10,6 +10,7 @@ use gfmd_measure::{Column, Scales};
 use gfmd_response::FullResponse;
 use ndarray::{Array2, ArrayView2};
 
+use super::conductance::Conducting;
 use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
 use super::{Args, Prepared, Unknown};
 use crate::base::MovedBase;
@@ -64,7 +65,7 @@ pub(crate) fn check(
         scales,
         tolerance,
         recording,
-        unknown: args.components,
+        conducting: &prepared.conducting,
         not_calibrated: not_calibrated(&args, surface),
         measured: Vec::new(),
     };
@@ -128,7 +129,7 @@ struct Checked<'a> {
     scales: Scales,
     tolerance: f64,
     recording: Recording,
-    unknown: Unknown,
+    conducting: &'a Conducting,
     /// The reason why the error of the grid is not known.
     not_calibrated: Option<String>,
     /// The statistics of the loads so far, from the fields of the file.
@@ -209,8 +210,8 @@ impl Checked<'_> {
             let repulsion = stored(recording.repulsion(), state.repulsion().view())?.mapv(|p| p.max(0.0));
             let gap = stored("gap", state.gap())?;
             if recording.statistics {
-                let modulus = self.unknown.conducting(scales.contact_modulus);
-                self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), modulus, &mut record)?);
+                self.conducting.measure(&repulsion, &mut record)?;
+                self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), &mut record)?);
             }
             if recording.flow {
                 if let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap) {

@@ -60,7 +60,6 @@ impl Measured {
         surface: &Surface,
         pressure: ArrayView2<f64>,
         gap: ArrayView2<f64>,
-        e_star: f64,
         record: &mut LoadRecord,
     ) -> Result<Self, Failure> {
         let (grid, found) = (&surface.grid, patches(surface, pressure));
@@ -71,7 +70,6 @@ impl Measured {
             largest_fraction: found.largest() as f64 / points as f64,
             percolates: found.percolate(),
         });
-        record.conductance = Some(2.0 * record.stiffness / e_star);
         let forces = found.sums(pressure);
         let rows = found.patches.iter().zip(forces).map(|(patch, force)| {
             let perimeter = patch.links[0] as f64 * dy + patch.links[1] as f64 * dx;

@@ -13,6 +13,7 @@ __all__ = [
     "adhesion",
     "check_law",
     "composite",
+    "conductance",
     "detrend",
     "fill",
     "json_to_toml",
@@ -69,6 +70,7 @@ class Problem:
 
 def adhesion(heights: _Array, lengths: tuple[float, float], body: list[str], law: tuple[str, list[tuple[str, float]]]) -> str: ...
 
+def conductance(touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float) -> float: ...
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
 def solvers() -> list[str]: ...
 def self_affine(
