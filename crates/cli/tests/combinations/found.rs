@@ -1,0 +1,84 @@
+//! What a case is found to be: complaints, and how many numbers were compared.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+#[derive(Default)]
+pub struct Found {
+    pub complaints: Vec<String>,
+    pub compared: usize,
+    /// Numbers that are null with a reason.
+    pub undefined: BTreeMap<String, usize>,
+}
+
+/// The number at a place, NaN if it is null.
+pub fn number(of: &Value, key: &str) -> f64 {
+    of.pointer(&format!("/{}", key.replace('.', "/"))).map_or(f64::NAN, |value| match value {
+        Value::Bool(flag) => f64::from(u8::from(*flag)),
+        value => value.as_f64().unwrap_or(f64::NAN),
+    })
+}
+
+impl Found {
+    pub fn complain(&mut self, text: String) {
+        self.complaints.push(text);
+    }
+
+    pub fn must(&mut self, holds: bool, text: impl FnOnce() -> String) {
+        self.compared += 1;
+        if !holds {
+            self.complaints.push(text());
+        }
+    }
+
+    /// Compares a number with its definition, within an absolute tolerance.
+    pub fn near(&mut self, name: &str, found: f64, expected: f64, tolerance: f64) {
+        self.must((found - expected).abs() <= tolerance || found == expected, || {
+            format!("{name} is {found:e}; by definition {expected:e}, which may differ by {tolerance:.1e}")
+        });
+    }
+
+    /// Compares the number of a load or a step with its definition, within a relative tolerance. A null needs its reason.
+    pub fn is(&mut self, record: &Value, key: &str, expected: f64, tolerance: f64) {
+        let found = number(record, key);
+        if found.is_nan() {
+            self.null(record, key);
+        } else {
+            self.near(key, found, expected, tolerance * expected.abs());
+        }
+    }
+
+    /// A number that is null has a reason in words.
+    pub fn null(&mut self, record: &Value, key: &str) {
+        self.compared += 1;
+        match record["undefined"][key].as_str() {
+            Some(reason) if reason.len() > 10 => *self.undefined.entry(format!("{key}: {reason}")).or_default() += 1,
+            _ => self.complaints.push(format!("{key} is null without a reason")),
+        }
+    }
+
+    /// Every null of a record has a reason, and every reason a null.
+    pub fn nulls(&mut self, record: &Value, at: &str) {
+        let Some(entries) = record.as_object() else { return };
+        for (key, value) in entries {
+            let place = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+            match value {
+                Value::Null => self.null_at(record, &place),
+                Value::Number(number) => {
+                    self.must(number.as_f64().is_some_and(f64::is_finite), || format!("{place} is {number}"));
+                }
+                _ => {}
+            }
+        }
+        if let Some(reasons) = record["undefined"].as_object() {
+            for key in reasons.keys() {
+                self.must(number(record, key).is_nan(), || format!("{key} has a reason to be null, and a number"));
+            }
+        }
+    }
+
+    fn null_at(&mut self, record: &Value, place: &str) {
+        self.null(record, place);
+    }
+}
