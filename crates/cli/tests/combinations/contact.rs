@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::draw::{Case, Components, Control};
 use super::elastic::{Base, Dense, Plane, Stack, Top, layered, love};
 use super::found::{Found, number};
-use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, patches, steepest};
+use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, neighbours, patches, steepest};
 
 /// What the dense compliance of a case may differ by: the sums of layered patches are a quadrature.
 pub struct Elastic {
@@ -117,12 +117,19 @@ fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
     both.map(|modes| plane.inverse(&modes))
 }
 
-/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall adds.
-pub fn repulsion(case: &Case, pressure: &[f64], gap: &[f64]) -> (Vec<bool>, Vec<bool>, Vec<f64>) {
-    let Some(law) = &case.law else {
-        let touching: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
-        return (touching.clone(), touching, pressure.to_vec());
-    };
+/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall adds, which the file
+/// may have.
+pub fn repulsion(
+    case: &Case,
+    pressure: &[f64],
+    gap: &[f64],
+    wall: Option<Vec<f64>>,
+) -> (Vec<bool>, Vec<bool>, Vec<f64>) {
+    let touching = |pressure: &[f64]| pressure.iter().map(|p| *p > 0.0).collect::<Vec<bool>>();
+    let Some(law) = &case.law else { return (touching(pressure), touching(pressure), pressure.to_vec()) };
+    if let Some(wall) = wall {
+        return (touching(&wall), touching(&wall), wall);
+    }
     let repelled: Vec<f64> = pressure
         .iter()
         .zip(gap)
@@ -132,10 +139,17 @@ pub fn repulsion(case: &Case, pressure: &[f64], gap: &[f64]) -> (Vec<bool>, Vec<
             false => p.max(0.0),
         })
         .collect();
+    if !law.has_wall() {
+        return (touching(&repelled), touching(&repelled), repelled);
+    }
     let scale = largest(&repelled).max(largest(pressure));
     let surely = repelled.iter().map(|p| *p > 1e-4 * scale).collect();
-    let possibly = repelled.iter().map(|p| *p > 0.0).collect();
-    (surely, possibly, repelled)
+    (surely, touching(&repelled), repelled)
+}
+
+/// The pressure of the wall that the file has beside an attraction.
+fn wall_pressure(file: &Reader, k: usize) -> Option<Vec<f64>> {
+    file.contains("/fields/repulsion").then(|| file.slab("/fields/repulsion", k).unwrap())
 }
 
 /// The numbers of one face that count points and sum pressures.
@@ -152,7 +166,7 @@ pub fn counted(found: &mut Found, case: &Case, record: &Value, repelled: (&[bool
     if has("contact_nodes") {
         found.near("contact_nodes", number(record, "contact_nodes"), area, 1e-6);
     }
-    found.is(record, "mean_gap", mean(gap), 1e-9);
+    found.near("mean_gap", number(record, "mean_gap"), mean(gap), 1e-9 * largest(gap));
     if has("max_pressure") {
         found.near("max_pressure", number(record, "max_pressure"), largest(repulsion), 1e-7 * largest(repulsion));
     }
@@ -160,8 +174,11 @@ pub fn counted(found: &mut Found, case: &Case, record: &Value, repelled: (&[bool
         let edges = links(plane, surely, case.is_free);
         if has("boundary_links") {
             found.near("boundary_links", number(record, "boundary_links"), edges as f64, 0.0);
-            let corrected =
-                if case.is_line { least / points } else { (least / points - excess() * edges as f64 / points).max(0.0) };
+            let corrected = if case.is_line {
+                least / points
+            } else {
+                (least / points - excess() * edges as f64 / points).max(0.0)
+            };
             found.near("area_fraction_corrected", number(record, "area_fraction_corrected"), corrected, 1e-12);
         }
         if has("mean_pressure_in_contact") && least > 0.0 {
@@ -173,7 +190,8 @@ pub fn counted(found: &mut Found, case: &Case, record: &Value, repelled: (&[bool
             found.is(record, "pressure_moment_2", square, 1e-7);
             if least > 0.0 {
                 let inside = repulsion.iter().sum::<f64>() / least;
-                let about = repulsion.iter().zip(surely).filter(|(_, belongs)| **belongs).map(|(p, _)| (p - inside).powi(2));
+                let about =
+                    repulsion.iter().zip(surely).filter(|(_, belongs)| **belongs).map(|(p, _)| (p - inside).powi(2));
                 let deviation = (about.sum::<f64>() / least).sqrt();
                 let stored = number(record, "pressure_deviation_in_contact");
                 found.near("pressure_deviation_in_contact", stored, deviation, 1e-7 * largest(repulsion));
@@ -230,6 +248,9 @@ pub fn check(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
         one(found, case, load, k, file, &rough, &elastic, gradient_of_load);
         found.complaints[before..].iter_mut().for_each(|text| *text = format!("load {k}: {text}"));
     }
+    if case.threshold {
+        threshold(found, case, report, file);
+    }
     if case.statistics && !case.has_lower {
         arrays(found, case, loads, file);
     }
@@ -250,7 +271,7 @@ fn one(
     let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
     let (pressure, displacement, gap) = (field("pressure"), field("displacement_z"), field("gap"));
     found.must(load["converged"] == true, || "not converged, with status 0".into());
-    found.nulls(load, "");
+    found.nulls(load, &[]);
     for (name, values) in [("pressure", &pressure), ("displacement_z", &displacement), ("gap", &gap)] {
         found.must(values.iter().all(|value| value.is_finite()), || format!("{name} is not finite everywhere"));
     }
@@ -279,7 +300,7 @@ fn one(
         found.is(load, "force", number(load, "mean_pressure") * area, 1e-9);
     }
     // Counts and sums.
-    let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap);
+    let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, wall_pressure(file, k));
     counted(found, case, load, (&surely, &possibly, &repulsion), &gap);
     // The displacement, by dense sums.
     let loaded: Vec<f64> = displacement.iter().zip(&rough.lift).map(|(u, w)| u - w).collect();
@@ -295,7 +316,8 @@ fn one(
         let apart = dense.iter().zip(&loaded).map(|(d, u)| (d + u - level).abs()).fold(0.0, f64::max);
         found.near("displacement_z less that of the pressure", apart, 0.0, elastic.tolerance * most);
         // A level that is not known has no energy.
-        energy = has_level(case).then(|| 0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
+        energy = has_level(case)
+            .then(|| 0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
         // The gap is closed by the approach and opened by the displacement.
         let open: Vec<f64> = rough.clearance.iter().zip(&loaded).map(|(c, u)| c - u).collect();
         let depth = case.hardness.as_ref().map(|_| field("plastic_depth"));
@@ -303,7 +325,12 @@ fn one(
         let shift: Vec<f64> = (0..plane.len()).map(|at| open[at] + depth[at] - gap[at]).collect();
         let known = if approach.is_nan() { mean(&shift) } else { approach };
         let apart = shift.iter().map(|shift| (shift - known).abs()).fold(0.0, f64::max);
-        found.near("gap less clearance - u_z - approach", apart, 0.0, 1e-8 * (largest(&rough.clearance) + known.abs() + largest(&loaded)));
+        found.near(
+            "gap less clearance - u_z - approach",
+            apart,
+            0.0,
+            1e-8 * (largest(&rough.clearance) + known.abs() + largest(&loaded)),
+        );
         if approach.is_nan() {
             found.null(load, "displacement");
         }
@@ -323,13 +350,15 @@ fn one(
             if law.jump().is_some_and(|jump| (gap[at] - jump).abs() < 1e-6 * jump) {
                 continue;
             }
-            let unbalanced = pressure[at] + law.tension(gap[at]);
-            let wall = law.has_wall() && gap[at] <= 1e-9 * largest(&gap);
-            let error = if wall { (-unbalanced).max(0.0) } else { unbalanced.abs() };
+            let unbalanced =
+                pressure[at] + law.tension(gap[at].max(if law.has_wall() { 0.0 } else { f64::NEG_INFINITY }));
+            let error =
+                if law.has_wall() { (unbalanced - repulsion[at]).abs().max(-repulsion[at]) } else { unbalanced.abs() };
             let allowed = 30.0 * case.tolerance * traction.max(softest(case) * scale) + 1e-9 * traction;
             found.must(error <= allowed, || format!("the law at point {at} leaves {error:e} of {traction:e}"));
         }
-        let energies: Option<Vec<f64>> = gap.iter().map(|g| law.energy(if law.has_wall() { g.max(0.0) } else { *g })).collect();
+        let energies: Option<Vec<f64>> =
+            gap.iter().map(|g| law.energy(if law.has_wall() { g.max(0.0) } else { *g })).collect();
         if let Some(energies) = energies {
             let sum = mean(&energies);
             found.near("interface_energy", number(load, "interface_energy"), sum, 1e-7 * largest(&energies));
@@ -366,7 +395,9 @@ fn plastic(found: &mut Found, load: &Value, [pressure, gap, depth]: [&[f64]; 3],
     let mut yielding = 0;
     for at in 0..pressure.len() {
         let (p, most) = (pressure[at], hardness[at]);
-        found.must(p >= -tolerance * hardest && p <= most * (1.0 + tolerance) + 1e-12, || format!("pressure {p:e} of {most:e} at {at}"));
+        found.must(p >= -tolerance * hardest && p <= most * (1.0 + tolerance) + 1e-12, || {
+            format!("pressure {p:e} of {most:e} at {at}")
+        });
         yielding += usize::from(p >= most * (1.0 - 1e-12));
         let at_bound = p >= most * (1.0 - 1e-9);
         let fine = if at_bound { depth[at] >= 0.0 } else { depth[at] == 0.0 };
@@ -405,27 +436,41 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
     for (name, [p, u, g], into, sign, clearance, approach) in parts {
         let apart = into.iter().zip(u).map(|(d, u)| (d + sign * u).abs()).fold(0.0, f64::max);
         found.near(&format!("displacement of the {name} face"), apart, 0.0, 1e-7 * most);
-        let apart = (0..plane.len()).map(|at| (clearance[at] - sign * u[at] - approach - g[at]).abs()).fold(0.0, f64::max);
+        let apart =
+            (0..plane.len()).map(|at| (clearance[at] - sign * u[at] - approach - g[at]).abs()).fold(0.0, f64::max);
         found.near(&format!("gap of the {name} face"), apart, 0.0, 1e-8 * (largest(clearance) + most));
         wall(found, p, g, scale, case.tolerance);
         energy += 0.5 * p.iter().zip(&into).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64;
     }
-    found.near("mean pressure of the lower face", mean(&pressure), mean(upper[0]), 1e2 * case.tolerance * largest(&pressure));
+    found.near(
+        "mean pressure of the lower face",
+        mean(&pressure),
+        mean(upper[0]),
+        1e2 * case.tolerance * largest(&pressure),
+    );
     found.is(load, "elastic_energy", energy, 1e-6);
     let touching: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
     counted(found, case, lower, (&touching, &touching, &pressure), &gap);
 }
 
 fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], surely: &[bool], elastic: &Elastic) {
-    let has_stiffness = case.law.is_none() && !case.is_steep && !case.has_lower && case.components != Components::All && has_level(case);
-    let free = |at: &usize| pressure[*at] > 0.0 && case.hardness.as_ref().is_none_or(|h| pressure[*at] < h[*at] * (1.0 - 1e-12));
+    let has_stiffness = case.law.is_none()
+        && !case.is_steep
+        && !case.has_lower
+        && case.components != Components::All
+        && has_level(case);
+    let free = |at: &usize| {
+        pressure[*at] > 0.0 && case.hardness.as_ref().is_none_or(|h| pressure[*at] < h[*at] * (1.0 - 1e-12))
+    };
     let points: Vec<usize> = (0..pressure.len()).filter(free).collect();
     let expected = has_stiffness.then(|| elastic.dense.stiffness(&points));
     match expected {
         Some(expected) if expected.is_finite() && points.is_empty() => {
             found.near("stiffness", number(load, "stiffness"), 0.0, 0.0);
         }
-        Some(expected) if expected.is_finite() => found.is(load, "stiffness", expected, 1e-6_f64.max(elastic.tolerance)),
+        Some(expected) if expected.is_finite() => {
+            found.is(load, "stiffness", expected, 1e-6_f64.max(elastic.tolerance))
+        }
         _ => found.null(load, "stiffness"),
     }
     if !case.statistics {
@@ -451,7 +496,12 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
         let all = patches(plane, surely, case.is_free);
         let most = all.iter().map(|patch| patch.points.len()).max().unwrap_or(0);
         found.near("patches.count", number(load, "patches.count"), all.len() as f64, 0.0);
-        found.near("patches.largest_fraction", number(load, "patches.largest_fraction"), most as f64 / plane.len() as f64, 1e-12);
+        found.near(
+            "patches.largest_fraction",
+            number(load, "patches.largest_fraction"),
+            most as f64 / plane.len() as f64,
+            1e-12,
+        );
         for axis in [0, 1] {
             let through = all.iter().any(|patch| patch.percolates[axis]);
             let told = &load["patches"]["percolates"][axis];
@@ -459,11 +509,14 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
         }
     }
     if case.flow && surely == possibly {
-        let height = mean(gap);
-        let open: Vec<f64> = gap.iter().zip(surely).map(|(g, closed)| if *closed { 0.0 } else { (g / height).max(0.0).powi(3) }).collect();
-        if load["flow"].is_null() {
-            found.null(load, "flow");
-            return;
+        let height = if mean(gap) > 0.0 { mean(gap) } else { f64::NAN };
+        let open: Vec<f64> = gap
+            .iter()
+            .zip(surely)
+            .map(|(g, closed)| if *closed { 0.0 } else { (g / height).max(0.0).powi(3) })
+            .collect();
+        if height.is_nan() {
+            return found.null(load, "flow_xx");
         }
         let expected = flow(plane, &open, case.is_free);
         for (i, row) in expected.iter().enumerate() {
@@ -479,7 +532,53 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
             let told = &load["flow"]["percolates"][axis];
             found.must(*told == through, || format!("flow.percolates[{axis}] is {told}; filling says {through}"));
         }
-        found.must(number(load, "flow.residual") <= 1e-8, || format!("the residual of the flow is {}", number(load, "flow.residual")));
+        found.must(number(load, "flow.residual") <= 1e-8, || {
+            format!("the residual of the flow is {}", number(load, "flow.residual"))
+        });
+    }
+}
+
+/// The loads at which the gap closes: a thousandth apart, between the lowest and the highest one, in order.
+pub fn threshold(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
+    let keys = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
+    let loads = report["loads"].as_array().unwrap();
+    let asked = match case.control {
+        Control::Displacement => "displacement",
+        _ => "mean_pressure",
+    };
+    let all: Vec<f64> = loads.iter().map(|load| number(load, asked)).collect();
+    let (least, most) = (all.iter().fold(f64::INFINITY, |a, b| a.min(*b)), all.iter().fold(0.0_f64, |a, b| a.max(*b)));
+    for axis in [0, 1] {
+        let told = &report["flow_threshold"][axis];
+        let stored = |key: &str| file.values::<f64>(&format!("/flow_threshold/{key}")).unwrap_or_default();
+        if told.is_null() {
+            // The gap is open or closed at all loads.
+            let open = |load: f64| {
+                let k = all.iter().position(|other| *other == load).unwrap();
+                let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
+                let (pressure, gap) = (field("pressure"), field("gap"));
+                let open: Vec<bool> = pressure.iter().zip(&gap).map(|(p, g)| *p <= 0.0 && *g > 0.0).collect();
+                patches(case.plane, &open, case.is_free).iter().any(|patch| patch.percolates[axis])
+            };
+            found.must(open(least) == open(most), || format!("flow_threshold[{axis}] is null, and the gap closes"));
+            continue;
+        }
+        let pair = |key: &str| [0, 1].map(|side| told[key][side].as_f64().unwrap_or(f64::NAN));
+        let [open, closed] = pair(asked);
+        found.must(least * (1.0 - 1e-9) <= open && open < closed && closed <= most * (1.0 + 1e-9), || {
+            format!("flow_threshold[{axis}] from {open} to {closed}, loads {least} to {most}")
+        });
+        found.must(closed / open <= 1.0011, || {
+            format!("flow_threshold[{axis}]: {open} and {closed} are not a thousandth apart")
+        });
+        let [open, closed] = pair("area_fraction");
+        found.must(open <= closed + 1e-12, || format!("flow_threshold[{axis}]: area {open} and {closed}"));
+        for key in keys {
+            let values = stored(key);
+            found.must(values.get(2 * axis..2 * axis + 2) == Some(&pair(key)), || {
+                format!("/flow_threshold/{key} is {values:?}, in JSON {:?}", pair(key))
+            });
+        }
     }
 }
 
@@ -493,15 +592,23 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
     for k in 0..loads.len() {
         let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
         let (pressure, gap) = (field("pressure"), field("gap"));
-        let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap);
+        let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, wall_pressure(file, k));
         let all = patches(plane, &surely, case.is_free);
         let count = names[0].iter().filter(|load| **load == k as f64).count();
         if surely == possibly {
-            found.must(count == all.len(), || format!("load {k}: {count} patches in the file, {} by filling", all.len()));
+            found.must(count == all.len(), || {
+                format!("load {k}: {count} patches in the file, {} by filling", all.len())
+            });
             let cell = dx * dy;
             for (patch, row) in all.iter().zip(first..first + count) {
                 let size = patch.points.len() as f64 * cell;
                 found.near("/patches/area", names[1][row], size, 1e-9 * size);
+                let perimeter: f64 = (patch.points.iter())
+                    .flat_map(|at| neighbours(plane, *at, case.is_free))
+                    .filter(|(there, ..)| !surely[*there])
+                    .map(|(_, _, axis)| if axis == 0 { dy } else { dx })
+                    .sum();
+                found.near("/patches/perimeter", names[2][row], perimeter, 1e-9 * (perimeter + size));
                 let force: f64 = patch.points.iter().map(|at| repulsion[*at]).sum::<f64>() * cell;
                 found.near("/patches/force", names[3][row], force, 1e-7 * force);
                 for (axis, spacing) in [dx, dy].into_iter().enumerate() {

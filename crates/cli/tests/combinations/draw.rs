@@ -89,11 +89,6 @@ impl Body {
     pub fn is_half_space(&self) -> bool {
         self.first.layers.is_empty() && self.second.as_ref().is_none_or(|second| second.layers.is_empty())
     }
-
-    /// True if a uniform pressure moves the mean level of the surface.
-    pub fn has_level(&self) -> bool {
-        self.compliance(0.0, false) > 0.0
-    }
 }
 
 fn uppermost(stack: &Stack) -> Layer {
@@ -106,12 +101,28 @@ fn uppermost(stack: &Stack) -> Layer {
 
 #[derive(Clone, Debug)]
 pub enum Law {
-    Exponential { gamma: f64, range: f64 },
-    Dugdale { gamma: f64, range: f64 },
-    Morse { gamma: f64, range: f64 },
-    HarmonicCosine { gamma: f64, curvature: f64 },
+    Exponential {
+        gamma: f64,
+        range: f64,
+    },
+    Dugdale {
+        gamma: f64,
+        range: f64,
+    },
+    Morse {
+        gamma: f64,
+        range: f64,
+    },
+    HarmonicCosine {
+        gamma: f64,
+        curvature: f64,
+    },
     /// Of the five cohesive laws without sliding.
-    Cohesive { name: &'static str, work: f64, range: f64 },
+    Cohesive {
+        name: &'static str,
+        work: f64,
+        range: f64,
+    },
 }
 
 impl Law {
@@ -119,7 +130,13 @@ impl Law {
     pub fn tension(&self, g: f64) -> f64 {
         match *self {
             Self::Exponential { gamma, range } => gamma / range * (-g / range).exp(),
-            Self::Dugdale { gamma, range } => if g <= range { gamma / range } else { 0.0 },
+            Self::Dugdale { gamma, range } => {
+                if g <= range {
+                    gamma / range
+                } else {
+                    0.0
+                }
+            }
             Self::Morse { gamma, range } => 2.0 * gamma / range * ((-g / range).exp() - (-2.0 * g / range).exp()),
             Self::HarmonicCosine { gamma, curvature } => {
                 let w = (2.0 * curvature / gamma).sqrt();
@@ -285,16 +302,18 @@ fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool) -> B
 fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
     let waves: Vec<[f64; 4]> = (0..5)
         .map(|_| {
-            let m = [0, 1].map(|axis| if plane.n[axis] == 1 { 0.0 } else { dice.count(0, (plane.n[axis] / 3).min(3)) as f64 });
+            let m = [0, 1]
+                .map(|axis| if plane.n[axis] == 1 { 0.0 } else { dice.count(0, (plane.n[axis] / 3).min(3)) as f64 });
             [m[0], m[1], dice.between(0.0, 6.28), dice.number()]
         })
         .collect();
     (0..plane.len())
         .map(|place| {
             let at = [(place / plane.n[1]) as f64 / plane.n[0] as f64, (place % plane.n[1]) as f64 / plane.n[1] as f64];
-            waves.iter().map(|[m, n, phase, a]| {
-                amplitude * a * (std::f64::consts::TAU * (m * at[0] + n * at[1]) + phase).cos()
-            }).sum::<f64>()
+            waves
+                .iter()
+                .map(|[m, n, phase, a]| amplitude * a * (std::f64::consts::TAU * (m * at[0] + n * at[1]) + phase).cos())
+                .sum::<f64>()
         })
         .collect()
 }
@@ -399,7 +418,8 @@ impl Case {
         if let Some(law) = &law {
             let _ = write!(text, " {}", law.words());
         }
-        let has_hardness = (plain && law.is_none() || components == Components::Held) && dice.chance(0.25) || wild(dice, 0.2);
+        let has_hardness =
+            (plain && law.is_none() || components == Components::Held) && dice.chance(0.25) || wild(dice, 0.2);
         let hardness = has_hardness.then(|| {
             let most = short(modulus * gradient * dice.scale(0.2, 2.0));
             if dice.chance(0.6) {
@@ -456,7 +476,8 @@ impl Case {
                 } else {
                     (vec![n[0], n[1], 3], values.iter().flatten().copied().collect())
                 };
-                ndarray_npy::write_npy(folder.join(&name), &ArrayD::from_shape_vec(IxDyn(&shape), flat).unwrap()).unwrap();
+                ndarray_npy::write_npy(folder.join(&name), &ArrayD::from_shape_vec(IxDyn(&shape), flat).unwrap())
+                    .unwrap();
             }
             let _ = write!(text, " --base-{} {name}", if is_traction { "traction" } else { "displacement" });
             (values, is_traction)
@@ -506,7 +527,11 @@ impl Case {
             let slides = friction.is_some() || shear_strength.is_some();
             if slides || (!is_free && hardness.is_none() && dice.chance(0.2)) || wild(dice, 0.3) {
                 let amplitude = size * dice.scale(0.01, 0.2);
-                lateral = loads.iter().enumerate().map(|(k, _)| short(if k == 0 { 0.0 } else { amplitude * dice.between(-1.0, 1.0) })).collect();
+                lateral = loads
+                    .iter()
+                    .enumerate()
+                    .map(|(k, _)| short(if k == 0 { 0.0 } else { amplitude * dice.between(-1.0, 1.0) }))
+                    .collect();
                 let _ = write!(text, " --lateral={}", list(&lateral));
                 if !is_line && dice.chance(0.5) {
                     direction = dice.of(&[30.0, 45.0, 90.0]);
@@ -519,15 +544,25 @@ impl Case {
         let measured = !is_path && !has_lower;
         let statistics = measured && dice.chance(0.4) || (!is_path && wild(dice, 0.3));
         let flow = measured && !is_line && dice.chance(0.3) || (!is_path && wild(dice, 0.2));
-        let threshold = measured && !is_line && hard_wall && !is_steep && components == Components::Normal && hardness.is_none()
-            && loads.len() > 1 && dice.chance(0.15);
+        let threshold = measured
+            && !is_line
+            && hard_wall
+            && !is_steep
+            && components == Components::Normal
+            && hardness.is_none()
+            && loads.len() > 1
+            && dice.chance(0.15);
         for (flag, given) in [("--statistics", statistics), ("--flow", flow), ("--flow-threshold", threshold)] {
             if given {
                 let _ = write!(text, " {flag}");
             }
         }
         let tolerance = dice.of(&[1e-8, 1e-8, 1e-9, 1e-6]);
-        let tolerance = if components == Components::All || friction.is_some() || shear_strength.is_some() { 1e-6 } else { tolerance };
+        let tolerance = if components == Components::All || friction.is_some() || shear_strength.is_some() {
+            1e-6
+        } else {
+            tolerance
+        };
         if tolerance != 1e-8 {
             let _ = write!(text, " --tol {tolerance:e}");
         }
@@ -535,7 +570,17 @@ impl Case {
         let solver = if is_path {
             "auto"
         } else if plain_wall && dice.chance(0.4) {
-            dice.of(&["cg", "projected-cg", "preconditioned-cg", "augmented-lagrangian", "verlet", "verlet-critical", "verlet-modes", "fire", "fire2"])
+            dice.of(&[
+                "cg",
+                "projected-cg",
+                "preconditioned-cg",
+                "augmented-lagrangian",
+                "verlet",
+                "verlet-critical",
+                "verlet-modes",
+                "fire",
+                "fire2",
+            ])
         } else if hard_wall && (is_free || hardness.is_some()) && dice.chance(0.3) {
             dice.of(&["preconditioned-cg", "projected-cg", "cg"])
         } else if law.is_some() && dice.chance(0.2) {
@@ -552,8 +597,34 @@ impl Case {
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
         let words = text.split_whitespace().map(str::to_owned).collect();
         Self {
-            index, is_path, plane, is_line, asked_gradient, heights: given, lower, body, is_free, law, hardness, components, is_steep, has_lower, moved,
-            control, loads, lateral, direction, friction, shear_strength, statistics, flow, threshold, solver, tolerance, words, further,
+            index,
+            is_path,
+            plane,
+            is_line,
+            asked_gradient,
+            heights: given,
+            lower,
+            body,
+            is_free,
+            law,
+            hardness,
+            components,
+            is_steep,
+            has_lower,
+            moved,
+            control,
+            loads,
+            lateral,
+            direction,
+            friction,
+            shear_strength,
+            statistics,
+            flow,
+            threshold,
+            solver,
+            tolerance,
+            words,
+            further,
         }
     }
 

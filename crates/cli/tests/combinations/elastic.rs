@@ -25,7 +25,9 @@ impl Plane {
     /// The integer wave numbers of the mode at a place, of which the Nyquist ones are positive.
     pub fn mode(&self, place: usize) -> [i64; 2] {
         let at = [place / self.n[1], place % self.n[1]];
-        [0, 1].map(|axis| if 2 * at[axis] > self.n[axis] { at[axis] as i64 - self.n[axis] as i64 } else { at[axis] as i64 })
+        [0, 1].map(
+            |axis| if 2 * at[axis] > self.n[axis] { at[axis] as i64 - self.n[axis] as i64 } else { at[axis] as i64 },
+        )
     }
 
     /// The wave vector of a mode. Along an axis of one point there are no waves.
@@ -303,7 +305,7 @@ impl Stack {
     }
 
     /// The compliance of tractions along x, y, z (outward) on the surface of a periodic cell, of the mode at a place: the displacement is
-    /// `[row][column]` of the traction, each a complex number. Entries with a sine vanish for the shortest waves of even numbers.
+    /// `[row][column]` of the traction, each a complex number.
     pub fn all_components(&self, plane: Plane, place: usize) -> [[Complex; 3]; 3] {
         let [x, y] = plane.wave(place);
         let q = x.hypot(y);
@@ -315,21 +317,19 @@ impl Stack {
             matrix[2][2][0] = self.compliance(0.0, false);
             return matrix;
         }
-        let (pressed, sheared) = (self.solve(q, Top::Pressed).at(0.0, false), self.solve(q, Top::Sheared).at(0.0, false));
+        let (pressed, sheared) =
+            (self.solve(q, Top::Pressed).at(0.0, false), self.solve(q, Top::Sheared).at(0.0, false));
         let (along, across) = (sheared.ux, self.across(q));
         let n = [x / q, y / q];
-        let shortest = plane.is_shortest(place);
         for row in [0, 1] {
             for column in [0, 1] {
                 let same = f64::from(u8::from(row == column));
                 let product = n[row] * n[column];
-                let odd = row != column && (shortest[0] || shortest[1]);
-                matrix[row][column][0] = if odd { 0.0 } else { product * along + (same - product) * across };
+                matrix[row][column][0] = product * along + (same - product) * across;
             }
             // u_x = ux sin(q x) for a pressure cos(q x): -i; a traction along z is minus a pressure. uz cos for a shear sin: +i.
-            let odd = if shortest[row] { 0.0 } else { n[row] };
-            matrix[row][2][1] = odd * pressed.ux;
-            matrix[2][row][1] = odd * sheared.uz;
+            matrix[row][2][1] = n[row] * pressed.ux;
+            matrix[2][row][1] = n[row] * sheared.uz;
         }
         matrix[2][2][0] = -pressed.uz;
         matrix
@@ -343,24 +343,60 @@ impl Solved<'_> {
         let last = parts.len() - 1;
         let small = 1e-12 * (1.0 + depth);
         let inside = |part: &(Layer, f64, Option<f64>)| match part.2 {
-            Some(bottom) => if lower { -depth > bottom + small } else { -depth >= bottom - small },
+            Some(bottom) => {
+                if lower {
+                    -depth > bottom + small
+                } else {
+                    -depth >= bottom - small
+                }
+            }
             None => true,
         };
         let k = parts.iter().position(inside).unwrap_or(last);
         let mut wave = Wave::default();
-        for (function, coefficient) in Stack::functions(&parts[k], self.q, -depth).into_iter().zip(&self.coefficients[4 * k..])
+        for (function, coefficient) in
+            Stack::functions(&parts[k], self.q, -depth).into_iter().zip(&self.coefficients[4 * k..])
         {
             wave.plus(*coefficient, function);
         }
         wave
     }
+}
 
-    /// The material at a depth.
-    pub fn material(&self, depth: f64) -> Layer {
-        let parts = self.stack.parts();
-        let inside = parts.iter().find(|part| part.2.is_none_or(|bottom| -depth >= bottom - 1e-12));
-        inside.unwrap_or(&parts[parts.len() - 1]).0
+/// The compliance of all components whose stiffness has no entries with a sine along the axes of the shortest waves, which do not have one.
+pub fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Complex; 3]; 3] {
+    if shortest == [false; 2] {
+        return matrix;
     }
+    // z times i makes the matrix real.
+    let real = |row: usize, column: usize| match (row == 2, column == 2) {
+        (false, true) => -matrix[row][column][1],
+        (true, false) => matrix[row][column][1],
+        _ => matrix[row][column][0],
+    };
+    let inverse = |rows: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        let unit = |column: usize| (0..3).map(|row| f64::from(u8::from(row == column))).collect();
+        (0..3).map(|column| solve(rows.clone(), unit(column))).collect()
+    };
+    let mut stiffness = inverse((0..3).map(|row| (0..3).map(|column| real(row, column)).collect()).collect());
+    for axis in [0, 1] {
+        for other in (0..3).filter(|other| shortest[axis] && *other != axis) {
+            stiffness[axis][other] = 0.0;
+            stiffness[other][axis] = 0.0;
+        }
+    }
+    let found = inverse(stiffness);
+    let mut all = [[[0.0; 2]; 3]; 3];
+    for (row, values) in all.iter_mut().enumerate() {
+        for (column, value) in values.iter_mut().enumerate() {
+            *value = match (row == 2, column == 2) {
+                (false, true) => [0.0, -found[row][column]],
+                (true, false) => [0.0, found[row][column]],
+                _ => [found[row][column], 0.0],
+            };
+        }
+    }
+    all
 }
 
 /// Solves a dense linear system by Gaussian elimination with row pivots.
@@ -520,7 +556,8 @@ pub fn layered(
         for [x, weight] in &nodes {
             let q = 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * x;
             let bracket = q * compliance(q) - 2.0 / e_star;
-            let rest = if is_line { (bracket - far * (-2.0 * q * least).exp()) / (PI * q) } else { bracket / (2.0 * PI) };
+            let rest =
+                if is_line { (bracket - far * (-2.0 * q * least).exp()) / (PI * q) } else { bracket / (2.0 * PI) };
             samples.push([q, 0.5 * (ends[1] - ends[0]) * weight * rest]);
         }
     }

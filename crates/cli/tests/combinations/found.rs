@@ -58,27 +58,22 @@ impl Found {
         }
     }
 
-    /// Every null of a record has a reason, and every reason a null.
-    pub fn nulls(&mut self, record: &Value, at: &str) {
-        let Some(entries) = record.as_object() else { return };
-        for (key, value) in entries {
-            let place = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
-            match value {
-                Value::Null => self.null_at(record, &place),
-                Value::Number(number) => {
-                    self.must(number.as_f64().is_some_and(f64::is_finite), || format!("{place} is {number}"));
-                }
-                _ => {}
+    /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have no meaning without
+    /// what the case does not have.
+    pub fn nulls(&mut self, record: &Value, absent: &[&str]) {
+        let mut all = BTreeMap::new();
+        super::outlets::flat(record, "", &mut all);
+        for (name, value) in &all {
+            match value.is_nan() {
+                true if absent.contains(&name.as_str()) => {}
+                true => self.null(record, name),
+                false => self.must(value.is_finite(), || format!("{name} is {value}")),
             }
         }
-        if let Some(reasons) = record["undefined"].as_object() {
-            for key in reasons.keys() {
-                self.must(number(record, key).is_nan(), || format!("{key} has a reason to be null, and a number"));
-            }
+        for name in record["undefined"].as_object().into_iter().flatten().map(|(name, _)| name) {
+            self.must(all.get(name).is_some_and(|value| value.is_nan()), || {
+                format!("{name} has a reason to be null, and is not")
+            });
         }
-    }
-
-    fn null_at(&mut self, record: &Value, place: &str) {
-        self.null(record, place);
     }
 }

@@ -56,14 +56,16 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     let lines: Vec<&str> = told.trim_end().lines().collect();
     match output.status.code() {
         Some(2) => {
-            let one = lines.len() == 1 && lines[0].starts_with("error") && lines[0].contains("--") && lines[0].len() < 700;
+            let one =
+                lines.len() == 1 && lines[0].starts_with("error") && lines[0].contains("--") && lines[0].len() < 700;
             found.must(one && text.is_empty(), || format!("a refusal of {} lines: {told}", lines.len()));
             found.must(!folder.join(&out).exists(), || "a refused case has a file".into());
             return (End::Refused, reason(&told));
         }
         Some(1) => {
             let says = lines.last().is_some_and(|line| {
-                line.starts_with("error") && ["converge", "search", "part", "finite", "separate"].iter().any(|word| line.contains(word))
+                line.starts_with("error")
+                    && ["converge", "search", "part", "finite", "separate"].iter().any(|word| line.contains(word))
             });
             found.must(says && !told.contains("panicked"), || format!("an unexpected failure: {told}"));
             return (End::Failed, lines.last().unwrap_or(&"").to_string());
@@ -94,6 +96,9 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         let output = gfmd(folder, &words);
         found.must(output.status.success(), || "the table: another status".into());
         outlets::table(found, &String::from_utf8_lossy(&output.stdout), records);
+    }
+    if case.threshold {
+        outlets::threshold(found, case, folder, &report);
     }
     outlets::further(found, case, folder, &out, &report);
     (End::Solved, String::new())
@@ -129,7 +134,9 @@ fn every_number_of_a_random_combination_is_its_definition() {
                     let folder = tempfile::tempdir().unwrap();
                     let case = Case::draw(index, folder.path());
                     let mut found = Found::default();
-                    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| run(&case, folder.path(), &mut found)));
+                    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                        run(&case, folder.path(), &mut found)
+                    }));
                     let (ended, why) = outcome.unwrap_or_else(|_| {
                         found.complain("the test panicked".into());
                         (End::Failed, String::new())
@@ -152,19 +159,33 @@ fn every_number_of_a_random_combination_is_its_definition() {
                     if !found.complaints.is_empty() {
                         let all = found.complaints.len();
                         let shown: Vec<String> = found.complaints.into_iter().take(4).collect();
-                        counts.bad.push(format!("GFMD_COMBINATION={index}: gfmd {words} [{}]\n    {all}: {}", case.further, shown.join("\n    ")));
+                        counts.bad.push(format!(
+                            "GFMD_COMBINATION={index}: gfmd {words} [{}]\n    {all}: {}",
+                            case.further,
+                            shown.join("\n    ")
+                        ));
                     }
                 }
             });
         }
     });
     let Counts { ends, refused, undefined, compared, bad } = counts.into_inner().unwrap();
-    println!("{} cases in {:.0} s, {compared} comparisons, {} bad", end - alone.unwrap_or(0), started.elapsed().as_secs_f64(), bad.len());
+    println!(
+        "{} cases in {:.0} s, {compared} comparisons, {} bad",
+        end - alone.unwrap_or(0),
+        started.elapsed().as_secs_f64(),
+        bad.len()
+    );
     let of = |kind: &str, end: End| ends.get(&(kind.to_owned(), end)).copied().unwrap_or(0);
     let mut kinds: Vec<&String> = ends.keys().map(|(kind, _)| kind).collect();
     kinds.dedup();
     for kind in kinds {
-        println!("{kind:>24}: {} solved, {} refused, {} not converged", of(kind, End::Solved), of(kind, End::Refused), of(kind, End::Failed));
+        println!(
+            "{kind:>24}: {} solved, {} refused, {} not converged",
+            of(kind, End::Solved),
+            of(kind, End::Refused),
+            of(kind, End::Failed)
+        );
     }
     println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}");
     assert!(bad.is_empty(), "{} of {cases} cases are bad:\n{}", bad.len(), bad.join("\n"));

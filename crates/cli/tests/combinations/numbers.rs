@@ -30,10 +30,14 @@ pub fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
     }
     let ([nx, ny], [dx, dy]) = (plane.n, plane.spacing());
     let at = |i: usize, j: usize| heights[i * ny + j];
-    let along_x: Vec<f64> =
-        (0..ny).flat_map(|j| (1..nx).map(move |i| (i, j))).map(|(i, j)| ((at(i, j) - at(i - 1, j)) / dx).powi(2)).collect();
-    let along_y: Vec<f64> =
-        (0..nx).flat_map(|i| (1..ny).map(move |j| (i, j))).map(|(i, j)| ((at(i, j) - at(i, j - 1)) / dy).powi(2)).collect();
+    let along_x: Vec<f64> = (0..ny)
+        .flat_map(|j| (1..nx).map(move |i| (i, j)))
+        .map(|(i, j)| ((at(i, j) - at(i - 1, j)) / dx).powi(2))
+        .collect();
+    let along_y: Vec<f64> = (0..nx)
+        .flat_map(|i| (1..ny).map(move |j| (i, j)))
+        .map(|(i, j)| ((at(i, j) - at(i, j - 1)) / dy).powi(2))
+        .collect();
     (mean(&along_x) + if along_y.is_empty() { 0.0 } else { mean(&along_y) }).sqrt()
 }
 
@@ -124,10 +128,10 @@ pub fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patch> {
         }
         if is_free {
             let ny = plane.n[1];
-            let reaches = |axis: usize, index: usize| {
-                patch.points.iter().any(|place| [place / ny, place % ny][axis] == index)
-            };
-            patch.percolates = [0, 1].map(|axis| plane.n[axis] > 1 && reaches(axis, 0) && reaches(axis, plane.n[axis] - 1));
+            let reaches =
+                |axis: usize, index: usize| patch.points.iter().any(|place| [place / ny, place % ny][axis] == index);
+            patch.percolates =
+                [0, 1].map(|axis| plane.n[axis] > 1 && reaches(axis, 0) && reaches(axis, plane.n[axis] - 1));
         }
         all.push(patch);
     }
@@ -158,7 +162,13 @@ pub fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] 
                         for edge in [0, n - 1] {
                             if index == edge {
                                 let sign = if edge == 0 { -0.5 } else { 0.5 };
-                                faces.push((k, None, 2.0 * conductivity[*place] * width / distance, sign * distance, along));
+                                faces.push((
+                                    k,
+                                    None,
+                                    2.0 * conductivity[*place] * width / distance,
+                                    sign * distance,
+                                    along,
+                                ));
                             }
                         }
                     }
@@ -196,7 +206,13 @@ pub fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] 
                 let beyond = there.map_or(0.0, |there| potential[there]);
                 let flux = conductance * (potential[*here] - beyond + drop);
                 let distance = match there {
-                    Some(_) => if *along == 0 { dx } else { dy },
+                    Some(_) => {
+                        if *along == 0 {
+                            dx
+                        } else {
+                            dy
+                        }
+                    }
                     None => *drop,
                 };
                 fluxes[*along][axis] += flux * distance / (plane.length[0] * plane.length[1]);

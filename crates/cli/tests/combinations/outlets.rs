@@ -6,14 +6,14 @@ use std::path::Path;
 use gfmd_files::Reader;
 use serde_json::Value;
 
-use super::draw::Case;
+use super::draw::{Case, Control};
 use super::elastic::{Base, Top};
 use super::found::Found;
 use super::numbers::{largest, mean};
 use crate::common::gfmd;
 
 /// The numbers of a load or a step by the names that the file has for them. Nulls are NaN.
-fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
+pub fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
     match record {
         Value::Object(entries) => {
             for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
@@ -63,7 +63,9 @@ pub fn file(found: &mut Found, records: &[Value], file: &Reader, group: &str) {
                     let same = told.to_bits() == stored.to_bits() || (told.is_nan() && !stored.is_finite());
                     found.must(same, || format!("{group}/{name}[{k}] is {stored:e} in the file, {told:e} in JSON"));
                 }
-                None => found.must(stored.is_nan() || name == "load" || name == "step", || format!("{group}/{name}[{k}] = {stored:e} is not in JSON")),
+                None => found.must(stored.is_nan() || name == "load" || name == "step", || {
+                    format!("{group}/{name}[{k}] = {stored:e} is not in JSON")
+                }),
             }
         }
         for (name, told) in all {
@@ -90,7 +92,8 @@ const HEADS: [(&str, &str); 11] = [
 /// The rows of the printed table, cell by cell below the heads.
 pub fn table(found: &mut Found, text: &str, records: &[Value]) {
     let lines: Vec<&str> = text.lines().collect();
-    let Some(head) = lines.iter().position(|line| line.contains("pressure") && line.contains("residual") && line.contains("steps"))
+    let Some(head) =
+        lines.iter().position(|line| line.contains("pressure") && line.contains("residual") && line.contains("steps"))
     else {
         return found.complain("no table".into());
     };
@@ -113,9 +116,42 @@ pub fn table(found: &mut Found, text: &str, records: &[Value]) {
                     let unit = 10_f64.powi(power - digits as i32);
                     found.near(&format!("{name} in row {k} of the table"), shown, told, 0.5001 * unit);
                 }
-                _ => found.must(told.is_nan(), || format!("{name} in row {k} of the table is '{cell}', {told:e} in JSON")),
+                _ => found
+                    .must(told.is_nan(), || format!("{name} in row {k} of the table is '{cell}', {told:e} in JSON")),
             }
         }
+    }
+}
+
+/// The gap is open at the lower one of the two loads of a threshold, and closed at the other.
+pub fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
+    let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
+    for axis in [0, 1] {
+        let told = &report["flow_threshold"][axis][key];
+        if told.is_null() {
+            continue;
+        }
+        let mut words: Vec<String> =
+            case.words.iter().filter(|word| *word != "--flow-threshold" && *word != "--flow").cloned().collect();
+        let flags = ["--pressure", "--p-star", "--displacement"];
+        let at = words.iter().position(|word| flags.contains(&word.as_str())).unwrap();
+        words.splice(
+            at..at + 2,
+            [
+                if key == "displacement" { "--displacement" } else { "--pressure" }.to_owned(),
+                format!("{},{}", told[0], told[1]),
+            ],
+        );
+        words.extend(["--flow", "--json", "-q", "--threads", "1"].map(str::to_owned));
+        let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
+        let Ok(again) = serde_json::from_slice::<Value>(&output.stdout) else {
+            found.complain(format!("the loads of a threshold: {}", String::from_utf8_lossy(&output.stderr)));
+            continue;
+        };
+        let through = [0, 1].map(|load| again["loads"][load]["flow"]["percolates"][axis] == true);
+        found.must(through == [true, false], || {
+            format!("the gap is open along {axis} at the loads of its threshold: {through:?}")
+        });
     }
 }
 
@@ -134,7 +170,8 @@ pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report:
         _ if case.is_path => return,
         _ => {
             let list = depths.join(",");
-            let all = ["--surface", out, "--depths", &list, "--json", "-q", "--out", &format!("{out}.body")].map(str::to_owned);
+            let all = ["--surface", out, "--depths", &list, "--json", "-q", "--out", &format!("{out}.body")]
+                .map(str::to_owned);
             words.extend(all);
             words.extend(["--quantities", "displacement,strain,stress,von-mises,energy-density"].map(str::to_owned));
         }
@@ -146,7 +183,9 @@ pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report:
     match command.as_str() {
         "resume" => {
             found.must(status == Some(0), || format!("--resume of a complete file: status {status:?}: {told}"));
-            let Ok(again) = serde_json::from_str::<Value>(&text) else { return found.complain("--resume: no JSON".into()) };
+            let Ok(again) = serde_json::from_str::<Value>(&text) else {
+                return found.complain("--resume: no JSON".into());
+            };
             let key = if case.is_path { "steps" } else { "loads" };
             let without = |report: &Value| {
                 let mut records = report[key].clone();
@@ -177,7 +216,8 @@ pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report:
             // A second body, layers and moved bases have their own limits, which one line tells.
             Some(2) => {
                 found.must(told.trim_end().lines().count() == 1, || format!("body: {told}"));
-                let refused = case.moved.is_some() || case.body.first.height() < 0.2 && case.body.first.base != half_space(case);
+                let refused =
+                    case.moved.is_some() || case.body.first.height() < 0.2 && case.body.first.base != half_space(case);
                 found.must(refused, || format!("body is refused: {told}"));
             }
             _ => found.complain(format!("body: status {status:?}: {told}")),
@@ -280,7 +320,12 @@ fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: 
                 (0.5 * normal + 3.0 * (yz * yz + xz * xz + xy * xy)).sqrt()
             })
             .collect();
-        found.near(&format!("max_von_mises at the depth {depth}"), super::found::number(told, "max_von_mises"), largest(&mises), 1e-6 * most);
+        found.near(
+            &format!("max_von_mises at the depth {depth}"),
+            super::found::number(told, "max_von_mises"),
+            largest(&mises),
+            1e-6 * most,
+        );
         let layer = layer_at(case, depth, lower);
         let density: Vec<f64> = (0..plane.len())
             .map(|at| {

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::contact::{Elastic, Rough, counted, elastic, has_level, repulsion, wall};
 use super::draw::{Case, Control};
-use super::elastic::Complex;
+use super::elastic::{Complex, without_sines};
 use super::found::{Found, number};
 use super::numbers::{gradient, largest, mean};
 
@@ -28,6 +28,10 @@ fn all_components(case: &Case, traction: &Vectors) -> Vectors {
                     [0, 1].iter().for_each(|part| matrix[row][column][*part] += sign * other[row][column][*part]);
                 }
             }
+        }
+        let q = plane.wave(place);
+        if q != [0.0; 2] {
+            matrix = without_sines(matrix, plane.is_shortest(place));
         }
         for row in 0..3 {
             for column in 0..3 {
@@ -83,12 +87,20 @@ struct State {
     lateral: [f64; 2],
 }
 
-fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, rough: &Rough, elastic: &Elastic) -> State {
+fn one(
+    found: &mut Found,
+    case: &Case,
+    step: &Value,
+    k: usize,
+    file: &Reader,
+    rough: &Rough,
+    elastic: &Elastic,
+) -> State {
     let plane = case.plane;
     let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
     let (pressure, displacement, gap) = (field("pressure"), field("displacement_z"), field("gap"));
     found.must(step["converged"] == true, || "not converged, with status 0".into());
-    found.nulls(step, "");
+    found.nulls(step, &["stick_fraction", "interface_energy", "dissipated", "dissipated_error", "lowest_curvature"]);
     let modulus = case.body.contact_modulus();
     let stress = largest(&pressure);
     found.near("mean_pressure", number(step, "mean_pressure"), mean(&pressure), 1e-9 * stress);
@@ -110,15 +122,15 @@ fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, ro
         let told = step["lateral"][axis].as_f64().unwrap_or(f64::NAN);
         found.near("lateral", told, lateral[axis], 1e-9 * sideways.abs() + 1e-300);
     }
-    let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap);
+    let attracting = file.contains("/fields/repulsion").then(|| field("repulsion"));
+    let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, attracting);
     // Of a mixed law only the points that the wall or the law repels count, whatever the sliding.
     if case.law.is_none() || case.lateral.is_empty() {
         counted(found, case, step, (&surely, &possibly, &repulsion), &gap);
     }
     let has = |name: &str| file.contains(&format!("/fields/{name}"));
-    let shear: Option<[Vec<f64>; 2]> = has("shear_x").then(|| {
-        [field("shear_x"), if has("shear_y") { field("shear_y") } else { vec![0.0; plane.len()] }]
-    });
+    let shear: Option<[Vec<f64>; 2]> = has("shear_x")
+        .then(|| [field("shear_x"), if has("shear_y") { field("shear_y") } else { vec![0.0; plane.len()] }]);
     let depth = has("plastic_depth").then(|| field("plastic_depth"));
     let mut all = None;
     let mut traction = None;
@@ -144,7 +156,8 @@ fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, ro
     }
     let stored = depth.clone().unwrap_or_else(|| vec![0.0; plane.len()]);
     let approach = number(step, "displacement");
-    let shift: Vec<f64> = (0..plane.len()).map(|at| rough.clearance[at] + stored[at] - displacement[at] - gap[at]).collect();
+    let shift: Vec<f64> =
+        (0..plane.len()).map(|at| rough.clearance[at] + stored[at] - displacement[at] - gap[at]).collect();
     let known = if approach.is_nan() { mean(&shift) } else { approach };
     let apart = shift.iter().map(|shift| (shift - known).abs()).fold(0.0, f64::max);
     let size = largest(&rough.clearance) + known.abs() + largest(&displacement) + largest(&stored);
@@ -164,7 +177,12 @@ fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, ro
             let energies: Option<Vec<f64>> =
                 gap.iter().map(|g| law.energy(if law.has_wall() { g.max(0.0) } else { *g })).collect();
             if let Some(energies) = energies {
-                found.near("interface_energy", number(step, "interface_energy"), mean(&energies), 1e-7 * largest(&energies));
+                found.near(
+                    "interface_energy",
+                    number(step, "interface_energy"),
+                    mean(&energies),
+                    1e-7 * largest(&energies),
+                );
             }
         }
         (Some(_), _) => {}
@@ -172,24 +190,32 @@ fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, ro
             let mut yielding = 0.0;
             for at in 0..plane.len() {
                 let (p, most) = (pressure[at], hardness[at]);
-                found.must(p >= -case.tolerance * most && p <= most * (1.0 + case.tolerance), || format!("{p:e} of {most:e} at {at}"));
+                found.must(p >= -case.tolerance * most && p <= most * (1.0 + case.tolerance), || {
+                    format!("{p:e} of {most:e} at {at}")
+                });
                 found.must(stored[at] >= 0.0, || format!("plastic depth {:e} at {at}", stored[at]));
                 yielding += f64::from(u8::from(p >= most * (1.0 - 1e-12)));
             }
             let fraction = yielding / plane.len() as f64;
             // Of points that grow or have grown, and rest at the hardness: which of them count is said by the program.
             found.must(number(step, "plastic_fraction") <= fraction + 1e-9, || {
-                format!("plastic_fraction is {}; {fraction} of the points have the hardness", number(step, "plastic_fraction"))
+                format!(
+                    "plastic_fraction is {}; {fraction} of the points have the hardness",
+                    number(step, "plastic_fraction")
+                )
             });
             found.is(step, "plastic_volume", mean(&stored), 1e-9);
-            let closed = pressure.iter().zip(&gap).map(|(p, g)| p * g.abs()).sum::<f64>() / pressure.iter().sum::<f64>();
+            let closed =
+                pressure.iter().zip(&gap).map(|(p, g)| p * g.abs()).sum::<f64>() / pressure.iter().sum::<f64>();
             found.near("mean gap under pressure", closed, 0.0, 1e2 * case.tolerance * rough.deviation);
         }
         (None, None) => {
             wall(found, &pressure, &gap, rough.deviation, case.tolerance);
         }
     }
-    if let Some(Vectors([x, y, _])) = traction.as_ref().filter(|_| case.friction.is_some() || case.shear_strength.is_some()) {
+    if let Some(Vectors([x, y, _])) =
+        traction.as_ref().filter(|_| case.friction.is_some() || case.shear_strength.is_some())
+    {
         let (mut least, mut most) = (0.0, 0.0);
         let limit = |at: usize| match (case.friction, case.shear_strength) {
             (Some(mu), _) => mu * pressure[at].max(0.0),
@@ -199,7 +225,9 @@ fn one(found: &mut Found, case: &Case, step: &Value, k: usize, file: &Reader, ro
         let strongest = (0..plane.len()).map(limit).fold(0.0, f64::max);
         for at in 0..plane.len() {
             let size = x[at].hypot(y[at]);
-            found.must(size <= limit(at) + 2.0 * case.tolerance * strongest, || format!("shear {size:e} of {:e} at {at}", limit(at)));
+            found.must(size <= limit(at) + 2.0 * case.tolerance * strongest, || {
+                format!("shear {size:e} of {:e} at {at}", limit(at))
+            });
             if pressure[at] > 0.0 {
                 least += f64::from(u8::from(size < limit(at) * (1.0 - 1e-4)));
                 most += f64::from(u8::from(size < limit(at) * (1.0 - 1e-12)));
@@ -250,7 +278,12 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
     let error = if error.is_finite() { error } else { 0.0 };
     if lost.is_finite() && work.is_finite() && stored.is_finite() {
         let rounding = 1e-5 * (energy(step).abs() + energy(last).abs() + work.abs());
-        found.near("work less stored and dissipated energy", work - stored - lost, 0.0, 1.001 * open + error + rounding);
+        found.near(
+            "work less stored and dissipated energy",
+            work - stored - lost,
+            0.0,
+            1.001 * open + error + rounding,
+        );
     }
     if let (Some(depth), Some(shallow), Some(hardness)) = (&state.depth, &before.depth, &case.hardness) {
         let grown: Vec<f64> = depth.iter().zip(shallow).map(|(now, then)| now - then).collect();
@@ -259,7 +292,9 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         found.near("dissipated", lost, expected, 1e-6 * expected + 1e-9 * number(step, "elastic_energy").abs());
     }
     let frictional = case.friction.is_some() || case.shear_strength.is_some();
-    if let (true, Some(traction), Some(here), Some(there)) = (frictional, &state.traction, &state.displacement, &before.displacement) {
+    if let (true, Some(traction), Some(here), Some(there)) =
+        (frictional, &state.traction, &state.displacement, &before.displacement)
+    {
         // Slip of the elastic surface over the rigid one in this step, against the shear at its end.
         let slip = |axis: usize| -> Vec<f64> {
             let moved = state.lateral[axis] - before.lateral[axis];
