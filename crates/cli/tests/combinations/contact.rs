@@ -526,6 +526,13 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
                 found.near(&format!("flow.conductivity[{i}][{j}]"), told, *value, 1e-6 * scale);
             }
         }
+        for axis in [0, 1] {
+            let of = |kind: &str| load["flow"][format!("conductivity{kind}")][axis][axis].as_f64().unwrap_or(f64::NAN);
+            if of("_limit").is_finite() {
+                let error = (of("") - of("_limit")).abs() + of("_limit_error");
+                found.near("flow.conductivity_grid_error", of("_grid_error"), error, 1e-12 + 1e-9 * error);
+            }
+        }
         let channels = patches(plane, &open.iter().map(|k| *k > 0.0).collect::<Vec<bool>>(), case.is_free);
         for axis in [0, 1] {
             let through = channels.iter().any(|patch| patch.percolates[axis]);

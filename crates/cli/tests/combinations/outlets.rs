@@ -17,6 +17,13 @@ pub fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
     match record {
         Value::Object(entries) => {
             for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
+                if let ("flow", Some(kind)) = (at, key.strip_prefix("conductivity_")) {
+                    // Of the flow along a gradient, not across.
+                    for (axis, name) in ["xx", "yy"].into_iter().enumerate() {
+                        all.insert(format!("flow_{name}_{kind}"), value[axis][axis].as_f64().unwrap_or(f64::NAN));
+                    }
+                    continue;
+                }
                 let place = match (at, key.as_str()) {
                     ("patches", "count") => "patches".into(),
                     ("patches", "largest_fraction") => "largest_patch_fraction".into(),
