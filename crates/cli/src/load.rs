@@ -223,8 +223,11 @@ impl LoadRecord {
         {
             record.undefined.insert(column, "attraction carries the load, to which the area has no ratio");
         }
-        if law.lowest_curvature.is_nan() {
-            record.undefined.insert("lowest_curvature", "dynamics move the surface without computing curvatures");
+        if !law.lowest_curvature.is_finite() {
+            record.undefined.insert(
+                "lowest_curvature",
+                "no curvature was computed: by dynamics, or where the search ended before its first step",
+            );
         }
         record
     }

@@ -8,10 +8,10 @@ use ndarray::{Array1, Array2, ArrayD, IxDyn};
 use super::elastic::{Base, Layer, Plane, Stack};
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
-pub struct Dice(u64);
+pub(crate) struct Dice(u64);
 
 impl Dice {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
     }
 
@@ -24,28 +24,28 @@ impl Dice {
     }
 
     /// A number of [0, 1).
-    pub fn number(&mut self) -> f64 {
+    pub(crate) fn number(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.number()
     }
 
     /// A number between two positive ones whose logarithm is uniform.
-    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.number())
     }
 
-    pub fn count(&mut self, low: usize, high: usize) -> usize {
+    pub(crate) fn count(&mut self, low: usize, high: usize) -> usize {
         low + (self.number() * (high - low + 1) as f64) as usize
     }
 
-    pub fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.number() < probability
     }
 
-    pub fn of<T: Copy>(&mut self, from: &[T]) -> T {
+    pub(crate) fn of<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.count(0, from.len() - 1)]
     }
 }
@@ -56,29 +56,29 @@ fn short(value: f64) -> f64 {
 }
 
 #[derive(Clone, Debug)]
-pub struct Body {
-    pub first: Stack,
-    pub second: Option<Stack>,
+pub(crate) struct Body {
+    pub(crate) first: Stack,
+    pub(crate) second: Option<Stack>,
 }
 
 impl Body {
     /// The uppermost material.
-    pub fn top(&self) -> Layer {
+    pub(crate) fn top(&self) -> Layer {
         uppermost(&self.first)
     }
 
     /// E*, of both bodies together.
-    pub fn contact_modulus(&self) -> f64 {
+    pub(crate) fn contact_modulus(&self) -> f64 {
         let others = self.second.as_ref().map_or(0.0, |second| 1.0 / uppermost(second).contact_modulus());
         1.0 / (1.0 / self.top().contact_modulus() + others)
     }
 
-    pub fn compliance(&self, q: f64, held: bool) -> f64 {
+    pub(crate) fn compliance(&self, q: f64, held: bool) -> f64 {
         self.first.compliance(q, held) + self.second.as_ref().map_or(0.0, |second| second.compliance(q, held))
     }
 
     /// The limit of q times the compliance of long waves.
-    pub fn lowest(&self) -> f64 {
+    pub(crate) fn lowest(&self) -> f64 {
         let of = |stack: &Stack| match stack.base {
             Base::HalfSpace(young, poisson) => 2.0 * (1.0 - poisson * poisson) / young,
             _ => 0.0,
@@ -86,7 +86,7 @@ impl Body {
         of(&self.first) + self.second.as_ref().map_or(0.0, of)
     }
 
-    pub fn is_half_space(&self) -> bool {
+    pub(crate) fn is_half_space(&self) -> bool {
         self.first.layers.is_empty() && self.second.as_ref().is_none_or(|second| second.layers.is_empty())
     }
 }
@@ -100,7 +100,7 @@ fn uppermost(stack: &Stack) -> Layer {
 }
 
 #[derive(Clone, Debug)]
-pub enum Law {
+pub(crate) enum Law {
     Exponential {
         gamma: f64,
         range: f64,
@@ -127,7 +127,7 @@ pub enum Law {
 
 impl Law {
     /// The tension at a gap, without the wall.
-    pub fn tension(&self, g: f64) -> f64 {
+    pub(crate) fn tension(&self, g: f64) -> f64 {
         match *self {
             Self::Exponential { gamma, range } => gamma / range * (-g / range).exp(),
             Self::Dugdale { gamma, range } => {
@@ -151,7 +151,7 @@ impl Law {
     }
 
     /// The energy at a gap, zero far away; none of a law whose tractions have no potential when it slides.
-    pub fn energy(&self, g: f64) -> Option<f64> {
+    pub(crate) fn energy(&self, g: f64) -> Option<f64> {
         Some(match *self {
             Self::Exponential { gamma, range } => -gamma * (-g / range).exp(),
             Self::Dugdale { gamma, range } => -gamma * (1.0 - g / range).max(0.0),
@@ -168,12 +168,12 @@ impl Law {
         })
     }
 
-    pub fn has_wall(&self) -> bool {
+    pub(crate) fn has_wall(&self) -> bool {
         matches!(self, Self::Exponential { .. } | Self::Dugdale { .. })
     }
 
     /// A gap at which the traction jumps.
-    pub fn jump(&self) -> Option<f64> {
+    pub(crate) fn jump(&self) -> Option<f64> {
         if let Self::Dugdale { range, .. } = self { Some(*range) } else { None }
     }
 
@@ -193,14 +193,14 @@ impl Law {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Components {
+pub(crate) enum Components {
     Normal,
     Held,
     All,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Control {
+pub(crate) enum Control {
     Pressure,
     PStar,
     Displacement,
@@ -208,41 +208,41 @@ pub enum Control {
 
 /// One random problem.
 #[derive(Debug)]
-pub struct Case {
-    pub index: u64,
-    pub is_path: bool,
-    pub plane: Plane,
-    pub is_line: bool,
+pub(crate) struct Case {
+    pub(crate) index: u64,
+    pub(crate) is_path: bool,
+    pub(crate) plane: Plane,
+    pub(crate) is_line: bool,
     /// The gradient that the generator was asked for.
-    pub asked_gradient: Option<f64>,
+    pub(crate) asked_gradient: Option<f64>,
     /// The heights and those of the lower surface, if they are read from files.
-    pub heights: Option<Vec<f64>>,
-    pub lower: Option<Vec<f64>>,
-    pub body: Body,
-    pub is_free: bool,
-    pub law: Option<Law>,
+    pub(crate) heights: Option<Vec<f64>>,
+    pub(crate) lower: Option<Vec<f64>>,
+    pub(crate) body: Body,
+    pub(crate) is_free: bool,
+    pub(crate) law: Option<Law>,
     /// The hardness of each point.
-    pub hardness: Option<Vec<f64>>,
-    pub components: Components,
-    pub is_steep: bool,
-    pub has_lower: bool,
+    pub(crate) hardness: Option<Vec<f64>>,
+    pub(crate) components: Components,
+    pub(crate) is_steep: bool,
+    pub(crate) has_lower: bool,
     /// The displacement of the base, or with `true` the traction on it: components x, y, z of each point.
-    pub moved: Option<(Vec<[f64; 3]>, bool)>,
-    pub control: Control,
-    pub loads: Vec<f64>,
-    pub lateral: Vec<f64>,
-    pub direction: f64,
-    pub friction: Option<f64>,
-    pub shear_strength: Option<f64>,
-    pub statistics: bool,
-    pub flow: bool,
-    pub threshold: bool,
-    pub solver: &'static str,
-    pub tolerance: f64,
+    pub(crate) moved: Option<(Vec<[f64; 3]>, bool)>,
+    pub(crate) control: Control,
+    pub(crate) loads: Vec<f64>,
+    pub(crate) lateral: Vec<f64>,
+    pub(crate) direction: f64,
+    pub(crate) friction: Option<f64>,
+    pub(crate) shear_strength: Option<f64>,
+    pub(crate) statistics: bool,
+    pub(crate) flow: bool,
+    pub(crate) threshold: bool,
+    pub(crate) solver: &'static str,
+    pub(crate) tolerance: f64,
     /// The command without its outlets.
-    pub words: Vec<String>,
+    pub(crate) words: Vec<String>,
     /// The further commands that are run on the result.
-    pub further: &'static str,
+    pub(crate) further: &'static str,
 }
 
 const RATIOS: [f64; 7] = [0.0, 0.3, 0.49, 0.5, -0.3, 0.2, 0.4];
@@ -251,7 +251,7 @@ fn material(dice: &mut Dice) -> (f64, f64) {
     (short(dice.scale(0.5, 5.0)), dice.of(&RATIOS))
 }
 
-fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool) -> Body {
+fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool, bases: &[usize]) -> Body {
     let (young, poisson) = material(dice);
     let _ = write!(text, " --young {young} --poisson {poisson}");
     let second = |dice: &mut Dice, text: &mut String| -> Option<Stack> {
@@ -279,7 +279,7 @@ fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool) -> B
         let _ = write!(text, " --layer {young},{poisson},{height}");
         layers.push(Layer { young, poisson, height });
     }
-    let base = match dice.of(&[0, 0, 0, 1, 1, 2, 3, 3]) {
+    let base = match dice.of(bases) {
         0 => Base::Bonded,
         1 => {
             text.push_str(" --base sliding");
@@ -330,7 +330,7 @@ fn write(folder: &Path, name: &str, plane: Plane, is_line: bool, values: &[f64])
 
 impl Case {
     /// Draws the case and writes its input into `folder`.
-    pub fn draw(index: u64, folder: &Path) -> Self {
+    pub(crate) fn draw(index: u64, folder: &Path) -> Self {
         let dice = &mut Dice::new(index);
         let is_path = dice.chance(0.3);
         // A tenth of the problems may have anything beside anything, most of which is refused; the others go together.
@@ -395,7 +395,15 @@ impl Case {
         };
         let with_friction = is_path && (24..54).contains(&kind);
         let plain = components == Components::Normal && !is_steep && !has_lower && !with_friction;
-        let body = body(dice, &mut text, has_lower, is_free);
+        // By number: bonded, sliding, a plate, on a half-space.
+        let bases: &[usize] = match () {
+            () if is_wild => &[0, 1, 2, 3],
+            () if has_lower => &[0],
+            () if is_free && with_friction => &[0, 0, 3],
+            () if is_free => &[0, 0, 1, 3],
+            () => &[0, 0, 0, 1, 1, 2, 3, 3],
+        };
+        let body = body(dice, &mut text, has_lower, is_free, bases);
         if is_free {
             text.push_str(" --boundary free");
         }
@@ -445,7 +453,8 @@ impl Case {
             lower = Some(heights);
             let _ = write!(text, " --lower-surface l{index}.npy");
         }
-        let moves = !is_path && (plain || is_wild) && !body.first.layers.is_empty() && dice.chance(0.25);
+        let can_move = !matches!(body.first.base, Base::HalfSpace(..)) || is_wild;
+        let moves = !is_path && (plain || is_wild) && !body.first.layers.is_empty() && can_move && dice.chance(0.4);
         let moved = moves.then(|| {
             let is_traction = body.first.base == Base::Free;
             let amplitude = if is_traction { 0.05 * modulus * gradient } else { 0.03 * size };
@@ -629,7 +638,7 @@ impl Case {
     }
 
     /// The kinds to which the case belongs.
-    pub fn kinds(&self) -> Vec<&'static str> {
+    pub(crate) fn kinds(&self) -> Vec<&'static str> {
         let base = match self.body.first.base {
             Base::HalfSpace(..) if self.body.first.layers.is_empty() => "half-space",
             Base::HalfSpace(..) => "layers on a half-space",

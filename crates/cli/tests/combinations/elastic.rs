@@ -5,25 +5,25 @@ use std::f64::consts::PI;
 
 /// A point grid in a cell.
 #[derive(Clone, Copy, Debug)]
-pub struct Plane {
-    pub n: [usize; 2],
-    pub length: [f64; 2],
+pub(crate) struct Plane {
+    pub(crate) n: [usize; 2],
+    pub(crate) length: [f64; 2],
 }
 
 /// A complex number.
-pub type Complex = [f64; 2];
+pub(crate) type Complex = [f64; 2];
 
 impl Plane {
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.n[0] * self.n[1]
     }
 
-    pub fn spacing(&self) -> [f64; 2] {
+    pub(crate) fn spacing(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.length[axis] / self.n[axis] as f64)
     }
 
     /// The integer wave numbers of the mode at a place, of which the Nyquist ones are positive.
-    pub fn mode(&self, place: usize) -> [i64; 2] {
+    pub(crate) fn mode(&self, place: usize) -> [i64; 2] {
         let at = [place / self.n[1], place % self.n[1]];
         [0, 1].map(
             |axis| if 2 * at[axis] > self.n[axis] { at[axis] as i64 - self.n[axis] as i64 } else { at[axis] as i64 },
@@ -31,25 +31,25 @@ impl Plane {
     }
 
     /// The wave vector of a mode. Along an axis of one point there are no waves.
-    pub fn wave(&self, place: usize) -> [f64; 2] {
+    pub(crate) fn wave(&self, place: usize) -> [f64; 2] {
         let mode = self.mode(place);
         [0, 1].map(|axis| 2.0 * PI * mode[axis] as f64 / self.length[axis])
     }
 
     /// True along each axis whose wave is the shortest one of an even number of points, which has no sine.
-    pub fn is_shortest(&self, place: usize) -> [bool; 2] {
+    pub(crate) fn is_shortest(&self, place: usize) -> [bool; 2] {
         let mode = self.mode(place);
         [0, 1].map(|axis| self.n[axis] > 1 && 2 * mode[axis] == self.n[axis] as i64)
     }
 
     /// sum over r of f(r) exp(-i q r), over the number of points, by direct sums along y and then along x.
-    pub fn transform(&self, field: &[f64]) -> Vec<Complex> {
+    pub(crate) fn transform(&self, field: &[f64]) -> Vec<Complex> {
         let complex: Vec<Complex> = field.iter().map(|value| [*value / self.len() as f64, 0.0]).collect();
         self.sums(&complex, -1.0)
     }
 
     /// The real part of the sum over q of f(q) exp(i q r).
-    pub fn inverse(&self, modes: &[Complex]) -> Vec<f64> {
+    pub(crate) fn inverse(&self, modes: &[Complex]) -> Vec<f64> {
         self.sums(modes, 1.0).into_iter().map(|value| value[0]).collect()
     }
 
@@ -89,31 +89,31 @@ impl Plane {
 
 /// An isotropic layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
-    pub young: f64,
-    pub poisson: f64,
-    pub height: f64,
+pub(crate) struct Layer {
+    pub(crate) young: f64,
+    pub(crate) poisson: f64,
+    pub(crate) height: f64,
 }
 
 impl Layer {
-    pub fn shear_modulus(&self) -> f64 {
+    pub(crate) fn shear_modulus(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
     /// E/(1 - nu^2).
-    pub fn contact_modulus(&self) -> f64 {
+    pub(crate) fn contact_modulus(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }
 
     /// The strain of a layer that is confined sideways, per stress.
-    pub fn confined(&self) -> f64 {
+    pub(crate) fn confined(&self) -> f64 {
         (1.0 + self.poisson) * (1.0 - 2.0 * self.poisson) / (self.young * (1.0 - self.poisson))
     }
 }
 
 /// What the layers stand on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Base {
+pub(crate) enum Base {
     Bonded,
     Sliding,
     Free,
@@ -123,19 +123,19 @@ pub enum Base {
 
 /// Layers from the top down, on a base. A half-space alone has no layers.
 #[derive(Clone, Debug)]
-pub struct Stack {
-    pub layers: Vec<Layer>,
-    pub base: Base,
+pub(crate) struct Stack {
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) base: Base,
 }
 
 /// Displacement and stress of a wave: u_x = ux sin(q x), u_z = uz cos(q x), sxx, szz with the cosine, sxz with the sine.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wave {
-    pub ux: f64,
-    pub uz: f64,
-    pub sxx: f64,
-    pub szz: f64,
-    pub sxz: f64,
+pub(crate) struct Wave {
+    pub(crate) ux: f64,
+    pub(crate) uz: f64,
+    pub(crate) sxx: f64,
+    pub(crate) szz: f64,
+    pub(crate) sxz: f64,
 }
 
 impl Wave {
@@ -170,7 +170,7 @@ fn solutions(layer: &Layer, q: f64, s: f64, z: f64) -> [Wave; 2] {
 
 /// The state of the surface of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Top {
+pub(crate) enum Top {
     /// Pressure 1 and no shear.
     Pressed,
     /// Pressure 1 and no lateral displacement.
@@ -186,18 +186,18 @@ pub enum Top {
 }
 
 /// The solution of one wave.
-pub struct Solved<'a> {
+pub(crate) struct Solved<'a> {
     stack: &'a Stack,
     q: f64,
     coefficients: Vec<f64>,
 }
 
 impl Stack {
-    pub fn half_space(young: f64, poisson: f64) -> Self {
+    pub(crate) fn half_space(young: f64, poisson: f64) -> Self {
         Self { layers: Vec::new(), base: Base::HalfSpace(young, poisson) }
     }
 
-    pub fn height(&self) -> f64 {
+    pub(crate) fn height(&self) -> f64 {
         self.layers.iter().map(|layer| layer.height).sum()
     }
 
@@ -225,7 +225,7 @@ impl Stack {
     }
 
     /// Solves the conditions at the surface, between the layers and at the base for the wave number q > 0.
-    pub fn solve(&self, q: f64, top: Top) -> Solved<'_> {
+    pub(crate) fn solve(&self, q: f64, top: Top) -> Solved<'_> {
         let parts = self.parts();
         let size: usize = parts.iter().map(|part| if part.2.is_some() { 4 } else { 2 }).sum();
         let (mut rows, mut right) = (Vec::new(), Vec::new());
@@ -280,7 +280,7 @@ impl Stack {
     }
 
     /// Displacement into the body per pressure, of a wave; of the uniform one that of the confined layers.
-    pub fn compliance(&self, q: f64, held: bool) -> f64 {
+    pub(crate) fn compliance(&self, q: f64, held: bool) -> f64 {
         if q == 0.0 {
             return self.layers.iter().map(|layer| layer.height * layer.confined()).sum();
         }
@@ -288,7 +288,7 @@ impl Stack {
     }
 
     /// Lateral displacement per shear across the wave, by the stiffness of what lies below, layer by layer.
-    pub fn across(&self, q: f64) -> f64 {
+    pub(crate) fn across(&self, q: f64) -> f64 {
         if q == 0.0 {
             return self.layers.iter().map(|layer| layer.height / layer.shear_modulus()).sum();
         }
@@ -306,7 +306,7 @@ impl Stack {
 
     /// The compliance of tractions along x, y, z (outward) on the surface of a periodic cell, of the mode at a place: the displacement is
     /// `[row][column]` of the traction, each a complex number.
-    pub fn all_components(&self, plane: Plane, place: usize) -> [[Complex; 3]; 3] {
+    pub(crate) fn all_components(&self, plane: Plane, place: usize) -> [[Complex; 3]; 3] {
         let [x, y] = plane.wave(place);
         let q = x.hypot(y);
         let mut matrix = [[[0.0; 2]; 3]; 3];
@@ -338,7 +338,7 @@ impl Stack {
 
 impl Solved<'_> {
     /// The wave at a depth; on a plane between two layers that of the lower one if asked for.
-    pub fn at(&self, depth: f64, lower: bool) -> Wave {
+    pub(crate) fn at(&self, depth: f64, lower: bool) -> Wave {
         let parts = self.stack.parts();
         let last = parts.len() - 1;
         let small = 1e-12 * (1.0 + depth);
@@ -364,7 +364,7 @@ impl Solved<'_> {
 }
 
 /// The compliance of all components whose stiffness has no entries with a sine along the axes of the shortest waves, which do not have one.
-pub fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Complex; 3]; 3] {
+pub(crate) fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Complex; 3]; 3] {
     if shortest == [false; 2] {
         return matrix;
     }
@@ -400,7 +400,7 @@ pub fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Comple
 }
 
 /// Solves a dense linear system by Gaussian elimination with row pivots.
-pub fn solve(mut rows: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
+pub(crate) fn solve(mut rows: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     let size = right.len();
     for k in 0..size {
         let pivot = (k..size).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs())).unwrap();
@@ -424,7 +424,7 @@ pub fn solve(mut rows: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
 }
 
 /// The downward displacement of points by pressures on points, all of them dense.
-pub struct Dense {
+pub(crate) struct Dense {
     plane: Plane,
     is_free: bool,
     /// By offset: periodic, or of absolute values with free boundaries.
@@ -433,7 +433,7 @@ pub struct Dense {
 
 impl Dense {
     /// Of a periodic cell, from the compliance of each wave number.
-    pub fn periodic(plane: Plane, mut compliance: impl FnMut(f64) -> f64) -> Self {
+    pub(crate) fn periodic(plane: Plane, mut compliance: impl FnMut(f64) -> f64) -> Self {
         let mut known: Vec<(i64, f64)> = Vec::new();
         let modes: Vec<Complex> = (0..plane.len())
             .map(|place| {
@@ -453,13 +453,13 @@ impl Dense {
     }
 
     /// Of a patch on an unbounded body, from the displacement that a uniform pressure on one cell makes at an offset.
-    pub fn free(plane: Plane, of_cell: impl Fn([f64; 2]) -> f64) -> Self {
+    pub(crate) fn free(plane: Plane, of_cell: impl Fn([f64; 2]) -> f64) -> Self {
         let [dx, dy] = plane.spacing();
         let offset = |place: usize| [(place / plane.n[1]) as f64 * dx, (place % plane.n[1]) as f64 * dy];
         Self { plane, is_free: true, by_offset: (0..plane.len()).map(|place| of_cell(offset(place))).collect() }
     }
 
-    pub fn entry(&self, a: usize, b: usize) -> f64 {
+    pub(crate) fn entry(&self, a: usize, b: usize) -> f64 {
         let [nx, ny] = self.plane.n;
         let [ax, ay, bx, by] = [a / ny, a % ny, b / ny, b % ny];
         match self.is_free {
@@ -469,13 +469,13 @@ impl Dense {
     }
 
     /// The displacement into the body.
-    pub fn displace(&self, pressure: &[f64]) -> Vec<f64> {
+    pub(crate) fn displace(&self, pressure: &[f64]) -> Vec<f64> {
         let loaded: Vec<(usize, f64)> = pressure.iter().copied().enumerate().filter(|(_, p)| *p != 0.0).collect();
         (0..pressure.len()).map(|a| loaded.iter().map(|(b, p)| self.entry(a, *b) * p).sum()).collect()
     }
 
     /// The mean over all points of the pressure on `points` that displaces all of them by one; infinite if that has no solution.
-    pub fn stiffness(&self, points: &[usize]) -> f64 {
+    pub(crate) fn stiffness(&self, points: &[usize]) -> f64 {
         if points.is_empty() {
             return 0.0;
         }
@@ -491,7 +491,7 @@ impl Dense {
 
 /// Love's displacement at an offset by a unit pressure on a cell of a half-space of the modulus E*; of a line that of a strip, which is
 /// zero at the offset of the length.
-pub fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
+pub(crate) fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
     let ([dx, dy], is_line) = (plane.spacing(), plane.n[1] == 1);
     let length = plane.length[0];
     move |[x, y]| {
@@ -506,7 +506,7 @@ pub fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
 }
 
 /// Nodes and weights of Gauss and Legendre on [-1, 1], by Newton's method.
-pub fn gauss(count: usize) -> Vec<[f64; 2]> {
+pub(crate) fn gauss(count: usize) -> Vec<[f64; 2]> {
     let legendre = |x: f64| {
         let (mut before, mut now) = (1.0, x);
         for k in 2..=count {
@@ -535,7 +535,7 @@ fn bessel(x: f64) -> f64 {
 /// The displacement by a unit pressure on a cell of layered bodies, whose compliance is that of the half-space of the modulus E* for
 /// short waves. The least height of the uppermost layers and the sum of all set the steps of the quadrature; `lowest` is the limit of q times the
 /// compliance of long waves.
-pub fn layered(
+pub(crate) fn layered(
     plane: Plane,
     e_star: f64,
     [least, sum]: [f64; 2],

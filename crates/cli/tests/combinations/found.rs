@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 #[derive(Default)]
-pub struct Found {
-    pub complaints: Vec<String>,
-    pub compared: usize,
+pub(crate) struct Found {
+    pub(crate) complaints: Vec<String>,
+    pub(crate) compared: usize,
     /// Numbers that are null with a reason.
-    pub undefined: BTreeMap<String, usize>,
+    pub(crate) undefined: BTreeMap<String, usize>,
 }
 
 /// The number at a place, NaN if it is null.
-pub fn number(of: &Value, key: &str) -> f64 {
+pub(crate) fn number(of: &Value, key: &str) -> f64 {
     of.pointer(&format!("/{}", key.replace('.', "/"))).map_or(f64::NAN, |value| match value {
         Value::Bool(flag) => f64::from(u8::from(*flag)),
         value => value.as_f64().unwrap_or(f64::NAN),
@@ -21,11 +21,11 @@ pub fn number(of: &Value, key: &str) -> f64 {
 }
 
 impl Found {
-    pub fn complain(&mut self, text: String) {
+    pub(crate) fn complain(&mut self, text: String) {
         self.complaints.push(text);
     }
 
-    pub fn must(&mut self, holds: bool, text: impl FnOnce() -> String) {
+    pub(crate) fn must(&mut self, holds: bool, text: impl FnOnce() -> String) {
         self.compared += 1;
         if !holds {
             self.complaints.push(text());
@@ -33,14 +33,14 @@ impl Found {
     }
 
     /// Compares a number with its definition, within an absolute tolerance.
-    pub fn near(&mut self, name: &str, found: f64, expected: f64, tolerance: f64) {
+    pub(crate) fn near(&mut self, name: &str, found: f64, expected: f64, tolerance: f64) {
         self.must((found - expected).abs() <= tolerance || found == expected, || {
             format!("{name} is {found:e}; by definition {expected:e}, which may differ by {tolerance:.1e}")
         });
     }
 
     /// Compares the number of a load or a step with its definition, within a relative tolerance. A null needs its reason.
-    pub fn is(&mut self, record: &Value, key: &str, expected: f64, tolerance: f64) {
+    pub(crate) fn is(&mut self, record: &Value, key: &str, expected: f64, tolerance: f64) {
         let found = number(record, key);
         if found.is_nan() {
             self.null(record, key);
@@ -50,7 +50,7 @@ impl Found {
     }
 
     /// A number that is null has a reason in words.
-    pub fn null(&mut self, record: &Value, key: &str) {
+    pub(crate) fn null(&mut self, record: &Value, key: &str) {
         self.compared += 1;
         match record["undefined"][key].as_str() {
             Some(reason) if reason.len() > 10 => *self.undefined.entry(format!("{key}: {reason}")).or_default() += 1,
@@ -60,7 +60,7 @@ impl Found {
 
     /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have no meaning without
     /// what the case does not have.
-    pub fn nulls(&mut self, record: &Value, absent: &[&str]) {
+    pub(crate) fn nulls(&mut self, record: &Value, absent: &[&str]) {
         let mut all = BTreeMap::new();
         super::outlets::flat(record, "", &mut all);
         for (name, value) in &all {

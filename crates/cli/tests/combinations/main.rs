@@ -42,7 +42,7 @@ enum End {
 /// The first words of a refusal, which name the flag.
 fn reason(told: &str) -> String {
     let told = told.trim_start_matches("error: ");
-    told.split([':', ' ']).next().unwrap_or_default().to_owned()
+    told.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
 }
 
 /// Runs a case and checks all that comes out.

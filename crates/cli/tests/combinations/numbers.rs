@@ -4,22 +4,22 @@ use std::f64::consts::PI;
 
 use super::elastic::{Plane, solve};
 
-pub fn mean(values: &[f64]) -> f64 {
+pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-pub fn largest(values: &[f64]) -> f64 {
+pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()))
 }
 
 /// Root mean square about the mean.
-pub fn deviation(values: &[f64]) -> f64 {
+pub(crate) fn deviation(values: &[f64]) -> f64 {
     let middle = mean(values);
     mean(&values.iter().map(|value| (value - middle).powi(2)).collect::<Vec<f64>>()).sqrt()
 }
 
 /// The root mean square of the gradient: by the waves of a periodic surface, by differences inside of a patch.
-pub fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
+pub(crate) fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
     if !is_free {
         let modes = plane.transform(heights);
         let square = |place: usize| {
@@ -42,7 +42,7 @@ pub fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
 }
 
 /// The largest slope by steps forwards that do not cross the seam.
-pub fn steepest(plane: Plane, heights: &[f64]) -> f64 {
+pub(crate) fn steepest(plane: Plane, heights: &[f64]) -> f64 {
     let ([nx, ny], [dx, dy]) = (plane.n, plane.spacing());
     let mut most = 0.0_f64;
     for i in 0..nx {
@@ -57,7 +57,7 @@ pub fn steepest(plane: Plane, heights: &[f64]) -> f64 {
 }
 
 /// The neighbours of a point, with the cell to which the step leads.
-pub fn neighbours(plane: Plane, place: usize, is_free: bool) -> Vec<(usize, [i64; 2], usize)> {
+pub(crate) fn neighbours(plane: Plane, place: usize, is_free: bool) -> Vec<(usize, [i64; 2], usize)> {
     let [nx, ny] = plane.n;
     let at = [place / ny, place % ny];
     let mut all = Vec::new();
@@ -84,20 +84,20 @@ pub fn neighbours(plane: Plane, place: usize, is_free: bool) -> Vec<(usize, [i64
 }
 
 /// The number of pairs of neighbours of which one belongs.
-pub fn links(plane: Plane, belongs: &[bool], is_free: bool) -> usize {
+pub(crate) fn links(plane: Plane, belongs: &[bool], is_free: bool) -> usize {
     let ends = |place: usize| neighbours(plane, place, is_free).iter().filter(|(there, ..)| !belongs[*there]).count();
     (0..belongs.len()).filter(|place| belongs[*place]).map(ends).sum()
 }
 
 /// A connected set of points.
 #[derive(Debug, Default)]
-pub struct Patch {
-    pub points: Vec<usize>,
-    pub percolates: [bool; 2],
+pub(crate) struct Patch {
+    pub(crate) points: Vec<usize>,
+    pub(crate) percolates: [bool; 2],
 }
 
 /// The connected sets of points that belong, by filling; one that meets itself in another cell winds around the cell.
-pub fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patch> {
+pub(crate) fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patch> {
     let mut cells: Vec<Option<[i64; 2]>> = vec![None; belongs.len()];
     let mut all = Vec::new();
     for start in 0..belongs.len() {
@@ -140,7 +140,7 @@ pub fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patch> {
 
 /// The mean flux along x and y (rows) by a unit mean gradient along x and y (columns) through cells of these conductivities, whose
 /// faces have their harmonic mean: by elimination. Without a channel along an axis nothing flows along it.
-pub fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] {
+pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] {
     let [dx, dy] = plane.spacing();
     let open: Vec<bool> = conductivity.iter().map(|k| *k > 0.0).collect();
     let found = patches(plane, &open, is_free);
@@ -223,6 +223,6 @@ pub fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] 
 }
 
 /// (pi - 1 + ln 2)/24, the part of a pixel edge by which counted points exceed an area (Yastrebov and others 2017).
-pub fn excess() -> f64 {
+pub(crate) fn excess() -> f64 {
     (PI - 1.0 + 2.0_f64.ln()) / 24.0
 }

@@ -13,7 +13,7 @@ use super::numbers::{largest, mean};
 use crate::common::gfmd;
 
 /// The numbers of a load or a step by the names that the file has for them. Nulls are NaN.
-pub fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
+pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
     match record {
         Value::Object(entries) => {
             for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
@@ -51,7 +51,7 @@ pub fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
 }
 
 /// Every number of the JSON is in the file, and every number of the file in the JSON, with the same bits.
-pub fn file(found: &mut Found, records: &[Value], file: &Reader, group: &str) {
+pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &str) {
     for (k, record) in records.iter().enumerate() {
         let mut all = BTreeMap::new();
         flat(record, "", &mut all);
@@ -97,7 +97,7 @@ const HEADS: [(&str, &str); 11] = [
 ];
 
 /// The rows of the printed table, cell by cell below the heads.
-pub fn table(found: &mut Found, text: &str, records: &[Value]) {
+pub(crate) fn table(found: &mut Found, text: &str, records: &[Value]) {
     let lines: Vec<&str> = text.lines().collect();
     let Some(head) =
         lines.iter().position(|line| line.contains("pressure") && line.contains("residual") && line.contains("steps"))
@@ -131,7 +131,7 @@ pub fn table(found: &mut Found, text: &str, records: &[Value]) {
 }
 
 /// The gap is open at the lower one of the two loads of a threshold, and closed at the other.
-pub fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
+pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
     let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
     for axis in [0, 1] {
         let told = &report["flow_threshold"][axis][key];
@@ -163,7 +163,7 @@ pub fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) 
 }
 
 /// Runs one further command on the file of the result.
-pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report: &Value) {
+pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report: &Value) {
     let mut words: Vec<String> = case.further.split_whitespace().map(str::to_owned).collect();
     let Some(command) = words.first().cloned() else { return };
     let depths = ["0", "0.05", "0.2"];
@@ -177,7 +177,7 @@ pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report:
         _ if case.is_path => return,
         _ => {
             let list = depths.join(",");
-            let all = ["--surface", out, "--depths", &list, "--json", "-q", "--out", &format!("{out}.body")]
+            let all = ["--surface", out, "--depths", &list, "--json", "-q", "--out", &format!("{out}.body.h5")]
                 .map(str::to_owned);
             words.extend(all);
             words.extend(["--quantities", "displacement,strain,stress,von-mises,energy-density"].map(str::to_owned));
@@ -216,7 +216,7 @@ pub fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report:
         }
         _ => match status {
             Some(0) => {
-                let file = Reader::open(folder.join(format!("{out}.body"))).unwrap();
+                let file = Reader::open(folder.join(format!("{out}.body.h5"))).unwrap();
                 let result = Reader::open(folder.join(out)).unwrap();
                 body(found, case, &result, &file, &serde_json::from_str(&text).unwrap());
             }
