@@ -172,10 +172,15 @@ impl LoadRecord {
         let Flow { mut conductivity, percolates, residual, .. } = *flow;
         if self.mean_gap <= 0.0 {
             conductivity = [[f64::NAN; 2]; 2];
-            let reason = format!(
-                "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
-                self.mean_gap
-            );
+            let reason = if self.mean_gap == 0.0 {
+                "the gap is closed everywhere; a conductivity is relative to a uniform gap of the mean height"
+                    .to_owned()
+            } else {
+                format!(
+                    "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
+                    self.mean_gap
+                )
+            };
             RELATIVE.iter().for_each(|name| self.undefined.insert(name, &*reason));
         }
         let [mut limit, mut limit_error, mut grid_error] = [[[f64::NAN; 2]; 2]; 3];

@@ -3,7 +3,7 @@
 use gfmd_contact::{Boundary, Drive, Fields, Load};
 use gfmd_files::Reader;
 use gfmd_interface::{Interface, Quasistatic, Step};
-use gfmd_law::Limit;
+use gfmd_law::{Kind, Limit};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::Path;
@@ -136,6 +136,11 @@ impl StateCheck<'_> {
         comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
     }
 
+    /// The unit of length, the rms height.
+    fn height(&self) -> f64 {
+        self.prepared.surface.heights.std(0.0).max(f64::MIN_POSITIVE)
+    }
+
     fn is_law_on_patch(&self) -> bool {
         matches!(self.prepared.action, Action::Law(_)) && self.prepared.surface.boundary == Boundary::Free
     }
@@ -165,7 +170,7 @@ impl StateCheck<'_> {
                 };
                 let problem = self.prepared.wall(refuse)?;
                 let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
-                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), 0.0);
+                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), self.height());
                 self.displacement(waypoint, &state, comparison)?;
                 let record =
                     state.record(&self.prepared.scales(), &problem.reading(&state), &Step::default(), args.tol);
@@ -177,9 +182,20 @@ impl StateCheck<'_> {
                 let interface = Interface::bounded(*boundary, body, grid, heights, Arc::clone(law)).map_err(refuse)?;
                 let stored_pressure = self.field("pressure", waypoint)?;
                 let state = interface.certify(&gap, &stored_pressure, drive).map_err(refuse)?;
-                let pressure: Vec<f64> = state.pressure().iter().copied().collect();
-                comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
-                self.displacement(waypoint, &state, comparison)?;
+                // Without attraction the file has the pressure of the wall.
+                let is_wall = args.law.law == Kind::HardWall;
+                let pressure = if is_wall { state.repulsion() } else { state.pressure() };
+                let pressure: Vec<f64> = pressure.iter().copied().collect();
+                if self.is_law_on_patch() {
+                    let worst = farthest(&flat(&stored_pressure), &pressure) / self.stress();
+                    comparison.at_most("/fields/pressure", worst, 100.0 * args.tol);
+                    let displacement = flat(&self.field("displacement_z", waypoint)?);
+                    let worst = farthest(&displacement, &flat(&state.displacement_z().to_owned())) / self.height();
+                    comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
+                } else {
+                    comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
+                    self.displacement(waypoint, &state, comparison)?;
+                }
                 let reading = interface.reading(&state);
                 let record = state.record(&self.prepared.scales(), &reading, &Step::default(), args.tol);
                 self.scalars(&record, comparison, stored);
@@ -209,6 +225,19 @@ impl StateCheck<'_> {
                     }
                 }
                 "residual" => comparison.number(&path, stored, found, 1e-3),
+                _ if self.is_law_on_patch() => {
+                    let unit = match scalar.units {
+                        "stress" => self.stress(),
+                        "length" => self.height(),
+                        "stress*length" => self.stress() * self.height(),
+                        _ => 1.0,
+                    };
+                    if stored.to_bits() != found.to_bits() {
+                        let apart = (stored - found).abs() / stored.abs().max(unit);
+                        comparison.at_most(&path, apart, 100.0 * self.args.tol);
+                    }
+                }
+                "mean_gap" => comparison.number(&path, stored, found, self.height()),
                 _ => comparison.number(&path, stored, found, 0.0),
             }
         }
@@ -252,13 +281,26 @@ impl StateCheck<'_> {
         let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found: Vec<f64> =
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
-        let height = surface.heights.std(0.0).max(f64::MIN_POSITIVE);
+        let height = self.height();
         let stored_displacement = flat(&self.field("displacement_z", waypoint)?);
         comparison.at_most("/fields/gap", apart(&found, &flat(gap)) / height, 100.0 * args.tol);
         let worst = apart(&displacement[lateral..], &stored_displacement) / height;
         comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
-        comparison.at_most("/fields/gap (penetration)", -gap.iter().copied().fold(0.0, f64::min) / height, args.tol);
-        comparison.number("/path/mean_pressure", stored("mean_pressure"), pressure.mean().unwrap_or(f64::NAN), 0.0);
+        let law = if let Action::Law(law) = action { Some(law) } else { None };
+        if law.is_none_or(|law| law.has_wall()) {
+            let below = -gap.iter().copied().fold(0.0, f64::min) / height;
+            comparison.at_most("/fields/gap (penetration)", below, args.tol);
+        }
+        let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
+        match law {
+            // The mean pressure is that of the law, the field that of the displacement: equal to the residual.
+            Some(_) => comparison.at_most(
+                "/path/mean_pressure",
+                (stored("mean_pressure") - mean_pressure).abs() / self.stress(),
+                100.0 * args.tol,
+            ),
+            None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
+        }
         comparison.number("/path/mean_gap", stored("mean_gap"), gap.mean().unwrap_or(f64::NAN), height);
         let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
         let approaches =
@@ -292,6 +334,12 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
     let shift = mean(a) - mean(b);
     let distances = a.iter().zip(b).map(|(a, b)| (a - b - shift).abs());
+    distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
+}
+
+/// The largest distance of two fields. NaN if there is one.
+fn farthest(a: &[f64], b: &[f64]) -> f64 {
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
+use gfmd_law::Kind;
 
 use super::record::{Recorded, scalars};
 use super::{Args, Prepared, StepRecord};
@@ -18,6 +19,8 @@ pub(super) struct PathFile<'a> {
     archive: Archive<'a>,
     shears: &'static [&'static str],
     is_plastic: bool,
+    /// True without attraction, where the pressure is that of the wall: exactly zero where nothing touches.
+    is_wall: bool,
 }
 
 /// The fields that every state has.
@@ -60,14 +63,14 @@ impl<'a> PathFile<'a> {
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
         hardness::write(prepared.hardness(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
-        Ok(Self { archive, shears, is_plastic })
+        Ok(Self { archive, shears, is_plastic, is_wall: args.law.law == Kind::HardWall })
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
     pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
         let shears = state.traction().into_iter().flat_map(|traction| traction.outer_iter().take(self.shears.len()));
         let normal = [
-            contiguous(&state.pressure()).into_owned(),
+            contiguous(&if self.is_wall { state.repulsion() } else { state.pressure() }).into_owned(),
             contiguous(&state.gap()).into_owned(),
             contiguous(&state.displacement_z()).into_owned(),
         ];
