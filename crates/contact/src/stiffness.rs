@@ -3,11 +3,9 @@
 
 mod few;
 
-use std::borrow::Cow;
-
 use few::Few;
 use gfmd_relax::{Ceiling, Preconditioned as _, Why};
-use gfmd_vector::{Share, for_each};
+use gfmd_vector::{Share, contiguous, for_each};
 
 use crate::dual::Dual;
 use crate::pull_push::Known;
@@ -63,8 +61,7 @@ impl Contact {
         } else if count == n && self.free.is_none() {
             return exact(self.units().stiffness() / self.uniform_compliance());
         }
-        let rows = solution.pressure.as_slice();
-        let pressure = rows.map_or_else(|| solution.pressure.iter().copied().collect(), Cow::from);
+        let pressure = contiguous(&solution.pressure);
         let mut unit = Unit::new(self, &pressure, hardness, count);
         if !unit.dual.keeps_constants() {
             unit.keep_sums();

@@ -1,14 +1,14 @@
 //! The variables of states, so that they can be kept outside of the process and restored bit for bit.
 
 use gfmd_contact::{Drive, Equilibrium, Refusal, Resumable, Variables, Visit};
+use gfmd_vector::with_contiguous;
 use ndarray::Array;
 
 use crate::certify::certify;
 use crate::{FrictionState, FrictionalContact, Interface, State};
 
 fn visit_field<D: ndarray::Dimension>(field: &mut Array<f64, D>, visitor: &mut dyn Visit) {
-    // Every field of a state is made row by row.
-    field.as_slice_mut().into_iter().for_each(|values| visitor.field(values));
+    with_contiguous(field, |values| visitor.field(values));
 }
 
 impl Variables for State {

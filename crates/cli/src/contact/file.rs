@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use gfmd_contact::Hardness;
 use gfmd_field::Share;
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use gfmd_measure::Column;
 
 use ndarray::{Array2, CowArray, Ix2};
@@ -273,10 +273,7 @@ impl<'a> ContactFile<'a> {
         let mut outcome = Ok(());
         for ((path, ..), field) in written(*recording, chosen).zip(fields) {
             let written = match archive {
-                Some(archive) if share.is_whole() => {
-                    let values = field.as_standard_layout();
-                    Ok(archive.write_slab(path, index, values.as_slice().unwrap_or_default())?)
-                }
+                Some(archive) if share.is_whole() => Ok(archive.write_slab(path, index, &contiguous(&field))?),
                 _ => rows::write(share, field.view(), archive.as_mut(), (path, Some(index)), |_| {}),
             };
             outcome = outcome.and(written);
