@@ -144,7 +144,7 @@ pub struct LawRecord {
     pub residual_equilibrium: f64,
 }
 
-/// The four residuals (docs/interface.md).
+/// The residuals of a contact: four, and those that a hardness, all components or finite slopes add (docs/interface.md).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct ResidualRecord {

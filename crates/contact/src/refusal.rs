@@ -81,6 +81,19 @@ pub enum Refusal {
         /// The smallest possible value, about.
         least: f64,
     },
+    /// The tractions of a law are so large that a mean pressure of this size makes no difference at the tolerance.
+    #[error(
+        "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to {traction:e} \
+         hide smaller ones at this tolerance"
+    )]
+    Hidden {
+        /// The mean pressure.
+        found: f64,
+        /// The smallest possible magnitude.
+        least: f64,
+        /// The largest traction.
+        traction: f64,
+    },
     /// A load, approach, or the traction that it causes, is so large that its rounding errors exceed the tolerance.
     #[error(
         "the {what} is {found:e}; it must be at most {most:e} on this surface, since rounding errors of larger ones \

@@ -23,8 +23,8 @@ impl Variables for State {
         effort.visit(visitor);
         let Self { mean_pressure, mean_shear: [shear_x, shear_y], approach, lateral: [x, y], .. } = self;
         visitor.numbers(&mut [mean_pressure, shear_x, shear_y, approach, x, y]);
-        let Self { elastic_energy, interface_energy, contact_fraction, lowest_curvature, .. } = self;
-        visitor.numbers(&mut [elastic_energy, interface_energy, contact_fraction, lowest_curvature]);
+        let Self { elastic_energy, interface_energy, contact_fraction, lowest_curvature, noise, .. } = self;
+        visitor.numbers(&mut [elastic_energy, interface_energy, contact_fraction, lowest_curvature, noise]);
         visitor.flag(&mut self.passed_instability);
     }
 }
