@@ -45,7 +45,7 @@ use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::load::{Recorded, Recording, Stiff};
 use crate::lower::{self, LowerArgs};
-use crate::memory::{Held, peak_bytes};
+use crate::memory::peak_bytes;
 use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
 use crate::session::Session;
 use crate::solver::SolverArgs;

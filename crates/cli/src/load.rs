@@ -1,6 +1,6 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, SteepSolution, Stiffness};
+use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, Stiffness};
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
 use serde::{Deserialize, Serialize};
@@ -212,7 +212,7 @@ impl LoadRecord {
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
         let mean_shear = state.steep().map(|steep| steep.mean_shear);
-        let projected_area_fraction = state.steep().map(SteepSolution::projected_area);
+        let projected_area_fraction = state.steep().and_then(|steep| steep.projected_area().ok());
         let (law, lower) = (state.law_record(), state.lower().map(LowerRecord::from));
         Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall }
     }

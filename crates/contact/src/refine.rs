@@ -50,7 +50,8 @@ pub(crate) fn refine<S: Refined>(
         let mut onlooker = Onlooker { watch: &mut *watch, before: effort.iterations, outer, hides_layer: false };
         let (mut state, ending) = search(length_scale, left, start.take(), &mut onlooker)?;
         state.effort_mut().add(effort);
-        let is_settled = matches!(ending, Ending::Converged | Ending::GaveUp(Why::Rounding));
+        // On a coarse scale a small displacement may not be resolved at all.
+        let is_settled = matches!(ending, Ending::Converged | Ending::GaveUp(Why::Rounding | Why::NoDescent));
         let is_coarse = state.length_scale() < length_scale && state.worst() > budget.tolerance;
         if !(is_settled && is_coarse) || state.effort().iterations >= budget.max_iterations {
             return Ok((state, ending));

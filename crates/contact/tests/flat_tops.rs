@@ -216,10 +216,10 @@ fn dynamics_finds_the_same_pressure_on_a_flat_top() {
     let clearance: Vec<f64> = heights.iter().map(|h| 0.1 - h).collect();
     let g = matrix(Boundary::Periodic, [N; 2], [1.0; 2], None);
     let body = Body::half_space(material());
-    let (fixed, _) = exact(&g, &clearance, &vec![f64::INFINITY; N * N], Load::MeanPressure(1.0));
+    let (fixed, _) = exact(&g, &clearance, &vec![f64::INFINITY; N * N], Load::MeanPressure(1e-6));
     let contact = Contact::new(&body, &grid, &heights).unwrap();
     for mean in [1e-7, 1e-9] {
-        let expected: Vec<f64> = fixed.iter().map(|p| p * mean).collect();
+        let expected: Vec<f64> = fixed.iter().map(|p| p / 1e-6 * mean).collect();
         for solver in [Solver::Verlet, Solver::VerletModes, Solver::Fire2, Solver::AugmentedLagrangian] {
             let solution = contact.press(Load::MeanPressure(mean)).solver(solver).solve().unwrap();
             let error = apart(&solution.pressure, &expected);
@@ -235,7 +235,8 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     let body = Body::slab(material(), 0.4).unwrap();
     let other = heights.mapv(|h| 0.3 * h);
     let full = FullContact::new(&body, &grid, &heights).unwrap();
-    let steep = SteepContact::new(&body, &grid, &heights).unwrap();
+    // The slopes at its edges are not larger than finite slopes may be.
+    let steep = SteepContact::new(&body, &grid, &(0.02 * &heights)).unwrap();
     let squeezed = SqueezedContact::new(&body, &grid, &heights, &other).unwrap();
     let pressures = |mean: f64| {
         let load = Load::MeanPressure(mean);
