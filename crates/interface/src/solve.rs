@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Drive, Equilibrium, Load, Refusal, SolveError, Solver, Units, judge};
+use gfmd_contact::{Contact, Drive, Equilibrium, Fields as _, Load, Refusal, SolveError, Solver, Units, judge};
 use gfmd_law::HardWall;
 use gfmd_relax::{Budget, Fire, Progress, Watch};
 use gfmd_response::Elastic;
