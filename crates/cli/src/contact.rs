@@ -46,7 +46,7 @@ use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::load::{Recorded, Recording, Stiff};
 use crate::lower::{self, LowerArgs};
-use crate::memory::{Held, peak_bytes};
+use crate::memory::peak_bytes;
 use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
 use crate::session::Session;
 use crate::solver::SolverArgs;
@@ -303,18 +303,8 @@ impl Prepared {
         if (args.flow || args.flow_threshold) && surface.grid.is_line() {
             return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
         }
-        let fields = match (args.law.law, args.boundary) {
-            _ if args.finite_slope => Held::STEEP,
-            _ if args.components == Unknown::All => Held::WALL_ALL_COMPONENTS,
-            _ if lower.is_some() => Held::SQUEEZED,
-            (Kind::HardWall, Boundary::Periodic) if args.hardness.is_none() => {
-                let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
-                if loads > 1 || args.statistics || args.flow { Held::HARD_WALL } else { Held::HARD_WALL_ONCE }
-            }
-            (Kind::HardWall, _) => Held::FREE,
-            (_, Boundary::Periodic) => Held::LAW,
-            (_, Boundary::Free) => Held::LAW_FREE,
-        };
+        let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
+        let fields = args.together().held(loads <= 1 && !args.statistics && !args.flow);
         session.agree(fields.check_rest("the grid", surface.grid.points(), session.processes()))?;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
@@ -540,7 +530,6 @@ impl Args {
     fn recording(&self, surface: &Surface) -> Recording {
         Recording {
             with_law: self.law.law != Kind::HardWall,
-            has_wall: self.law.law.has_wall(),
             boundary: surface.boundary,
             is_plastic: self.hardness.is_some(),
             is_steep: self.finite_slope,

@@ -217,7 +217,7 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> String {
         Why::Direction | Why::NoDescent => {
             format!("rounding may keep the residual up; try --tol {:.0e}, or another --solver", 10.0 * tolerance)
         }
-        Why::Circles => "try smaller steps of the load".into(),
+        Why::Circles | Why::Displaced => "try smaller steps of the load".into(),
         Why::Uphill { .. } | Why::Unsettled => "try another --solver, or smaller steps of the load".into(),
         _ => "try another --solver, smaller steps of the load, and check the units of lengths and stresses".into(),
     }

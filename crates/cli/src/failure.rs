@@ -127,6 +127,8 @@ impl From<Refusal> for Failure {
             Refusal::MeanPressure { .. }
             | Refusal::NotPressed { what: "mean pressure", .. }
             | Refusal::NotFinite { what: "mean pressure", .. }
+            | Refusal::Hidden { .. }
+            | Refusal::Shallow { what: "mean pressure", .. }
             | Refusal::Slight { what: "mean pressure", .. }
             | Refusal::Rounding { what: "mean pressure", .. } => "--pressure",
             Refusal::Digits { .. } | Refusal::Unit { .. } => "--young",
@@ -136,6 +138,7 @@ impl From<Refusal> for Failure {
             | Refusal::NoApproach
             | Refusal::NotPressed { .. }
             | Refusal::NotFinite { what: "approach", .. }
+            | Refusal::Shallow { .. }
             | Refusal::Slight { .. }
             | Refusal::Rounding { .. } => "--displacement",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",

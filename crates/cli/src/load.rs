@@ -1,6 +1,6 @@
 //! The record of one equilibrated load: the scalars of the JSON output, of `/loads` and of `/runs`.
 
-use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, SteepSolution, Stiffness};
+use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, Stiffness};
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
 use serde::{Deserialize, Serialize};
@@ -144,7 +144,7 @@ pub struct LawRecord {
     pub residual_equilibrium: f64,
 }
 
-/// The four residuals (docs/interface.md).
+/// The residuals of a contact: four, and those that a hardness, all components or finite slopes add (docs/interface.md).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "`SCALARS` has the meanings, once for code and files")]
 pub struct ResidualRecord {
@@ -212,7 +212,7 @@ impl LoadRecord {
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
         let mean_shear = state.steep().map(|steep| steep.mean_shear);
-        let projected_area_fraction = state.steep().map(SteepSolution::projected_area);
+        let projected_area_fraction = state.steep().and_then(|steep| steep.projected_area().ok());
         let (law, lower) = (state.law_record(), state.lower().map(LowerRecord::from));
         let mut record =
             Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall };

@@ -86,6 +86,14 @@ impl Held {
         self.check_beside(held, name, points, processes)
     }
 
+    /// As [`check`](Self::check), for a problem of which `held` bytes are in memory already, such as its surface.
+    ///
+    /// # Errors
+    /// A need of more memory than is available.
+    pub fn check_with(self, held: u64, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+        self.check_beside(held, name, points, Processes::ALONE)
+    }
+
     /// Refuses a need that exceeds what is available and what is `held` of it already.
     fn check_beside(self, held: u64, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
         let ([nx, ny], Processes { here, all }) = (points, processes);
@@ -145,24 +153,18 @@ fn of_process() -> Option<u64> {
     None
 }
 
-/// The place of the size of all addresses of a process in `/proc/self/statm`.
+/// The name of the size of all addresses of a process in `/proc/self/status`.
 #[cfg(target_os = "linux")]
-const ADDRESSES: usize = 0;
+const ADDRESSES: &str = "VmSize:";
 
-/// The place of the size of what is in memory.
-const RESIDENT: usize = 1;
+/// The name of the size of the part that is in memory.
+const RESIDENT: &str = "VmRSS:";
 
-/// A size of this process in bytes; `None` if the system does not report it.
-fn own_size(number: usize) -> Option<u64> {
-    if !cfg!(target_os = "linux") {
-        return None;
-    }
-    let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().nth(number)?.parse().ok()?;
-    Some(pages.saturating_mul(PAGE))
+/// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the size of
+/// its pages.
+fn own_size(name: &str) -> Option<u64> {
+    told_by_linux("/proc/self/status", name)
 }
-
-/// The size in which Linux counts addresses on most machines, in bytes.
-const PAGE: u64 = 4096;
 
 fn of_machine() -> Option<u64> {
     told_by_linux("/proc/meminfo", "MemAvailable:")
@@ -221,5 +223,22 @@ mod tests {
         }
         assert!(check_count("--steps", "steps", 1000, 64).is_ok());
         assert_eq!(Held::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
+    }
+
+    /// The system's own table of the addresses of this process, in bytes, is the reference.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_size_of_this_process_is_that_of_its_addresses_whatever_the_size_of_pages() {
+        let Ok(maps) = std::fs::read_to_string("/proc/self/maps") else { return };
+        let length = |line: &str| {
+            let (from, to) = line.split_whitespace().next()?.split_once('-')?;
+            Some(u64::from_str_radix(to, 16).ok()? - u64::from_str_radix(from, 16).ok()?)
+        };
+        let addresses: u64 = maps.lines().filter(|line| !line.ends_with("[vsyscall]")).filter_map(length).sum();
+        let found = own_size(ADDRESSES).unwrap();
+        // Other tests of this binary allocate meanwhile.
+        assert!(found.abs_diff(addresses) < addresses / 5, "{found} {addresses}");
+        let resident = own_size(RESIDENT).unwrap();
+        assert!(resident > 1 << 20 && resident < found && resident.is_multiple_of(1024), "{resident}");
     }
 }

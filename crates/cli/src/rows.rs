@@ -23,10 +23,9 @@ pub(crate) fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: us
 
 /// The whole field at the first process, `None` at the others.
 pub(crate) fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
-    let (columns, own) = (own.ncols(), own.as_standard_layout());
+    let (columns, own) = (own.ncols(), contiguous(&own));
     let mut whole = Vec::new();
-    let own = own.as_slice().unwrap_or_default();
-    share.to_first(own, columns, height(columns), |_, values| whole.extend_from_slice(values));
+    share.to_first(&own, columns, height(columns), |_, values| whole.extend_from_slice(values));
     let shape = (whole.len() / columns, columns);
     if share.ranks().rank() == 0 { Array2::from_shape_vec(shape, whole).ok() } else { None }
 }
@@ -63,10 +62,9 @@ pub(crate) fn write(
     (path, index): (&str, Option<usize>),
     mut see: impl FnMut(&[f64]),
 ) -> Result<(), Failure> {
-    let (columns, own) = (own.ncols(), own.as_standard_layout());
+    let (columns, own) = (own.ncols(), contiguous(&own));
     let mut written = Ok(());
-    let own = own.as_slice().unwrap_or_default();
-    share.to_first(own, columns, height(columns), |rows, values| {
+    share.to_first(&own, columns, height(columns), |rows, values| {
         see(values);
         if let (Some(archive), Ok(())) = (&mut archive, &written) {
             written = archive.write_rows(path, index, rows.start, values);

@@ -6,6 +6,8 @@ use crate::{Contact, Effort, Load, Solution};
 pub(crate) struct Attempt<'a> {
     pub(crate) contact: &'a Contact,
     pub(crate) load: Load,
+    /// The scale of lengths in the residuals.
+    pub(crate) length_scale: f64,
     pub(crate) budget: Budget,
     /// Start pressure.
     pub(crate) start: Option<Vec<f64>>,
@@ -37,11 +39,6 @@ impl Reached {
 }
 
 impl Attempt<'_> {
-    /// The scale of lengths in the residuals, that of the certificate.
-    pub(crate) fn length_scale(&self) -> f64 {
-        self.contact.scaled.length_scale(self.load)
-    }
-
     /// The remaining budget.
     pub(crate) fn budget_left(&self) -> Budget {
         let max_iterations = self.budget.max_iterations.saturating_sub(self.effort.iterations);

@@ -346,7 +346,9 @@ impl Contact {
                 if !self.has_level() {
                     return Err(Refusal::LineApproach);
                 }
-                let is_fixed = self.free.is_none() && self.response.uniform_compliance() == 0.0;
+                // With a hardness points give way, and any approach has a state.
+                let is_fixed =
+                    self.free.is_none() && self.hardness.is_none() && self.response.uniform_compliance() == 0.0;
                 let limit = is_fixed.then_some(self.surface.mean_clearance());
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }

@@ -100,7 +100,7 @@ pub(crate) fn solve(
         return Ok(None);
     }
     let Some(overlap) = Overlap::of(contact, attempt.load) else { return Ok(None) };
-    let scale = attempt.length_scale();
+    let scale = attempt.length_scale;
     let finest = MARGIN * attempt.budget.tolerance;
     let blocks = contact.share.total() / LANES;
     let mut kept = match attempt.load {

@@ -253,7 +253,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     }
     let x = &mut pressure;
     let within = |budget: Budget| Budget { tolerance: MARGIN * budget.tolerance, ..budget };
-    let target = Target { mean, gradient_scale: attempt.length_scale(), budget: within(attempt.budget) };
+    let target = Target { mean, gradient_scale: attempt.length_scale, budget: within(attempt.budget) };
     let minimum = match gradients {
         Gradients::PolonskyKeer => PolonskyKeer.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Projected => ProjectedCg.minimise(&mut dual, x, &target, attempt.watch)?,

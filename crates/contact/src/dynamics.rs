@@ -90,7 +90,7 @@ fn equilibrate(
     if let (None, Some(kept)) = (&search, attempt.watch.recall()) {
         attempt.effort.visit(kept);
     }
-    let layer = Layer::new(attempt.contact, load, attempt.length_scale());
+    let layer = Layer::new(attempt.contact, load, attempt.length_scale);
     let [softest, stiffest] = layer.band();
     match motion {
         Motion::Fire => run(attempt, load, layer, &Fire::bitzek(Fire::largest_dt(stiffest)), start, search),
@@ -190,7 +190,7 @@ fn search_load(
         let solution = contact.certified(found.clone(), load);
         attempt.effort.transform_pairs += solution.effort.transform_pairs;
         let excess = solution.approach - approach;
-        if excess.abs() <= 0.1 * attempt.budget.tolerance * attempt.length_scale() {
+        if excess.abs() <= 0.1 * attempt.budget.tolerance * attempt.length_scale {
             return Ok((found, ending));
         }
         if !search.learn(excess) {

@@ -11,7 +11,7 @@ use gfmd_relax::{
     damped_by_parts, relax_until, worst,
 };
 use gfmd_response::{FullResponse, FullTransforms, Hermitian};
-use gfmd_vector::{pass, total};
+use gfmd_vector::{pass, total, with_contiguous};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::fields::fields_of;
@@ -250,7 +250,7 @@ impl Run<'_> {
 /// The state follows from its pressure, but for the lateral traction that the dynamics left.
 impl Resumable for FullContact {
     fn keep(&self, state: &mut FullSolution, visitor: &mut dyn Visit) {
-        state.normal.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        with_contiguous(&mut state.normal.pressure, |pressure| visitor.field(pressure));
         visitor.number(&mut state.lateral_traction);
         state.normal.effort.visit(visitor);
     }

@@ -63,6 +63,7 @@ mod full;
 mod layer;
 mod load_search;
 mod pull_push;
+mod refine;
 mod resumable;
 mod solve;
 mod squeezed;

@@ -11,6 +11,14 @@ pub enum Load {
 }
 
 impl Load {
+    /// The name of what is prescribed, with its value.
+    pub(crate) fn named(self) -> (&'static str, f64) {
+        match self {
+            Self::MeanPressure(mean) => ("mean pressure", mean),
+            Self::Approach(approach) => ("approach", approach),
+        }
+    }
+
     /// The mean pressure, if it is prescribed.
     pub(crate) fn mean_pressure(self) -> Option<f64> {
         match self {
@@ -43,11 +51,8 @@ impl Drive {
     /// # Errors
     /// The first number that is not finite.
     pub fn check(&self) -> Result<(), Refusal> {
-        let load = match self.load {
-            Load::MeanPressure(found) => ("mean pressure", found),
-            Load::Approach(found) => ("approach", found),
-        };
-        let all = [load, ("lateral displacement", self.lateral[0]), ("lateral displacement", self.lateral[1])];
+        let all =
+            [self.load.named(), ("lateral displacement", self.lateral[0]), ("lateral displacement", self.lateral[1])];
         match all.into_iter().find(|(_, found)| !found.is_finite()) {
             Some((what, found)) => Err(Refusal::NotFinite { what, found }),
             None => Ok(()),

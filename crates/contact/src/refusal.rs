@@ -1,3 +1,4 @@
+use gfmd_field::ShapeError;
 use gfmd_green::GreenError;
 use gfmd_law::LawError;
 use gfmd_relax::{RelaxError, ToleranceError};
@@ -17,6 +18,9 @@ pub enum Refusal {
         /// Shape of the grid.
         expected: [usize; 2],
     },
+    /// A field cannot be continued between its points.
+    #[error(transparent)]
+    Field(#[from] ShapeError),
     /// A height is NaN or infinite.
     #[error("the height at {index:?} is {value}; it must be finite")]
     Height {
@@ -62,6 +66,33 @@ pub enum Refusal {
         found: f64,
         /// The smallest possible value.
         least: f64,
+    },
+    /// The load or approach is so small that the displacement is below the rounding errors of the heights, where several
+    /// points are as high as the highest but for these.
+    #[error(
+        "the {what} is {found:e}; it must be at least {least:e} on this surface, since rounding errors of the heights decide \
+         where smaller ones make contact"
+    )]
+    Shallow {
+        /// Mean pressure or approach.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The smallest possible value, about.
+        least: f64,
+    },
+    /// The tractions of a law are so large that a mean pressure of this size makes no difference at the tolerance.
+    #[error(
+        "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to {traction:e} \
+         hide smaller ones at this tolerance"
+    )]
+    Hidden {
+        /// The mean pressure.
+        found: f64,
+        /// The smallest possible magnitude.
+        least: f64,
+        /// The largest traction.
+        traction: f64,
     },
     /// A load, approach, or the traction that it causes, is so large that its rounding errors exceed the tolerance.
     #[error(

@@ -1,4 +1,5 @@
 use gfmd_relax::{Variables as _, Visit};
+use gfmd_vector::with_contiguous;
 
 use crate::{Contact, Drive, Equilibrium, Refusal, Solution};
 
@@ -18,7 +19,7 @@ pub trait Resumable: Equilibrium {
 /// The state of a hard wall follows from its pressure.
 impl Resumable for Contact {
     fn keep(&self, state: &mut Solution, visitor: &mut dyn Visit) {
-        state.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        with_contiguous(&mut state.pressure, |pressure| visitor.field(pressure));
         state.effort.visit(visitor);
     }
 

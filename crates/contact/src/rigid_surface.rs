@@ -5,7 +5,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_measure::Surroundings;
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
-use gfmd_vector::{for_each, reduce};
+use gfmd_vector::{contiguous, for_each, reduce};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
@@ -19,6 +19,8 @@ pub struct RigidSurface {
     clearance: Vec<f64>,
     mean_clearance: f64,
     rms_height: f64,
+    /// The rounding error of a difference of two heights, as they were given.
+    rounding: f64,
     /// False for a patch, which does not repeat.
     repeats: bool,
     rms_gradient: OnceLock<f64>,
@@ -26,6 +28,11 @@ pub struct RigidSurface {
 
 /// The scale of lengths in residuals over the prescribed approach, if that is very small.
 const OF_THE_APPROACH: f64 = 1e6;
+
+/// The scale of lengths in residuals over the extent of the displacement, if that is very small. A tolerance of 1e-8 then
+/// leaves errors of 1e-5 of the displacement. On rough surfaces the displacement has a larger part of h_rms at all but the
+/// smallest loads.
+const OF_THE_DISPLACEMENT: f64 = 1e3;
 
 /// The least load over the softest stiffness times h_rms, and the least approach over h_rms.
 const LEAST: f64 = 1e-100;
@@ -55,8 +62,7 @@ impl RigidSurface {
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
-        let heights = heights.as_standard_layout();
-        let heights = heights.as_slice().unwrap_or_default();
+        let heights = &*contiguous(heights);
         let start = share.own().start;
         let hole_in = |mut range: Range<usize>| range.find(|i| !heights[*i].is_finite());
         let hole = reduce(heights.len(), &hole_in, &|first: Option<usize>, other| first.or(other));
@@ -68,14 +74,15 @@ impl RigidSurface {
             let highest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             highest(&share.each(reduce(values.len(), &|range| highest(&values[range]), &f64::max)))
         };
-        let highest = highest_of(heights);
+        let top = highest_of(heights);
         let mut clearance = vec![0.0; heights.len()];
         for_each((&mut clearance[..], heights), &|_, (clearance, heights)| {
-            clearance.iter_mut().zip(heights).for_each(|(c, h)| *c = highest - h);
+            clearance.iter_mut().zip(heights).for_each(|(c, h)| *c = top - h);
         });
         let n = share.total() as f64;
         let mean_clearance = share.total_of(&clearance) / n;
         let highest = highest_of(&clearance);
+        let rounding = f64::EPSILON * top.abs().max((top - highest).abs());
         // The squares of very large or small heights are no numbers. A power of two changes no digit.
         let unit = unit_of(highest);
         let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());
@@ -84,7 +91,8 @@ impl RigidSurface {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
         let (share, rms_gradient) = (share.clone(), OnceLock::new());
-        let surface = Self { grid: *grid, share, clearance, mean_clearance, rms_height, repeats: true, rms_gradient };
+        let surface =
+            Self { grid: *grid, share, clearance, mean_clearance, rms_height, rounding, repeats: true, rms_gradient };
         if !surface.share.is_whole() {
             // All processes take part in its transform, and later not all may ask.
             surface.rms_gradient();
@@ -128,6 +136,7 @@ impl RigidSurface {
             clearance: self.clearance.iter().map(|c| c / units.length()).collect(),
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
+            rounding: self.rounding / units.length(),
             repeats: self.repeats,
             rms_gradient: if self.share.is_whole() {
                 OnceLock::new()
@@ -167,8 +176,9 @@ impl RigidSurface {
         self.rms_height
     }
 
-    /// The scale of lengths in the residuals of a contact without attraction: h_rms, or a million times the prescribed
-    /// approach if that is less. Errors that are small compared with h_rms may exceed a very small approach.
+    /// The scale of lengths in the residuals of a contact without attraction, before its displacement is known: h_rms, or a
+    /// million times the prescribed approach if that is less. Errors that are small compared with h_rms may exceed a very
+    /// small approach.
     pub fn length_scale(&self, load: Load) -> f64 {
         Self::scale_of(self.rms_height, load)
     }
@@ -179,6 +189,29 @@ impl RigidSurface {
             Load::Approach(approach) if approach > 0.0 => rms_height.min(OF_THE_APPROACH * approach),
             _ => rms_height,
         }
+    }
+
+    /// The scale of lengths in the residuals of a contact whose surface displacement has this `extent`, the largest less the
+    /// smallest: `scale`, or a thousand times the extent if that is less. On a surface with flat tops errors that are small
+    /// compared with h_rms may exceed the displacement. Without displacement it is `scale`.
+    pub fn finer_scale(scale: f64, extent: f64) -> f64 {
+        if extent > 0.0 { scale.min(OF_THE_DISPLACEMENT * extent) } else { scale }
+    }
+
+    /// Checks that the rounding errors of the heights do not decide a contact with residuals over `scale`, which is less than
+    /// h_rms because the displacement is very small: that they are below the tolerance, or that no point is within them of
+    /// the highest. Points as high as the highest, to the last digit, are a flat top and do no harm.
+    ///
+    /// # Errors
+    /// The load, with the least possible one.
+    pub(crate) fn check_heights(&self, load: Load, scale: f64, tolerance: f64) -> Result<(), Refusal> {
+        let allowed = tolerance * scale;
+        let is_near = |c: &f64| *c > 0.0 && *c <= self.rounding;
+        if self.rounding <= allowed || !self.share.any(self.clearance.iter().any(is_near)) {
+            return Ok(());
+        }
+        let (what, found) = load.named();
+        Err(Refusal::Shallow { what, found, least: found * (self.rounding / allowed) })
     }
 
     /// Checks that the numbers of a contact without attraction under `load` can be resolved: squares of much smaller

@@ -6,6 +6,7 @@ use gfmd_relax::{Ceiling, Upper};
 use gfmd_vector::{Share, add, for_each, lower};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
+use crate::refine::Refined;
 use crate::{Effort, Fields, Load, RigidSurface, Units};
 
 /// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Of several processes each has
@@ -28,6 +29,8 @@ pub struct Solution {
     pub effort: Effort,
     /// What gives way, if the contact has a hardness.
     pub plastic: Option<Plastic>,
+    /// The scale of lengths in the residuals, in length.
+    pub(crate) length_scale: f64,
     surface: Arc<RigidSurface>,
     contact_modulus: f64,
 }
@@ -48,8 +51,9 @@ pub struct Plastic {
 }
 
 /// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
-/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface, or [the scale of lengths](RigidSurface::length_scale)
-/// under a very small approach.
+/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface, or the scale of lengths
+/// [under a very small approach](RigidSurface::length_scale) or
+/// [of a very small displacement](RigidSurface::finer_scale).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms), in magnitude; 1 if a prescribed approach is positive and there is no pressure.
@@ -68,7 +72,7 @@ pub(crate) struct Conditions<'a> {
     /// The uniform displacement of the body downwards, which the displacement does not contain.
     pub(crate) sinking: f64,
     pub(crate) load: Load,
-    /// The scale of lengths in the residuals.
+    /// The scale of lengths in the residuals, unless the displacement is very small.
     pub(crate) length_scale: f64,
     /// The largest pressure that the surfaces carry.
     pub(crate) hardness: Option<&'a Upper>,
@@ -132,6 +136,20 @@ impl Fields for Solution {
     }
 }
 
+impl Refined for Solution {
+    fn length_scale(&self) -> f64 {
+        self.length_scale
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.pressure.iter().copied().collect()
+    }
+
+    fn effort_mut(&mut self) -> &mut Effort {
+        &mut self.effort
+    }
+}
+
 impl Solution {
     pub(crate) fn grid(&self) -> &Grid {
         self.surface.grid()
@@ -148,6 +166,7 @@ impl Solution {
             residual,
             effort,
             mut plastic,
+            length_scale,
             ..
         } = self;
         let (length, stress) = (units.length(), units.stress());
@@ -169,6 +188,7 @@ impl Solution {
             residual,
             effort,
             plastic,
+            length_scale: length_scale * length,
             surface,
             contact_modulus,
         }
@@ -187,19 +207,23 @@ impl Solution {
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
-        // The pressure, the points in contact, and what is free between the surfaces there without an approach.
+        // The pressure, the points in contact, and what is free between the surfaces there without an approach; the lowest
+        // displacement, and the lowest one upside down.
         let room = |i: usize| clearance[i] - displacement[i];
-        let [sum, touching, free] = share.reduce(
+        let both = [f64::INFINITY; 2];
+        let ([sum, touching, free], [lowest, highest]) = share.reduce(
             &|range| {
-                range.fold([0.0; 3], |sums, i| {
-                    let p = pressure[i];
+                range.fold(([0.0; 3], both), |(sums, ends), i| {
+                    let (p, u) = (pressure[i], displacement[i]);
                     let touches = (p > 0.0) & (p < upper.at(i));
-                    add(sums, if touches { [p, 1.0, room(i)] } else { [p, 0.0, 0.0] })
+                    let sums = add(sums, if touches { [p, 1.0, room(i)] } else { [p, 0.0, 0.0] });
+                    (sums, lower_each(ends, [u, -u]))
                 })
             },
-            &add,
+            &|a, b| (add(a.0, b.0), lower_each(a.1, b.1)),
         );
         let mean_pressure = sum / n as f64;
+        let length_scale = RigidSurface::finer_scale(length_scale, -highest - lowest);
         let sink = |u: &mut [f64]| {
             if sinking != 0.0 {
                 for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
@@ -270,6 +294,7 @@ impl Solution {
             residual,
             effort: Effort::default(),
             plastic,
+            length_scale,
             surface: Arc::clone(surface),
             contact_modulus,
         }
@@ -338,6 +363,11 @@ pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
 /// The larger of two numbers; NaN if either is NaN.
 fn higher(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
+}
+
+/// The lower of each two numbers; NaN if either is NaN.
+fn lower_each(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [lower(a[0], b[0]), lower(a[1], b[1])]
 }
 
 /// The positive part of a number; NaN stays NaN.

@@ -3,6 +3,7 @@ use gfmd_relax::{Budget, Watch};
 use crate::attempt::{Attempt, Reached};
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
+use crate::refine::refine;
 use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
 
 impl Contact {
@@ -68,26 +69,34 @@ impl Equilibrium for Contact {
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
         let load = self.units().drive(drive).load;
         let watch = &mut self.units().shown(watch);
-        let attempt = Attempt { contact: self, load, budget: *budget, start, watch, effort: Effort::default() };
-        let ended = match solver {
-            Solver::Auto => dual::solve(attempt, Gradients::Auto)?,
-            Solver::PolonskyKeer => dual::solve(attempt, Gradients::PolonskyKeer)?,
-            Solver::ProjectedCg => dual::solve(attempt, Gradients::Projected)?,
-            Solver::PreconditionedCg => dual::solve(attempt, Gradients::Preconditioned)?,
-            Solver::Verlet => dynamics::solve(attempt, Motion::Verlet)?,
-            Solver::VerletCritical => dynamics::solve(attempt, Motion::VerletCritical)?,
-            Solver::VerletModes => dynamics::solve(attempt, Motion::VerletModes)?,
-            Solver::Fire => dynamics::solve(attempt, Motion::Fire)?,
-            Solver::Fire2 => dynamics::solve(attempt, Motion::Fire2)?,
-            Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
-            Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into()),
-        };
-        let mut solution = match ended.reached {
-            Reached::Pressure(pressure) => self.certified(pressure, load),
-            Reached::Certified(solution) => *solution,
-        };
-        solution.effort.iterations = ended.effort.iterations;
-        solution.effort.transform_pairs += ended.effort.transform_pairs;
+        let coarsest = self.scaled.length_scale(load);
+        let (solution, ending) = refine(coarsest, budget, start, watch, |length_scale, budget, start, watch| {
+            let attempt =
+                Attempt { contact: self, load, length_scale, budget, start, watch, effort: Effort::default() };
+            let ended = match solver {
+                Solver::Auto => dual::solve(attempt, Gradients::Auto)?,
+                Solver::PolonskyKeer => dual::solve(attempt, Gradients::PolonskyKeer)?,
+                Solver::ProjectedCg => dual::solve(attempt, Gradients::Projected)?,
+                Solver::PreconditionedCg => dual::solve(attempt, Gradients::Preconditioned)?,
+                Solver::Verlet => dynamics::solve(attempt, Motion::Verlet)?,
+                Solver::VerletCritical => dynamics::solve(attempt, Motion::VerletCritical)?,
+                Solver::VerletModes => dynamics::solve(attempt, Motion::VerletModes)?,
+                Solver::Fire => dynamics::solve(attempt, Motion::Fire)?,
+                Solver::Fire2 => dynamics::solve(attempt, Motion::Fire2)?,
+                Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
+                Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
+            };
+            let mut solution = match ended.reached {
+                Reached::Pressure(pressure) => self.certified(pressure, load),
+                Reached::Certified(solution) => *solution,
+            };
+            solution.effort.iterations = ended.effort.iterations;
+            solution.effort.transform_pairs += ended.effort.transform_pairs;
+            Ok((solution, ended.ending))
+        })?;
+        if solution.length_scale < coarsest {
+            self.scaled.check_heights(drive.load, solution.length_scale, budget.tolerance)?;
+        }
         let solution = self.given_units(solution);
         Units::check_pressure(solution.mean_pressure)?;
         if let Load::Approach(_) = load {
@@ -95,6 +104,6 @@ impl Equilibrium for Contact {
             let what = "mean pressure of this approach";
             self.surface().check_traction(what, solution.mean_pressure, softest, budget.tolerance)?;
         }
-        judge(solution, ended.ending, budget.tolerance)
+        judge(solution, ending, budget.tolerance)
     }
 }

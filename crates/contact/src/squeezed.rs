@@ -9,9 +9,11 @@ use gfmd_green::{Body, Plate};
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Variables as _, Visit, Watch, worst};
 use gfmd_response::{PlateResponse, PlateTransforms};
+use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayRef2};
 
 use crate::fields::fields_of;
+use crate::refine::{Refined, refine};
 use crate::solution::Conditions;
 use crate::{
     Drive, Effort, Equilibrium, Fields, Load, Refusal, Residual, Resumable, RigidSurface, Solution, SolveError, Solver,
@@ -149,8 +151,8 @@ impl SqueezedContact {
         }
     }
 
-    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights, unless the
-    /// approach is very small.
+    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights, unless
+    /// the approach or the displacement is very small.
     fn length_scale(&self, load: Load) -> f64 {
         let [upper, lower] = self.scaled.each_ref().map(|surface| surface.rms_height());
         RigidSurface::scale_of(upper.hypot(lower), load)
@@ -209,10 +211,19 @@ impl Equilibrium for SqueezedContact {
         self.check_resolution(drive, budget.tolerance)?;
         let start = start.map(|start| self.check_start(start)).transpose()?;
         let load = self.units.drive(drive).load;
-        let ended = dual::solve(self, load, budget, start, watch)?;
-        let mut state = self.certified(ended.pressure, load);
-        state.effort.iterations = ended.effort.iterations;
-        state.effort.transform_pairs += ended.effort.transform_pairs;
+        let coarsest = self.length_scale(load);
+        let (state, ending) = refine(coarsest, budget, start, watch, |length_scale, budget, start, watch| {
+            let ended = dual::solve(self, load, length_scale, &budget, start, watch)?;
+            let mut state = self.certified(ended.pressure, load);
+            state.effort.iterations = ended.effort.iterations;
+            state.effort.transform_pairs += ended.effort.transform_pairs;
+            Ok((state, ended.ending))
+        })?;
+        for (surface, face) in self.scaled.iter().zip([&state.upper, &state.lower]) {
+            if face.length_scale < coarsest {
+                surface.check_heights(drive.load, face.length_scale, budget.tolerance)?;
+            }
+        }
         let state = self.given_units(state);
         Units::check_pressure(state.upper.mean_pressure)?;
         if let Load::Approach(_) = load {
@@ -220,7 +231,7 @@ impl Equilibrium for SqueezedContact {
             let what = "mean pressure of this approach";
             rougher(&self.surfaces).check_traction(what, state.upper.mean_pressure, softest, budget.tolerance)?;
         }
-        judge(state, ended.ending, budget.tolerance)
+        judge(state, ending, budget.tolerance)
     }
 }
 
@@ -249,7 +260,7 @@ impl SqueezedContact {
 impl Resumable for SqueezedContact {
     fn keep(&self, state: &mut SqueezedSolution, visitor: &mut dyn Visit) {
         for face in [&mut state.upper, &mut state.lower] {
-            face.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+            with_contiguous(&mut face.pressure, |pressure| visitor.field(pressure));
         }
         state.effort.visit(visitor);
     }
@@ -298,6 +309,21 @@ impl Fields for SqueezedSolution {
     fn summary_in(&self, scales: &Scales) -> Summary {
         let [upper, lower] = [&self.upper, &self.lower].map(|face| face.summary_in(scales));
         Summary { elastic_energy: upper.elastic_energy + lower.elastic_energy, ..upper }
+    }
+}
+
+impl Refined for SqueezedSolution {
+    /// The finer of the two faces.
+    fn length_scale(&self) -> f64 {
+        self.upper.length_scale.min(self.lower.length_scale)
+    }
+
+    fn start(&self) -> Vec<f64> {
+        [&self.upper, &self.lower].into_iter().flat_map(|face| face.start()).collect()
+    }
+
+    fn effort_mut(&mut self) -> &mut Effort {
+        &mut self.effort
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Spline};
+use gfmd_field::{Grid, ShapeError, Spline};
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Anderson, Budget, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
+use gfmd_relax::{Anderson, Budget, Divergence, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
 use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
-use gfmd_vector::{dot, for_each};
+use gfmd_vector::{contiguous, dot, for_each, with_contiguous};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::fields::fields_of;
@@ -40,7 +40,7 @@ pub struct SteepSolution {
     pub lateral: Vec<Array2<f64>>,
     /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its place.
     pub mean_shear: [f64; 2],
-    /// The last change of u_x and u_y over h_rms as they are made consistent with the pressure.
+    /// The last change of u_x and u_y over the scale of lengths of the other residuals as they are made consistent with the pressure.
     pub lateral_residual: f64,
     scales: Scales,
     elastic_energy: f64,
@@ -53,17 +53,20 @@ const STEPS: usize = 200;
 impl SteepSolution {
     /// The area of contact, projected onto the plane of the rigid surface, over that of the cell. Points in contact have moved, and
     /// the area between them has changed.
-    pub fn projected_area(&self) -> f64 {
+    ///
+    /// # Errors
+    /// A lateral displacement of another size than the grid.
+    pub fn projected_area(&self) -> Result<f64, ShapeError> {
         let grid = self.normal.grid();
-        let splines = self.lateral.iter().map(|u| u.as_slice().and_then(|u| Spline::through(grid, u).ok()));
-        let Some(splines) = splines.collect::<Option<Vec<Spline>>>() else { return f64::NAN };
+        let splines = self.lateral.iter().map(|u| Spline::through(grid, &contiguous(u)));
+        let splines = splines.collect::<Result<Vec<Spline>, ShapeError>>()?;
         let stretched = |point: [usize; 2]| {
             let slopes = |axis: usize| splines.get(axis).map_or([0.0; 2], |u| u.near(point, [0.0; 2]).1);
             let ([xx, xy], [yx, yy]) = (slopes(0), slopes(1));
             (1.0 + xx) * (1.0 + yy) - xy * yx
         };
         let touching = self.normal.pressure.indexed_iter().filter(|(_, p)| **p > 0.0);
-        touching.map(|((i, j), _)| stretched([i, j])).sum::<f64>() / grid.len() as f64
+        Ok(touching.map(|((i, j), _)| stretched([i, j])).sum::<f64>() / grid.len() as f64)
     }
 }
 
@@ -103,8 +106,7 @@ impl SteepContact {
         if surface.rms_height() == 0.0 {
             return Err(Refusal::Flat);
         }
-        let spline = Spline::through(grid, surface.clearance());
-        let clearance = spline.map_err(|_| Refusal::Shape { found: heights.dim().into(), expected: grid.points() })?;
+        let clearance = Spline::through(grid, surface.clearance())?;
         let (normal, full) = (NormalResponse::new(*grid, body).into(), FullResponse::new(*grid, body).into());
         Ok(Self { normal, full, surface: surface.into(), clearance })
     }
@@ -123,12 +125,17 @@ impl SteepContact {
         if found != expected {
             return Err(Refusal::Shape { found, expected });
         }
-        Ok(self.state(pressure.iter().copied().collect(), load, 0.0).0)
+        Ok(self.state(pressure.iter().copied().collect(), load, 0.0)?.0)
     }
 
     /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes. That is found to
-    /// `precision` times h_rms, or as exactly as rounding allows.
-    fn settle(&self, pressure: &[f64], precision: f64, transforms: &mut FullTransforms) -> Settled {
+    /// `precision` times the scale of lengths, at most `length_scale`, or as exactly as rounding allows.
+    fn settle(
+        &self,
+        pressure: &[f64],
+        (length_scale, precision): (f64, f64),
+        transforms: &mut FullTransforms,
+    ) -> Settled {
         let points = pressure.len();
         let axes = self.full.components().len() - 1;
         let [_, ny] = self.surface.grid().points();
@@ -153,7 +160,9 @@ impl SteepContact {
             transforms.compliance(&traction, &mut displacement);
             let last = change;
             change = worst(displacement.iter().zip(&lateral).map(|(new, old)| (new - old).abs()));
-            let relative = change / self.surface.rms_height();
+            let [lowest, highest] =
+                displacement[axes * points..].iter().fold([0.0_f64; 2], |[low, high], u| [low.min(*u), high.max(*u)]);
+            let relative = change / RigidSurface::finer_scale(length_scale, highest - lowest);
             let is_rounding = relative <= ROUNDING && change >= 0.5 * last;
             let settles = relative <= FAR;
             if relative <= precision || is_rounding || !settles {
@@ -166,42 +175,43 @@ impl SteepContact {
 
     /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the pressure
     /// is the same.
-    fn state(&self, pressure: Vec<f64>, load: Load, precision: f64) -> (SteepSolution, Vec<f64>) {
+    ///
+    /// # Errors
+    /// A displacement that is not finite.
+    fn state(&self, pressure: Vec<f64>, load: Load, precision: f64) -> Result<(SteepSolution, Vec<f64>), Refusal> {
         let points = pressure.len();
         let mut transforms = FullTransforms::of(&self.full);
+        let length_scale = self.surface.length_scale(load);
         let Settled { traction, mut displacement, clearance, change } =
-            self.settle(&pressure, precision, &mut transforms);
+            self.settle(&pressure, (length_scale, precision), &mut transforms);
         let normal = displacement.split_off(displacement.len() - points);
         let elastic_energy =
             0.5 * (dot(&traction, &displacement) + dot(&traction[displacement.len()..], &normal)) / points as f64;
         let mean = |axis: usize| gfmd_vector::total(&traction[axis * points..][..points]) / points as f64;
         let mean_shear = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
         let lowest = clearance.iter().copied().fold(f64::INFINITY, f64::min);
-        let heights = Array2::from_shape_fn(self.surface.grid().points(), |(i, j)| {
-            -clearance[i * self.surface.grid().points()[1] + j]
-        });
-        let surface =
-            RigidSurface::new(self.surface.grid(), &heights).map_or_else(|_| Arc::clone(&self.surface), Arc::new);
+        let heights = field(&self.surface, clearance.iter().map(|c| -c).collect());
+        let surface = Arc::new(RigidSurface::new(self.surface.grid(), &heights)?);
         let displaced = match load {
             Load::Approach(approach) => Load::Approach(approach - lowest),
             load => load,
         };
         let modulus = self.full.contact_modulus();
-        let length_scale = self.surface.length_scale(load);
         let conditions = Conditions { sinking: 0.0, load: displaced, length_scale, hardness: None };
         let mut solution = Solution::of(&surface, modulus, pressure, normal, conditions);
         solution.approach += lowest;
         solution.effort.transform_pairs = transforms.pairs();
         let lateral = displacement.chunks_exact(points).map(|u| field(&self.surface, u.to_vec())).collect();
+        let lateral_residual = change / solution.length_scale;
         let state = SteepSolution {
             normal: solution,
             lateral,
             mean_shear,
-            lateral_residual: change / self.surface.rms_height(),
+            lateral_residual,
             scales: Scales { contact_modulus: modulus, rms_gradient: self.surface.rms_gradient() },
             elastic_energy,
         };
-        (state, clearance)
+        Ok((state, clearance))
     }
 }
 
@@ -244,17 +254,30 @@ impl Search<'_> {
     }
 
     /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the pressure
-    /// is the same.
-    fn state(&mut self, precision: f64) -> Option<SteepSolution> {
+    /// is the same; `None` without a pressure.
+    ///
+    /// # Errors
+    /// A displacement that is not finite.
+    fn state(&mut self, precision: f64) -> Result<Option<SteepSolution>, Refusal> {
         let Self { contact, load, effort, heights, small, mixing, .. } = self;
-        let small = small.as_ref()?;
-        let (mut state, clearance) = contact.state(small.pressure.iter().copied().collect(), *load, precision);
+        let Some(small) = small.as_ref() else { return Ok(None) };
+        let (mut state, clearance) = contact.state(small.pressure.iter().copied().collect(), *load, precision)?;
         effort.add(state.normal.effort);
         state.normal.effort = *effort;
         let lifted = state.normal.displacement.iter().zip(&small.displacement).zip(clearance);
         let image: Vec<f64> = lifted.map(|((steep, small), clearance)| steep - small - clearance).collect();
-        heights.as_slice_mut().into_iter().for_each(|heights| mixing.advance(heights, &image));
-        Some(state)
+        with_contiguous(heights, |heights| mixing.advance(heights, &image));
+        Ok(Some(state))
+    }
+}
+
+/// The reason why a search ends at a displaced surface whose contact is refused: the slopes are too large.
+fn why(refusal: &Refusal) -> Why {
+    match refusal {
+        Refusal::Height { .. } | Refusal::RmsHeight { .. } | Refusal::Digits { .. } => {
+            Why::Diverged(Divergence::NotFinite)
+        }
+        _ => Why::Displaced,
     }
 }
 
@@ -296,8 +319,7 @@ impl Equilibrium for SteepContact {
         if !self.solvers().contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
         }
-        let rigid = Array2::from_shape_vec(self.surface.grid().points(), self.surface.clearance().to_vec());
-        let heights = rigid.map_or_else(|_| Array2::zeros(self.surface.grid().points()), |clearance| -clearance);
+        let heights = field(&self.surface, self.surface.clearance().iter().map(|c| -c).collect());
         let small = match start {
             Some(start) => {
                 let flat = Contact::on(Arc::clone(&self.normal), &heights)?;
@@ -307,20 +329,24 @@ impl Equilibrium for SteepContact {
         };
         let (effort, mixing) = (Effort::default(), Anderson::new(DEPTH));
         let mut search = Search { contact: self, load: drive.load, budget, effort, heights, small, mixing };
-        let mut state = search.state(1e-3);
+        let mut state = search.state(1e-3)?;
         let (mut residual, mut slow) = (1.0_f64, 0);
         loop {
             let tolerance = (0.1 * residual).min(1e-3).max(0.3 * budget.tolerance);
-            let ending = match (search.solve(tolerance, watch), state) {
-                (Ok(ending), _) => ending,
-                // The displaced surface cannot be solved: the slopes are too large.
-                (Err(_), Some(state)) => return judge(state, Ending::GaveUp(Why::Circles), budget.tolerance),
+            let solved = search.solve(tolerance, watch);
+            let next = solved.and_then(|ending| Ok((ending, search.state(PRECISION * residual)?)));
+            let (ending, mut reached) = match (next, state) {
+                (Ok((ending, Some(reached))), _) => (ending, reached),
+                (Ok((_, None)), _) => return Err(Refusal::StartApart.into()),
+                (Err(refusal), Some(state)) => return judge(state, Ending::GaveUp(why(&refusal)), budget.tolerance),
                 (Err(refusal), None) => return Err(refusal.into()),
             };
-            let Some(mut reached) = search.state(PRECISION * residual) else { return Err(Refusal::Flat.into()) };
             let ending = match ending {
                 Ending::Converged if reached.worst() <= budget.tolerance => Some(Ending::Converged),
-                Ending::Converged if reached.worst().is_nan() || slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
+                Ending::Converged if reached.worst().is_nan() => {
+                    Some(Ending::GaveUp(Why::Diverged(Divergence::NotFinite)))
+                }
+                Ending::Converged if slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
                 Ending::Converged => {
                     let now = Progress { iteration: search.effort.iterations, residual: reached.worst() };
                     watch.see(&now).is_break().then_some(Ending::Interrupted)
@@ -328,7 +354,11 @@ impl Equilibrium for SteepContact {
                 ending => Some(ending),
             };
             if let Some(ending) = ending {
-                (reached, _) = self.state(reached.normal.pressure.iter().copied().collect(), drive.load, 0.0);
+                let pressure = reached.normal.pressure.iter().copied().collect();
+                reached = match self.state(pressure, drive.load, 0.0) {
+                    Ok((certified, _)) => certified,
+                    Err(refusal) => return judge(reached, Ending::GaveUp(why(&refusal)), budget.tolerance),
+                };
                 search.effort.add(reached.normal.effort);
                 reached.normal.effort = search.effort;
                 if ending != Ending::Converged || reached.worst() <= budget.tolerance {
@@ -346,7 +376,7 @@ impl Equilibrium for SteepContact {
 /// The state follows from its pressure.
 impl Resumable for SteepContact {
     fn keep(&self, state: &mut SteepSolution, visitor: &mut dyn Visit) {
-        state.normal.pressure.as_slice_mut().into_iter().for_each(|pressure| visitor.field(pressure));
+        with_contiguous(&mut state.normal.pressure, |pressure| visitor.field(pressure));
         state.normal.effort.visit(visitor);
     }
 
@@ -354,7 +384,7 @@ impl Resumable for SteepContact {
         self.check(drive)?;
         let mut pressure = vec![0.0; self.surface.clearance().len()];
         visitor.field(&mut pressure);
-        let (mut state, _) = self.state(pressure, drive.load, 0.0);
+        let (mut state, _) = self.state(pressure, drive.load, 0.0)?;
         state.normal.effort.visit(visitor);
         Ok(state)
     }

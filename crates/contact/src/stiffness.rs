@@ -3,11 +3,9 @@
 
 mod few;
 
-use std::borrow::Cow;
-
 use few::Few;
 use gfmd_relax::{Ceiling, Preconditioned as _, Why};
-use gfmd_vector::{Share, for_each};
+use gfmd_vector::{Share, contiguous, for_each};
 
 use crate::dual::Dual;
 use crate::pull_push::Known;
@@ -50,8 +48,7 @@ impl Contact {
     /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
-        let rows = solution.pressure.as_slice();
-        let pressure = rows.map_or_else(|| solution.pressure.iter().copied().collect(), Cow::from);
+        let pressure = contiguous(&solution.pressure);
         self.stiffness_of_points(&pressure, upper.ceiling())
     }
 

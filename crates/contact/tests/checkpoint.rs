@@ -179,3 +179,18 @@ fn a_state_that_is_kept_is_the_state_of_the_next_load() {
     assert!(same(&next(&restored), &next(&first)));
     assert!(contact.restore(Load::MeanPressure(-1.0).into(), &mut Tape::default()).is_err());
 }
+
+#[test]
+fn a_state_of_another_layout_is_kept_as_it_is() {
+    let contact = contact(24, Height::Infinite);
+    let load = Load::MeanPressure(0.01);
+    let solved = contact.press(load).solve().unwrap();
+    let mut turned = solved.clone();
+    turned.pressure = solved.pressure.t().as_standard_layout().into_owned().reversed_axes();
+    assert!(turned.pressure.as_slice().is_none());
+    let mut tape = Tape::default();
+    contact.keep(&mut turned, &mut tape);
+    tape.rewind();
+    let restored = contact.restore(load.into(), &mut tape).unwrap();
+    assert!(tape.is_at_end() && same(&restored, &solved));
+}

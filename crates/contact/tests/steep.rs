@@ -78,11 +78,11 @@ fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only
     let change = state.normal.approach / flat.approach - 1.0;
     assert!(change.abs() < 1e-3, "{change:e}");
     // Its surface moves sideways in second order, a compressible one in first order.
-    assert!((state.projected_area() / state.summary().area_fraction - 1.0).abs() < 1e-3);
+    assert!((state.projected_area().unwrap() / state.summary().area_fraction - 1.0).abs() < 1e-3);
     let soft =
         SteepContact::new(&body(0.0), &grid, &heights).unwrap().press(Load::MeanPressure(0.001)).solve().unwrap();
     // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure less its mean (Johnson 1985, section 3.6).
-    let ratio = soft.projected_area() / soft.summary().area_fraction - 1.0;
+    let ratio = soft.projected_area().unwrap() / soft.summary().area_fraction - 1.0;
     let strain = soft.summary().mean_pressure_in_contact - soft.normal.mean_pressure;
     assert!((ratio / -strain - 1.0).abs() < 0.05, "{ratio:e} {strain:e}");
     // The rigid surface is held sideways by what its slopes push.
@@ -143,4 +143,31 @@ fn a_loose_tolerance_is_met() {
         let state = contact.press(Load::MeanPressure(0.02)).tolerance(tolerance).solve().unwrap();
         assert!(state.worst() <= tolerance, "{tolerance}: {}", state.worst());
     }
+}
+
+/// The displacement by such a pressure is not finite: a certificate of the undeformed surface would be wrong.
+#[test]
+fn a_displacement_that_is_not_finite_has_no_certificate() {
+    let (grid, heights) = rough(0.2, false);
+    let contact = SteepContact::new(&body(0.1), &grid, &heights).unwrap();
+    let pressure = Array2::from_shape_fn(grid.points(), |(i, j)| if (i + j) % 3 == 0 { 1e308 } else { 0.0 });
+    match contact.certify(&pressure, Load::MeanPressure(1e307)) {
+        Ok(state) => assert!(state.worst().is_nan()),
+        Err(refusal) => assert!(matches!(refusal, Refusal::Height { .. } | Refusal::RmsHeight { .. }), "{refusal}"),
+    }
+}
+
+#[test]
+fn fields_of_another_layout_have_the_same_projected_area() {
+    let (grid, heights) = rough(0.2, false);
+    let contact = SteepContact::new(&body(0.1), &grid, &heights).unwrap();
+    let mut state = contact.press(Load::MeanPressure(0.02)).solve().unwrap();
+    let expected = state.projected_area().unwrap();
+    for u in &mut state.lateral {
+        *u = u.t().as_standard_layout().into_owned().reversed_axes();
+        assert!(u.as_slice().is_none());
+    }
+    assert_eq!(state.projected_area(), Ok(expected));
+    state.lateral[0] = Array2::zeros((N, N + 1));
+    assert!(state.projected_area().is_err());
 }

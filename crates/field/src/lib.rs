@@ -65,7 +65,7 @@ mod transform;
 
 pub use convolution::Convolution;
 pub use cosines::{CosineWorkspace, Cosines};
-pub use gfmd_vector::{Rows, Share, Split};
+pub use gfmd_vector::{Rows, Share, Split, contiguous};
 pub use grid::{Grid, GridError, Mode};
 pub use plan::{ShapeError, Workspace};
 pub use real::Real;

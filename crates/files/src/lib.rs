@@ -42,7 +42,8 @@ pub use archive::{
 };
 pub use checksum::Checksum;
 pub use error::FileError;
-pub use fields::{axes, contiguous};
+pub use fields::axes;
+pub use gfmd_field::contiguous;
 pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder, target};
 pub use stored::Number;

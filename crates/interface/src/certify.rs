@@ -28,9 +28,9 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         Load::Approach(_) => (-means[z], 0.0),
     };
     let worst = |part: fn(&Balance) -> f64| balances.iter().fold(0.0, |worst, balance| higher(worst, part(balance)));
-    let [softest, _] = interface.elastic.stiffness_range();
-    let stress =
-        higher(higher(worst(|balance| balance.largest), softest * interface.surface.rms_height()), f64::MIN_POSITIVE);
+    let scale = interface.stress_scale(frame.drive.load);
+    let stress = higher(higher(worst(|balance| balance.largest), scale), f64::MIN_POSITIVE);
+    let noise = 2.0 * balances[z].unbalanced + ROUNDING * balances[z].largest;
     let interface_energy = certificate.interface_energy();
     let contact_fraction = certificate.contact_fraction();
     let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
@@ -64,6 +64,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         effort: Effort { iterations: 0, transform_pairs: transforms.pairs() },
         passed_instability: false,
         lowest_curvature: f64::NAN,
+        noise,
         surface: Arc::clone(&interface.given),
         contact_modulus: interface.contact_modulus,
     }
@@ -87,6 +88,9 @@ impl Interface {
         Ok(certify(self, &frame, &frame.position(&self.elastic, inside, pressure)))
     }
 }
+
+/// Rounding errors of tractions, over the largest: those of transforms of large fields, with a margin.
+const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
 /// The reason why reshaping a field cannot fail.
 const FITS: &str = "every field of an interface has the size of its grid";

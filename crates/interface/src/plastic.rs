@@ -6,6 +6,7 @@ use gfmd_contact::{
 };
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
+use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::path::{Loss, Quasistatic, Reading};
@@ -200,13 +201,13 @@ impl Quasistatic for PlasticContact {
 
 impl Resumable for PlasticContact {
     fn keep(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
-        state.before.as_slice_mut().into_iter().for_each(|depth| visitor.field(depth));
+        with_contiguous(&mut state.before, |depth| visitor.field(depth));
         self.contact.keep(&mut state.solution, visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
         let mut before = Array2::zeros(self.contact.surface().grid().points());
-        before.as_slice_mut().into_iter().for_each(|depth| visitor.field(depth));
+        with_contiguous(&mut before, |depth| visitor.field(depth));
         let solution = self.contact.indented(&before)?.restore(drive, visitor)?;
         Ok(PlasticState::new(&self.contact, solution, before))
     }

@@ -1,14 +1,14 @@
 //! The variables of states, so that they can be kept outside of the process and restored bit for bit.
 
 use gfmd_contact::{Drive, Equilibrium, Refusal, Resumable, Variables, Visit};
+use gfmd_vector::with_contiguous;
 use ndarray::Array;
 
 use crate::certify::certify;
 use crate::{FrictionState, FrictionalContact, Interface, State};
 
 fn visit_field<D: ndarray::Dimension>(field: &mut Array<f64, D>, visitor: &mut dyn Visit) {
-    // Every field of a state is made row by row.
-    field.as_slice_mut().into_iter().for_each(|values| visitor.field(values));
+    with_contiguous(field, |values| visitor.field(values));
 }
 
 impl Variables for State {
@@ -23,8 +23,8 @@ impl Variables for State {
         effort.visit(visitor);
         let Self { mean_pressure, mean_shear: [shear_x, shear_y], approach, lateral: [x, y], .. } = self;
         visitor.numbers(&mut [mean_pressure, shear_x, shear_y, approach, x, y]);
-        let Self { elastic_energy, interface_energy, contact_fraction, lowest_curvature, .. } = self;
-        visitor.numbers(&mut [elastic_energy, interface_energy, contact_fraction, lowest_curvature]);
+        let Self { elastic_energy, interface_energy, contact_fraction, lowest_curvature, noise, .. } = self;
+        visitor.numbers(&mut [elastic_energy, interface_energy, contact_fraction, lowest_curvature, noise]);
         visitor.flag(&mut self.passed_instability);
     }
 }

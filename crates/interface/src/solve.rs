@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Drive, Equilibrium, Load, Refusal, SolveError, Solver, Units, judge};
+use gfmd_contact::{Contact, Drive, Equilibrium, Fields as _, Load, Refusal, SolveError, Solver, Units, judge};
 use gfmd_law::HardWall;
 use gfmd_relax::{Budget, Fire, Progress, Watch};
 use gfmd_response::Elastic;
@@ -66,7 +66,9 @@ impl Equilibrium for Interface {
         self.check(drive)?;
         self.check_resolution(drive, budget.tolerance)?;
         if self.units.are_one() {
-            return self.rest(drive, solver, budget, start, watch);
+            let state = self.rest(drive, solver, budget, start, watch)?;
+            self.check_load(&state, drive, budget.tolerance)?;
+            return Ok(state);
         }
         let (length, stress) = (self.units.length(), self.units.stress());
         let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress));
@@ -75,7 +77,9 @@ impl Equilibrium for Interface {
         match self.rest(self.units.drive(drive), solver, budget, start.as_ref(), watch) {
             Ok(state) => {
                 Units::check_pressure(state.mean_pressure * stress)?;
-                Ok(given(state))
+                let state = given(state);
+                self.check_load(&state, drive, budget.tolerance)?;
+                Ok(state)
             }
             Err(SolveError::Detached { state, mean_pressure }) => {
                 Err(SolveError::Detached { state: given(*state).into(), mean_pressure: mean_pressure * stress })
@@ -88,7 +92,21 @@ impl Equilibrium for Interface {
 /// The least load or approach over the tolerance, relative to the size of the roughness, for a wall alone.
 const RESOLVED: f64 = 10.0;
 
+/// Rounding errors of a mean, over the largest value: a load of this size is zero, such as the middle one from -0.1 to 0.1.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 impl Interface {
+    /// Checks that the tractions of the law do not hide a prescribed load, in the units of the input: the residual of the load
+    /// is over the largest traction, and a smaller load than the tolerance of it may be met or not. A load that is zero but for
+    /// rounding is zero.
+    fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        let Load::MeanPressure(found) = drive.load else { return Ok(()) };
+        let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
+        let (least, zero) = (tolerance * traction, ROUNDING * traction);
+        let is_hidden = found.abs() > zero && found.abs() < least;
+        if is_hidden { Err(Refusal::Hidden { found, least, traction }) } else { Ok(()) }
+    }
+
     /// Solves in [`units`](Self::units).
     fn rest(
         &self,
@@ -163,6 +181,18 @@ impl Interface {
             return Err(Refusal::NoDynamics);
         }
         Ok(Method::Dynamics(engine))
+    }
+
+    /// The least stress over which residuals are taken, in [`units`](Self::units): the softest stiffness times the rms height, or
+    /// that of the load of a wall alone, if that is less. Errors that are small beside the roughness may exceed a small load.
+    pub(crate) fn stress_scale(&self, load: Load) -> f64 {
+        let [softest, _] = self.elastic.stiffness_range();
+        let rough = softest * self.surface.rms_height();
+        match load {
+            Load::MeanPressure(mean) if mean > 0.0 && self.is_wall_alone() => rough.min(mean),
+            Load::Approach(approach) if approach > 0.0 && self.is_wall_alone() => rough.min(softest * approach),
+            _ => rough,
+        }
     }
 
     fn is_wall_alone(&self) -> bool {

@@ -39,12 +39,14 @@ pub struct State {
     /// The lowest curvature, over the elastic curvature, that conjugate gradients met, started from a force in all
     /// directions; positive in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
+    /// The normal traction, in stress, that what is left unbalanced, or rounding, can make.
+    pub(crate) noise: f64,
     pub(crate) surface: Arc<RigidSurface>,
     pub(crate) contact_modulus: f64,
 }
 
 /// Distance of a state from equilibrium; zero for the exact state. Stresses are over the largest traction, or over the
-/// softest stiffness times the rms height if that is larger. Lengths are over the rms height, or in the unit of length for a
+/// softest stiffness times the rms height if that is larger and the contact has a law beside a wall. Lengths are over the rms height, or in the unit of length for a
 /// flat surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
@@ -96,6 +98,7 @@ impl State {
             lateral: self.lateral.map(|u| u * length),
             elastic_energy: self.elastic_energy * stress * length,
             interface_energy: self.interface_energy * stress * length,
+            noise: self.noise * stress,
             ..self
         }
     }
@@ -110,12 +113,13 @@ impl Fields for State {
         self.normal_traction().mapv(|t| -t).into()
     }
 
-    /// The repulsive pressure: that of the wall, or without wall the positive part of −t_z.
+    /// The repulsive pressure: that of the wall, or where no wall presses −t_z at the points where it is larger than what is
+    /// left unbalanced. Where a law vanishes, far from contact, the sign of −t_z is that of rounding errors.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
         if self.wall_pressure.iter().any(|p| *p > 0.0) {
             self.wall_pressure.view().into()
         } else {
-            self.normal_traction().mapv(|t| f64::max(-t, 0.0)).into()
+            self.normal_traction().mapv(|t| if -t > self.noise { -t } else { 0.0 }).into()
         }
     }
 

@@ -1,4 +1,4 @@
-use gfmd_vector::Share;
+use gfmd_vector::{Share, contiguous};
 use ndarray::ArrayView2;
 
 use crate::Surroundings;
@@ -25,8 +25,7 @@ pub struct ContactArea {
 /// Counts the contact of a `[x, y]` pressure field with these surroundings.
 pub fn contact_area(pressure: ArrayView2<f64>, surroundings: Surroundings) -> ContactArea {
     let (rows, columns) = pressure.dim();
-    let pressure = pressure.as_standard_layout();
-    contact_area_over(&Share::whole(rows, columns), columns, pressure.as_slice().unwrap_or_default(), surroundings)
+    contact_area_over(&Share::whole(rows, columns), columns, &contiguous(&pressure), surroundings)
 }
 
 /// Counts the contact of a pressure field of which each process has its rows of so many `columns`.

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use gfmd_vector::{Share, add};
+use gfmd_vector::{Share, add, contiguous};
 use ndarray::ArrayView2;
 
 use crate::quantile;
@@ -28,8 +28,7 @@ pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// The statistics of a pressure field.
 pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     let (rows, columns) = pressure.dim();
-    let (share, pressure) = (Share::whole(rows, columns), pressure.as_standard_layout());
-    let pressure = pressure.as_slice().unwrap_or_default();
+    let (share, pressure) = (Share::whole(rows, columns), &*contiguous(&pressure));
     let n = pressure.len().max(1) as f64;
     let contact = InContact::of(&share, pressure);
     // Positive numbers have the order of their bits, and integers are sorted faster.
@@ -95,9 +94,7 @@ impl<'a> InContact<'a> {
 /// (theory.md, section 0).
 pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> f64 {
     let (rows, columns) = pressure.dim();
-    let (pressure, displacement) = (pressure.as_standard_layout(), displacement.as_standard_layout());
-    let [pressure, displacement] = [&pressure, &displacement].map(|field| field.as_slice().unwrap_or_default());
-    elastic_energy_over(&Share::whole(rows, columns), pressure, displacement)
+    elastic_energy_over(&Share::whole(rows, columns), &contiguous(&pressure), &contiguous(&displacement))
 }
 
 /// The elastic energy per area of fields of which each process has its rows.

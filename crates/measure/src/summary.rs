@@ -1,4 +1,4 @@
-use gfmd_vector::Share;
+use gfmd_vector::{Share, contiguous};
 use ndarray::ArrayView2;
 
 use crate::area::contact_area_over;
@@ -73,8 +73,8 @@ impl Summary {
         surroundings: Surroundings,
     ) -> Self {
         let columns = fields[0].ncols();
-        let fields = fields.each_ref().map(|field| field.as_standard_layout());
-        let [pressure, displacement_z, gap] = fields.each_ref().map(|field| field.as_slice().unwrap_or_default());
+        let fields = fields.each_ref().map(|field| contiguous(field));
+        let [pressure, displacement_z, gap] = fields.each_ref().map(|field| &**field);
         let area = contact_area_over(share, columns, pressure, surroundings);
         let contact = InContact::of(share, pressure);
         let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);

@@ -312,6 +312,7 @@ impl Problem {
             lower: lower_flag,
         };
         together.check()?;
+        let held = together.held(true);
         let possible = Together { finite_slope: true, lower: None, ..together }.check().is_ok();
         let body = body.body()?;
         if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), &body) {
@@ -320,16 +321,8 @@ impl Problem {
         if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
             return Err(Failure::value("hardness", hardness.mean(), "absent with a law"));
         }
-        let held = match (kind, boundary) {
-            _ if finite_slope => Held::STEEP,
-            _ if lower.is_some() => Held::SQUEEZED,
-            _ if unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
-            (Kind::HardWall, Boundary::Periodic) if hardness.is_none() => Held::HARD_WALL,
-            (Kind::HardWall, _) => Held::FREE,
-            (_, Boundary::Periodic) => Held::LAW,
-            (_, Boundary::Free) => Held::LAW_FREE,
-        };
-        held.check("the grid", grid.points())?;
+        // The states of former loads are in memory already, as is the surface, which is part of the need.
+        held.check_with(size_of_val(heights) as u64, "the grid", grid.points())?;
         let (rms_gradient, moments) = gradient(heights, &grid, boundary)?;
         if lower.is_some() && heights.iter().all(|height| *height == heights[[0, 0]]) {
             return Err(Failure::Input(

@@ -74,11 +74,10 @@ pub(crate) fn save(
         let others = 3 + usize::from(is_plastic) + if is_squeezed { 3 } else { 0 };
         let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(others));
         let is_steep = records.iter().any(|record| record.mean_shear.is_some());
-        // Beside a law there is no further field but the pressure of its wall.
-        let has_wall = !with_law || lateral > 0;
+        // Beside a law there is no further field but the repulsion.
         let lateral = if with_law { 0 } else { lateral };
         let plain = Recording::plain(with_law, boundary);
-        let recording = Recording { has_wall, is_plastic, is_steep, lateral, is_squeezed, ..plain };
+        let recording = Recording { is_plastic, is_steep, lateral, is_squeezed, ..plain };
         let provenance = session.provenance(config);
         let mut file =
             ContactFile::create(Some(&output), &provenance, &surface, records.len(), recording, Chosen::ALL)?;

@@ -29,7 +29,7 @@ enum Kindred {
     Full(FullContact),
     Steep(SteepContact),
     Squeezed(SqueezedContact),
-    Law(Interface, Kind),
+    Law(Interface),
 }
 
 /// What a contact has beside its surface and its body.
@@ -59,7 +59,7 @@ enum Reached {
     /// A state between two surfaces, and u_z of the lower face.
     Squeezed(Box<SqueezedSolution>, Array2<f64>),
     /// A state with a law, the pressure that follows from its traction, and the pressure of the wall if there is one.
-    Law(Box<State>, Array2<f64>, Option<Array2<f64>>),
+    Law(Box<State>, Array2<f64>, Array2<f64>),
 }
 
 impl Rest {
@@ -87,13 +87,9 @@ impl Rest {
         Some([solution.lower.pressure.view(), displacement.view(), solution.lower.gap.view()])
     }
 
-    /// The pressure of the wall of a law that has one.
+    /// The repulsive pressure of a contact with a law.
     pub(crate) fn repulsion(&self) -> Option<ArrayView2<'_, f64>> {
-        if let Reached::Law(_, _, repulsion) = &self.reached {
-            repulsion.as_ref().map(|field| field.view())
-        } else {
-            None
-        }
+        if let Reached::Law(_, _, repulsion) = &self.reached { Some(repulsion.view()) } else { None }
     }
 
     /// The lateral displacement, if it was unknown.
@@ -136,13 +132,9 @@ fn squeezed(solution: SqueezedSolution) -> Reached {
     Reached::Squeezed(Box::new(solution), displacement)
 }
 
-/// A state with a law, of which `kind` tells whether it has a wall.
-fn with_law(kind: Kind) -> impl FnOnce(State) -> Reached {
-    move |state| {
-        let pressure = state.pressure().into_owned();
-        let repulsion = kind.has_wall().then(|| state.repulsion().into_owned());
-        Reached::Law(Box::new(state), pressure, repulsion)
-    }
+fn with_law(state: State) -> Reached {
+    let [pressure, repulsion] = [state.pressure(), state.repulsion()].map(|field| field.into_owned());
+    Reached::Law(Box::new(state), pressure, repulsion)
 }
 
 impl Loads {
@@ -172,14 +164,14 @@ impl Loads {
                 Boundary::Periodic => Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?,
                 Boundary::Free => Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?,
             };
-            Kindred::Law(interface, kind)
+            Kindred::Law(interface)
         };
         let allowed = match &contact {
             Kindred::Wall(contact) => contact.solvers(),
             Kindred::Full(contact) => contact.solvers(),
             Kindred::Steep(contact) => contact.solvers(),
             Kindred::Squeezed(contact) => contact.solvers(),
-            Kindred::Law(interface, _) => interface.solvers(),
+            Kindred::Law(interface) => interface.solvers(),
         };
         if !allowed.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed });
@@ -189,7 +181,7 @@ impl Loads {
 
     /// The remark that single points jump on this grid, if the law is too steep for it.
     pub(crate) fn trapping(&self) -> Option<String> {
-        if let Kindred::Law(interface, _) = &self.contact {
+        if let Kindred::Law(interface) = &self.contact {
             interface.trapping().map(|told| told.to_string())
         } else {
             None
@@ -234,10 +226,9 @@ impl Loads {
                 let start = if let Some(Reached::Squeezed(start, _)) = last { Some(&**start) } else { None };
                 self.rested((contact, squeezed), load, (budget, scales), start, watch)
             }
-            Kindred::Law(interface, kind) => {
+            Kindred::Law(interface) => {
                 let start = if let Some(Reached::Law(start, ..)) = last { Some(&**start) } else { None };
-                let (mut rest, failure) =
-                    self.rested((interface, with_law(*kind)), load, (budget, scales), start, watch)?;
+                let (mut rest, failure) = self.rested((interface, with_law), load, (budget, scales), start, watch)?;
                 rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid());
                 Ok((rest, failure))
             }
@@ -311,9 +302,9 @@ impl Loads {
                 let solution = contact.certify([kept.pressure, lower], load).map_err(refuse)?;
                 Ok(Rest::of(solution, squeezed, scales, f64::INFINITY, 0.0))
             }
-            Kindred::Law(interface, kind) => {
+            Kindred::Law(interface) => {
                 let state = interface.recall(kept).map_err(refuse)?;
-                Ok(Rest::of(state, with_law(*kind), scales, f64::INFINITY, 0.0))
+                Ok(Rest::of(state, with_law, scales, f64::INFINITY, 0.0))
             }
         }
     }

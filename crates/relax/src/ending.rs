@@ -33,6 +33,9 @@ pub enum Why {
     /// The search returns to earlier points.
     #[error("the search returns to earlier points")]
     Circles,
+    /// A problem on the way to the solution, as that of the displaced surface of a contact, has no solution.
+    #[error("the contact of the displaced surface has no solution")]
+    Displaced,
     /// Too many steps in a row went uphill.
     #[error("{found} steps in a row went uphill; at most {allowed} are allowed")]
     Uphill {

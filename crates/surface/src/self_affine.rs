@@ -161,7 +161,7 @@ impl SelfAffine {
     /// The square (λ_s/λ_r)² if the roll-off wavelength lies between the cut-offs.
     fn between(&self, found: f64) -> Result<f64, SurfaceError> {
         let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
-        if found >= shortest && found <= longest {
+        if found >= shortest * (1.0 - ON_THE_RING) && found <= longest * (1.0 + ON_THE_RING) {
             Ok((shortest / found).powi(2))
         } else {
             Err(SurfaceError::RollOff { found, shortest, longest })

@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use gfmd_field::{Grid, Share};
+use gfmd_field::{Grid, Share, contiguous};
 use ndarray::{Array2, ArrayRef2};
 use rayon::prelude::*;
 
@@ -212,14 +212,6 @@ pub(crate) fn checked<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid) -> Result<Co
     }
     finite(heights)?;
     Ok(contiguous(heights))
-}
-
-/// The heights row by row.
-fn contiguous(heights: &ArrayRef2<f64>) -> Cow<'_, [f64]> {
-    match heights.as_slice() {
-        Some(slice) => Cow::Borrowed(slice),
-        None => Cow::Owned(heights.iter().copied().collect()),
-    }
 }
 
 /// Refuses heights that are NaN or infinite, with their number and the first of them.

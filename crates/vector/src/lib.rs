@@ -34,6 +34,7 @@
 //!
 //! Not here: what the vectors mean, and the methods that use them (`gfmd-relax`).
 
+mod layout;
 mod parcel;
 mod ranks;
 mod rehearsal;
@@ -42,6 +43,7 @@ mod split;
 
 use std::ops::Range;
 
+pub use layout::{contiguous, with_contiguous};
 use multiversion::multiversion;
 pub use parcel::{Parcel, Word};
 pub use ranks::{Alone, Letters, Pending, Ranks};

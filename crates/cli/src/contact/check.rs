@@ -239,7 +239,7 @@ impl Checked<'_> {
             ]
         });
         let repulsion = ("/fields/repulsion", state.repulsion().iter().copied().collect());
-        let repulsion = recording.attracts_at_wall().then_some(repulsion);
+        let repulsion = recording.keeps_repulsion().then_some(repulsion);
         let all = fields.iter().chain(&depth).chain(&lateral).chain(lower.iter().flatten()).chain(&repulsion);
         for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);

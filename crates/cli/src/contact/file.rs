@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use gfmd_contact::Hardness;
 use gfmd_field::Share;
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use gfmd_measure::Column;
 
 use ndarray::{Array2, CowArray, Ix2};
@@ -46,7 +46,7 @@ const FIELDS: [(&str, &str, &str); 10] = [
     ("/fields/lower_pressure", "stress", "pressure on the lower face of the slab"),
     ("/fields/lower_displacement_z", "length", "normal displacement of the lower face of the slab, positive upwards"),
     ("/fields/lower_gap", "length", "distance between the lower face of the slab and the lower surface"),
-    ("/fields/repulsion", "stress", "pressure of the wall, without the attraction; positive at the points in contact"),
+    ("/fields/repulsion", "stress", "repulsive pressure, without attraction; positive at the points in contact"),
 ];
 
 /// The number of fields.
@@ -70,13 +70,13 @@ impl Recording {
     /// The fields that the loads have.
     fn fields(self) -> [bool; COUNT] {
         let Self { is_plastic, lateral, is_squeezed, .. } = self;
-        let attracts = self.attracts_at_wall();
+        let attracts = self.keeps_repulsion();
         [true, true, true, is_plastic, lateral > 0, lateral > 1, is_squeezed, is_squeezed, is_squeezed, attracts]
     }
 
     /// The name of the field whose positive values are those of the points in contact.
     pub(super) fn repulsion(self) -> &'static str {
-        if self.attracts_at_wall() { "repulsion" } else { "pressure" }
+        if self.keeps_repulsion() { "repulsion" } else { "pressure" }
     }
 }
 
@@ -124,7 +124,7 @@ impl Chosen {
             }
             None => [const { None }; 3],
         };
-        let repulsion = recording.attracts_at_wall().then(|| state.repulsion());
+        let repulsion = recording.keeps_repulsion().then(|| state.repulsion());
         self.of(normal.into_iter().chain(lower).chain([repulsion])).flatten().collect()
     }
 }
@@ -273,10 +273,7 @@ impl<'a> ContactFile<'a> {
         let mut outcome = Ok(());
         for ((path, ..), field) in written(*recording, chosen).zip(fields) {
             let written = match archive {
-                Some(archive) if share.is_whole() => {
-                    let values = field.as_standard_layout();
-                    Ok(archive.write_slab(path, index, values.as_slice().unwrap_or_default())?)
-                }
+                Some(archive) if share.is_whole() => Ok(archive.write_slab(path, index, &contiguous(&field))?),
                 _ => rows::write(share, field.view(), archive.as_mut(), (path, Some(index)), |_| {}),
             };
             outcome = outcome.and(written);

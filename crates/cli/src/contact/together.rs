@@ -8,6 +8,7 @@ use super::{Args, Unknown};
 use crate::dynamics::DampedBy;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
+use crate::memory::Held;
 use crate::values::numbers;
 
 /// What a contact has, from flags or from the arguments of a call, of which not all goes together.
@@ -45,6 +46,25 @@ impl Together<'_> {
             told(self.beside_lower(), lower)?;
         }
         if self.finite_slope { told(self.beside_either(), FINITE_SLOPE) } else { Ok(()) }
+    }
+
+    /// The memory that the contact needs, which `only` one load without its statistics makes less.
+    pub fn held(&self, only: bool) -> Held {
+        match (self.law, self.boundary) {
+            _ if self.finite_slope => Held::STEEP,
+            _ if self.components == Unknown::All => Held::WALL_ALL_COMPONENTS,
+            _ if self.lower.is_some() => Held::SQUEEZED,
+            (Kind::HardWall, Boundary::Periodic) if self.hardness.is_none() => {
+                if only {
+                    Held::HARD_WALL_ONCE
+                } else {
+                    Held::HARD_WALL
+                }
+            }
+            (Kind::HardWall, _) => Held::FREE,
+            (_, Boundary::Periodic) => Held::LAW,
+            (_, Boundary::Free) => Held::LAW_FREE,
+        }
     }
 
     /// What goes neither with finite slopes nor with a surface below.
@@ -93,7 +113,7 @@ impl Args {
     }
 
     /// What goes together here.
-    fn together(&self) -> Together<'_> {
+    pub(super) fn together(&self) -> Together<'_> {
         Together {
             law: self.law.law,
             boundary: self.boundary,

@@ -49,7 +49,7 @@ pub const SCALARS: &[Column<LoadRecord>] = &[
     Column::new("transform_pairs", "1", "forward and inverse real transforms of the full grid, in pairs", |r| {
         r.transform_pairs
     }),
-    Column::new("converged", "1", "1 if all four residuals are at most the tolerance", |r| {
+    Column::new("converged", "1", "1 if all residuals of this load are at most the tolerance", |r| {
         f64::from(u8::from(r.converged))
     }),
     Column::new("residual_complementarity", "1", "sum(p gap) / (sum(p) h_rms), from the final fields", |r| {
@@ -317,8 +317,6 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
 pub struct Recording {
     /// True if a law acts across the gap.
     pub with_law: bool,
-    /// True if the surfaces cannot penetrate each other, with a law and without one.
-    pub has_wall: bool,
     /// The surroundings of the surface.
     pub boundary: Boundary,
     /// True with a hardness.
@@ -340,7 +338,6 @@ impl Recording {
     pub fn plain(with_law: bool, boundary: Boundary) -> Self {
         Self {
             with_law,
-            has_wall: !with_law,
             boundary,
             is_plastic: false,
             is_steep: false,
@@ -351,9 +348,10 @@ impl Recording {
         }
     }
 
-    /// True if a wall carries the repulsion beside an attraction, so that the pressure does not tell the points in contact.
-    pub fn attracts_at_wall(self) -> bool {
-        self.with_law && self.has_wall
+    /// True if the pressure does not tell the points in contact: beside that of a wall it is an attraction, and where a law
+    /// without a wall vanishes, its sign is that of rounding errors.
+    pub fn keeps_repulsion(self) -> bool {
+        self.with_law
     }
 }
 

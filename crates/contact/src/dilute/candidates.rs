@@ -6,7 +6,7 @@ use std::mem::take;
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Ending, Preconditioned, Visit};
 use gfmd_response::{LANES, Scattered};
-use gfmd_vector::{lower, pass_by};
+use gfmd_vector::{contiguous, lower, pass_by};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -199,8 +199,7 @@ impl<'a> Candidates<'a> {
         if self.known == Known::Formerly {
             self.renew(x);
         }
-        let scale = self.contact.scaled.length_scale(self.load);
-        self.certificate.as_ref().map(|certificate| certificate.residual.penetration * scale)
+        self.certificate.as_ref().map(|certificate| certificate.residual.penetration * certificate.length_scale)
     }
 
     /// Makes the certificate of a pressure, if displacements are those of certificates.
@@ -267,7 +266,7 @@ impl<'a> Candidates<'a> {
         match &self.certificate {
             Some(certificate) => {
                 // But for a constant, which has no effect under a mean pressure.
-                let gaps = self.at_points(certificate.gap.as_slice().unwrap_or_default());
+                let gaps = self.at_points(&contiguous(&certificate.gap));
                 let lanes = self.lanes.iter_mut().zip(gaps.iter().zip(&self.linear));
                 lanes.for_each(|(u, (gap, linear))| *u = gap - linear);
             }

@@ -27,15 +27,16 @@ const LEVEL: f64 = 4.0;
 pub(super) fn solve(
     contact: &SqueezedContact,
     load: Load,
+    length_scale: f64,
     budget: &Budget,
     start: Option<Vec<f64>>,
     watch: &mut dyn Watch,
 ) -> Result<Ended, RelaxError> {
     let mean = if let Load::MeanPressure(mean) = load { Some(mean) } else { None };
-    let mut dual = Dual::new(contact, load);
+    let mut dual = Dual::new(contact, load, length_scale);
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); dual.linear.len()]);
     let within = Budget { tolerance: MARGIN * budget.tolerance, ..*budget };
-    let target = Target { mean, gradient_scale: contact.length_scale(load), budget: within };
+    let target = Target { mean, gradient_scale: length_scale, budget: within };
     let minimum = PairedCg.minimise(&mut dual, &mut pressure, &target, watch)?;
     let effort = Effort { iterations: minimum.reached.iteration, transform_pairs: dual.transforms.pairs() };
     Ok(Ended { pressure, effort, ending: minimum.ending })
@@ -54,7 +55,7 @@ struct Dual {
 }
 
 impl Dual {
-    fn new(contact: &SqueezedContact, load: Load) -> Self {
+    fn new(contact: &SqueezedContact, load: Load, length_scale: f64) -> Self {
         let SqueezedContact { plate, response, scaled, .. } = contact;
         let (lift, uniform) = match load {
             Load::MeanPressure(_) => (0.0, [0.0; 2]),
@@ -76,7 +77,7 @@ impl Dual {
         let [_, row] = grid.rows();
         Self {
             uniform,
-            scale: contact.length_scale(load),
+            scale: length_scale,
             transforms: PlateTransforms::of(response),
             extension: Extension::new([face(), face()], shared, linear.len(), row),
             indentation,

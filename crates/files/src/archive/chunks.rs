@@ -6,6 +6,7 @@ use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use gfmd_field::contiguous;
 use hdf5::types::TypeDescriptor;
 use hdf5::{Dataset, H5Type, Hyperslab, SliceOrIndex};
 use hdf5_sys::h5::{herr_t, hsize_t};
@@ -57,7 +58,7 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
                 None => {
                     let mut whole = ArrayD::from_elem(&chunk[..], T::default());
                     whole.slice_each_axis_mut(|axis| Slice::from(..part.len_of(axis.axis))).assign(&part);
-                    compress(bytes(whole.as_slice().unwrap_or_default()), size_of::<T>())
+                    compress(bytes(&contiguous(&whole)), size_of::<T>())
                 }
             };
             (offset.collect::<Vec<_>>(), compressed)

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Effort, Load};
+use gfmd_contact::{Effort, Load, RigidSurface};
 use gfmd_vector::{add, dot, reduce};
 use ndarray::{Array2, Array3};
 
@@ -15,9 +15,22 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let traction = increment.traction(&increment.shear[..lateral]);
     let mut displacement = vec![0.0; traction.len()];
     increment.transforms.compliance(&traction, &mut displacement);
+    let [lowest, highest] = reduce(
+        traction.len() - lateral,
+        &|range| {
+            range.fold([f64::NEG_INFINITY; 2], |worst, i| {
+                let u = displacement[lateral + i];
+                higher_each(worst, [-u, u])
+            })
+        },
+        &higher_each,
+    );
+    let coarsest = increment.contact.surface.length_scale(increment.drive.load);
+    let length_scale = RigidSurface::finer_scale(coarsest, highest + lowest);
+    increment.length_scale = length_scale;
     let Increment { contact, drive, stuck, pressure, limits_before, .. } = &*increment;
     let n = pressure.len();
-    let (clearance, length_scale) = (contact.surface.clearance(), contact.surface.length_scale(drive.load));
+    let clearance = contact.surface.clearance();
     let components = lateral / n;
     let uz = &displacement[lateral..];
 

@@ -20,6 +20,8 @@ pub(super) struct Increment<'a> {
     /// The limits of the shear at the start.
     pub(super) limits_before: Vec<f64>,
     pub(super) pressure: Vec<f64>,
+    /// The scale of lengths in the residuals: that of the load, or that of the displacement as soon as it is known.
+    pub(super) length_scale: f64,
     /// Traction on the elastic surface with all components; z is 0.
     pub(super) shear: Vec<f64>,
     /// The displacement G of the shear.
@@ -54,6 +56,7 @@ impl<'a> Increment<'a> {
             normal: NormalProblem::new(&contact.response, contact.surface.clearance()),
             stuck,
             pressure,
+            length_scale: contact.surface.length_scale(drive.load),
             sheared: vec![0.0; shear.len()],
             shear,
         };
@@ -88,7 +91,7 @@ impl<'a> Increment<'a> {
     pub(super) fn press(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Result<Minimum, RelaxError> {
         let target = Target {
             mean: if let Load::MeanPressure(mean) = self.drive.load { Some(mean) } else { None },
-            gradient_scale: self.contact.surface.length_scale(self.drive.load),
+            gradient_scale: self.length_scale,
             budget: *budget,
         };
         ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)
@@ -96,7 +99,7 @@ impl<'a> Increment<'a> {
 
     /// The limits that the present pressure sets.
     pub(super) fn limits(&self) -> Limits {
-        Limits::new(self.contact.limit, &self.pressure, self.contact.surface.rms_height())
+        Limits::new(self.contact.limit, &self.pressure, self.length_scale)
     }
 
     /// The traction on the elastic surface from the pressure and `shear`.

@@ -40,7 +40,8 @@ pub struct FrictionState {
     pub(super) contact_modulus: f64,
 }
 
-/// Violation of the conditions of contact and friction; zero for the exact state. p is the pressure, τ the shear on the
+/// Violation of the conditions of contact and friction; zero for the exact state. h_rms is the rms height, or the scale of
+/// lengths under a very small [approach](RigidSurface::length_scale) or [displacement](RigidSurface::finer_scale). p is the pressure, τ the shear on the
 /// elastic surface, s the slip of the increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionResidual {

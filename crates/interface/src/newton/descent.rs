@@ -140,7 +140,7 @@ impl<'a, M: Model> Descent<'a, M> {
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
         let reference = (softest * stiffest).sqrt();
-        let (mut unbalanced, mut largest) = (0.0_f64, softest * interface.surface.rms_height());
+        let (mut unbalanced, mut largest) = (0.0_f64, interface.stress_scale(frame.drive.load));
         for c in 0..frame.components() {
             let range = c * points..(c + 1) * points;
             let (force, w) = (&mut force[range.clone()], &w[range.clone()]);

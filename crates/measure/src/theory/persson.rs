@@ -26,6 +26,10 @@ struct Shell {
 /// Waves whose wavenumbers differ by less than this ratio are taken together.
 const ALIKE: f64 = 1.002;
 
+/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a wavelength,
+/// and of the mean over the waves of a shell, and far below the distance of wavenumbers.
+const ROUNDING: f64 = 1e-12;
+
 /// The part of the elastic energy in full contact that a contact of small area has, over its share by area. Almqvist, Campañá,
 /// Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
 pub const ENERGY_FACTOR: f64 = 0.45;
@@ -53,8 +57,10 @@ impl Persson {
         shells.iter().all(|shell| good(shell.stiffness)).then_some(Self { shells })
     }
 
-    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`; stress².
+    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`, included to within
+    /// rounding errors; stress².
     pub fn variance(&self, largest: f64) -> f64 {
+        let largest = largest * (1.0 + ROUNDING);
         self.shells.iter().take_while(|shell| shell.wavenumber <= largest).map(Shell::variance).sum()
     }
 

@@ -249,3 +249,15 @@ fn spectra_that_cannot_be_have_no_theory() {
     assert!(Persson::new([(1.0, 1.0)], |_| 0.0).is_none());
     assert!(Persson::new([(1.0, 1.0), (1.0001, 2.0), (3.0, 0.0)], half_space).is_some());
 }
+
+/// 2π over the wavelength 1/n and the wavenumber 2πn differ in the last digit for some n, and a wave of that length counts always.
+#[test]
+fn a_cut_at_a_wavelength_includes_the_waves_of_that_length() {
+    let tau = std::f64::consts::TAU;
+    let theory = Persson::new((1..=200).map(|n| (tau * f64::from(n), 1.0)), |_| 1.0).unwrap();
+    for n in 1..=200 {
+        let wavelength = 1.0 / f64::from(n);
+        assert_eq!(theory.variance(tau / wavelength), f64::from(n), "wavelength 1/{n}");
+        assert_eq!(theory.variance(tau / (1.001 * wavelength)), f64::from(n - 1), "wavelength 1.001/{n}");
+    }
+}

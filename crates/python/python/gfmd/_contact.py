@@ -214,8 +214,8 @@ class Contact(Record):
 
     @property
     def repulsion(self) -> Array:
-        """Repulsive part of the pressure [x, y], stress: what the wall carries under the attraction of a law that has one, elsewhere the
-        positive part of the pressure. Read-only."""
+        """Repulsive part of the pressure [x, y], stress: under a law the pressure of its wall, or, where no wall presses, the pressure
+        beyond what is left unbalanced; without a law the pressure. Read-only."""
         own = self._others.get(REPULSION)
         return frozen(np.maximum(self._pressure, 0.0)) if own is None else own
 

@@ -9,6 +9,9 @@ use crate::Ceiling;
 /// Largest number of times that a step is halved until it begins downhill.
 const HALVINGS: usize = 30;
 
+/// The factor of a step that is so much longer than the variables that μ, of its size, cannot keep their mean for rounding errors.
+const SHORTER: f64 = 1e-3;
+
 /// Relative accuracy of the mean in the search for μ; a factor then makes the mean exact.
 const MEAN: f64 = 1e-2;
 
@@ -55,7 +58,7 @@ impl Start<'_> {
         let Self { share, x, direction: z, gradient, active, view, upper } = *self;
         let (bounded, highest) = (upper.is_finite(), upper.highest(share));
         let mut path = Path { length, scale: 0.0, mu: 0.0, factor: 1.0, slope: 0.0 };
-        for _ in 0..HALVINGS {
+        'steps: for _ in 0..HALVINGS {
             path.mu = 0.0;
             path.scale = path.length * view.step;
             let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
@@ -105,8 +108,12 @@ impl Start<'_> {
                         mu = middle(bracket, path.mu, highest);
                     }
                 }
-                if !mu.is_finite() || mu == path.mu {
+                if !mu.is_finite() {
                     return None;
+                }
+                if mu == path.mu {
+                    path.length *= SHORTER;
+                    continue 'steps;
                 }
                 path.mu = mu;
             }

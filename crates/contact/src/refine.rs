@@ -1,0 +1,62 @@
+//! Contacts whose displacement is very small beside their roughness: they are solved again on a finer scale of lengths.
+
+use gfmd_relax::{Budget, Ending, Onlooker, Variables, Visit, Watch, Why};
+
+use crate::{Effort, Fields, Refusal};
+
+/// A state whose residuals are over a scale of lengths that follows from its displacement.
+pub(crate) trait Refined: Fields {
+    /// The scale of lengths in the residuals, in the units of the solve.
+    fn length_scale(&self) -> f64;
+
+    /// The pressure from which a solve on a finer scale starts, in the units of the solve.
+    fn start(&self) -> Vec<f64>;
+
+    /// The effort of the solve.
+    fn effort_mut(&mut self) -> &mut Effort;
+}
+
+/// The scale of lengths of a search, and the effort of those before.
+#[derive(Clone, Copy)]
+struct Stage {
+    length_scale: f64,
+    effort: Effort,
+}
+
+impl Variables for Stage {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        visitor.number(&mut self.length_scale);
+        self.effort.visit(visitor);
+    }
+}
+
+/// Calls `search(scale, budget, start, watch)` with the `coarsest` scale of lengths, and again with that of the state found as
+/// long as this is finer and its residuals over it exceed the tolerance. The displacement is not known before.
+pub(crate) fn refine<S: Refined>(
+    coarsest: f64,
+    budget: &Budget,
+    mut start: Option<Vec<f64>>,
+    watch: &mut dyn Watch,
+    mut search: impl FnMut(f64, Budget, Option<Vec<f64>>, &mut dyn Watch) -> Result<(S, Ending), Refusal>,
+) -> Result<(S, Ending), Refusal> {
+    let mut stage = Stage { length_scale: coarsest, effort: Effort::default() };
+    if let Some(kept) = watch.recall() {
+        stage.visit(kept);
+    }
+    loop {
+        let Stage { length_scale, effort } = stage;
+        let left = Budget { max_iterations: budget.max_iterations.saturating_sub(effort.iterations), ..*budget };
+        let outer = |visitor: &mut dyn Visit| stage.visit(visitor);
+        let mut onlooker = Onlooker { watch: &mut *watch, before: effort.iterations, outer, hides_layer: false };
+        let (mut state, ending) = search(length_scale, left, start.take(), &mut onlooker)?;
+        state.effort_mut().add(effort);
+        // On a coarse scale a small displacement may not be resolved at all.
+        let is_settled = matches!(ending, Ending::Converged | Ending::GaveUp(Why::Rounding | Why::NoDescent));
+        let is_coarse = state.length_scale() < length_scale && state.worst() > budget.tolerance;
+        if !(is_settled && is_coarse) || state.effort().iterations >= budget.max_iterations {
+            return Ok((state, ending));
+        }
+        stage = Stage { length_scale: state.length_scale(), effort: state.effort() };
+        start = Some(state.start());
+    }
+}

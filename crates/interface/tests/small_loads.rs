@@ -1,0 +1,116 @@
+//! Loads so small that the roughness, or the tractions of a law, hide them: flat tops, where all fields are the load times
+//! fixed ones, and what a law without traction far from contact counts as contact.
+
+use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{FrictionalContact, Interface};
+use gfmd_law::{Dugdale, Exponential, HardWall, Limit, Morse};
+use ndarray::Array2;
+
+fn half_space(nu: f64) -> Body {
+    Body::half_space(Material::from_contact_modulus(1.0, nu).unwrap())
+}
+
+/// A disc of radius 0.3 that stands out by 0.1.
+fn disc(n: usize) -> (Grid, Array2<f64>) {
+    let at = |i: usize| i as f64 / n as f64 - 0.5;
+    let heights = Array2::from_shape_fn((n, n), |(i, j)| if at(i).hypot(at(j)) <= 0.3 { 0.1 } else { 0.0 });
+    (Grid::square(n, 1.0).unwrap(), heights)
+}
+
+fn sphere(n: usize) -> (Grid, Array2<f64>) {
+    let at = |i: usize| (i as f64 / n as f64 - 0.5).powi(2);
+    (Grid::square(n, 1.0).unwrap(), Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i) + at(j))))
+}
+
+/// The largest difference over the largest value.
+fn apart<'a>(found: impl IntoIterator<Item = &'a f64>, expected: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let (mut most, mut largest) = (0.0_f64, 0.0_f64);
+    for (a, b) in found.into_iter().zip(expected) {
+        (most, largest) = (most.max((a - b).abs()), largest.max(b.abs()));
+    }
+    most / largest
+}
+
+/// The reference is the pressure under a load that h_rms resolves, over the load.
+#[test]
+fn a_wall_alone_carries_a_small_load_on_a_flat_top() {
+    let (grid, heights) = disc(32);
+    let contact = Contact::new(&half_space(0.3), &grid, &heights).unwrap();
+    let fixed = contact.press(Load::MeanPressure(1e-2)).tolerance(1e-12).solve().unwrap().pressure / 1e-2;
+    let interface = Interface::new(&half_space(0.3), &grid, &heights, HardWall).unwrap();
+    for mean in [1e-4, 1e-6, 2e-8] {
+        let state = interface.press(Load::MeanPressure(mean)).solve().unwrap();
+        let error = apart(&(state.pressure().into_owned() / mean), &fixed);
+        assert!(error < 1e-4, "{mean:e}: {error:e}");
+        let moved = interface.press(Load::Approach(state.approach)).solve().unwrap();
+        let error = apart(&(moved.pressure().into_owned() / mean), &fixed);
+        assert!(error < 1e-3, "{mean:e}, approach: {error:e}");
+    }
+}
+
+#[test]
+fn friction_under_a_small_load_is_that_under_a_large_one() {
+    let (grid, heights) = disc(24);
+    let contact = FrictionalContact::new(&half_space(0.2), &grid, &heights, Limit::Coulomb(0.3)).unwrap();
+    let tractions = |mean: f64| {
+        let pressed = contact.press(Load::MeanPressure(mean)).solve().unwrap();
+        let drive = Drive { load: Load::MeanPressure(mean), lateral: [0.3 * mean, 0.0] };
+        [contact.press(drive).starting_from(Some(&pressed)).solve().unwrap().traction / mean, pressed.traction / mean]
+    };
+    let expected = tractions(1e-3);
+    for mean in [1e-6, 1e-8, 1e-10] {
+        for (found, expected) in tractions(mean).iter().zip(&expected) {
+            let error = apart(found, expected);
+            assert!(error < 1e-3, "{mean:e}: {error:e}");
+        }
+    }
+}
+
+/// Morse's law repels where the gap is negative; far away it vanishes, and tractions there are rounding errors.
+#[test]
+fn rounding_errors_far_from_contact_are_no_contact() {
+    let (grid, heights) = sphere(64);
+    let interface = Interface::new(&half_space(0.0), &grid, &heights, Morse::new(1e-4, 2e-3).unwrap()).unwrap();
+    for load in [1e-3, 1e-4, 0.0].map(Load::MeanPressure) {
+        let state = interface.press(load).solve().unwrap();
+        let repelled = state.gap.iter().filter(|gap| **gap < 0.0).count();
+        assert!(repelled > 4 && repelled < 2000, "{load:?}: {repelled}");
+        assert_eq!(state.summary().contact_nodes, repelled as u64, "{load:?}");
+        // A certificate of the stored fields counts the same points.
+        let again = interface.certify(&state.gap, &state.pressure(), load.into()).unwrap();
+        assert_eq!(again.summary().contact_nodes, repelled as u64, "{load:?}, recomputed");
+        assert!(again.repulsion().iter().zip(&state.gap).all(|(p, gap)| (*p > 0.0) == (*gap < 0.0)));
+    }
+}
+
+#[test]
+fn an_attraction_across_an_open_gap_is_no_contact() {
+    let (grid, heights) = sphere(32);
+    let law = Exponential::new(1e-4, 1e-2).unwrap();
+    let interface = Interface::new(&half_space(0.0), &grid, &heights, law).unwrap();
+    let state = interface.press(Load::Approach(-0.05)).solve().unwrap();
+    assert!(state.gap.iter().all(|gap| *gap > 0.0) && state.mean_pressure < 0.0);
+    assert_eq!(state.summary().contact_nodes, 0);
+}
+
+#[test]
+fn a_load_that_the_tractions_hide_is_refused() {
+    let (grid, heights) = sphere(32);
+    let interface = Interface::new(&half_space(0.0), &grid, &heights, Dugdale::new(2e-4, 1e-2).unwrap()).unwrap();
+    for mean in [2e-13, -2e-13, 1e-11] {
+        match interface.press(Load::MeanPressure(mean)).solve() {
+            Err(SolveError::Refused(Refusal::Hidden { found, least, traction })) => {
+                assert!(found == mean && mean.abs() < least && least == 1e-8 * traction, "{mean:e} {least:e}");
+                let message = Refusal::Hidden { found, least, traction }.to_string();
+                assert!(message.contains("must be 0, or at least") && !message.contains('\n'), "{message}");
+            }
+            other => panic!("{mean:e}: {:?}", other.map(|state| state.residual)),
+        }
+    }
+    // Zero, and the middle of a loop, which is zero but for rounding.
+    for mean in [0.0, 1e-19, 1e-5] {
+        assert!(interface.press(Load::MeanPressure(mean)).solve().is_ok(), "{mean:e}");
+    }
+}
