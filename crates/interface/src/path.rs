@@ -26,6 +26,9 @@ pub trait Quasistatic: Equilibrium {
 /// A state at rest, and its forces and energies.
 type Reached<S> = (S, Reading);
 
+/// The end of a divided step, and the sum of the losses of its parts.
+type Divided<S> = Result<(Reached<S>, f64), SolveError<S>>;
+
 /// The numbers of a state at rest that the energy balance needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
@@ -327,7 +330,7 @@ impl<P: Quasistatic> Search<'_, P> {
         begin: &Reading,
         drive: Drive,
         increments: u64,
-    ) -> Result<(Reached<P::State>, f64), SolveError<P::State>> {
+    ) -> Divided<P::State> {
         let (mut here, mut lost): (Option<Reached<P::State>>, f64) = (None, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
