@@ -2,6 +2,7 @@
 
 mod check;
 mod components;
+mod conductance;
 mod figures;
 mod file;
 mod page;
@@ -27,7 +28,7 @@ use gfmd_contact::{
     SqueezedContact, SteepContact,
 };
 use gfmd_files::Output;
-use gfmd_green::Body;
+use gfmd_green::{Body, Height};
 use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
 use gfmd_response::Components;
@@ -38,7 +39,7 @@ use serde::Serialize;
 use crate::base::{BaseArgs, MovedBase};
 use crate::choice::{by_name, parse_choice};
 use crate::dynamics::DynamicsArgs;
-use crate::elastic::BodyArgs;
+use crate::elastic::{BodyArgs, parse_height, serialize_height};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
@@ -55,6 +56,7 @@ use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
 pub use components::Unknown;
+use conductance::Conducting;
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
@@ -114,6 +116,10 @@ pub struct Args {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
+    /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or inf
+    #[arg(long, default_value = "inf", value_name = "H|inf", value_parser = parse_height, allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "is_infinite", serialize_with = "serialize_height")]
+    conductor_height: Height,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -195,6 +201,11 @@ impl ControlArgs {
     }
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_infinite(height: &Height) -> bool {
+    *height == Height::Infinite
+}
+
 /// The ranges of `--range-continuation`, over the one asked for.
 pub const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
@@ -220,6 +231,7 @@ struct Prepared {
     lower: Option<Surface>,
     law: Arc<dyn Law>,
     hardness: Option<Hardness>,
+    conducting: Conducting,
     controls: Vec<Load>,
     output: Option<Output>,
     vtk: Option<VtkFile>,
@@ -297,6 +309,7 @@ impl Prepared {
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let (base, hardness) = args.read_fields(&body, &surface, session)?;
+        let conducting = Conducting::new(args, &body, &surface)?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&args.control.displacement).map(Load::Approach))
@@ -304,7 +317,7 @@ impl Prepared {
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
         let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
         let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
-        Ok(Self { surface, body, base, lower, law, hardness, controls, output, vtk })
+        Ok(Self { surface, body, base, lower, law, hardness, conducting, controls, output, vtk })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
@@ -376,9 +389,12 @@ impl Prepared {
         }
         let interface =
             Interface::bounded(args.boundary, body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
-        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
+        let adhesion = self.adhesion(args);
+        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
+        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
+            session.warn("process-zone", unresolved);
         }
         let start = || self.after_longer_ranges(args, heights, session);
         self.press(&interface, interface.surface(), args, Some(&start), session)

@@ -214,7 +214,22 @@ impl LoadRecord {
         let mean_shear = state.steep().map(|steep| steep.mean_shear);
         let projected_area_fraction = state.steep().and_then(|steep| steep.projected_area().ok());
         let (law, lower) = (state.law_record(), state.lower().map(LowerRecord::from));
-        Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall }
+        let mut record =
+            Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall };
+        let Some(law) = law else { return record };
+        for (column, _) in [("kappa", record.kappa), ("kappa_corrected", record.kappa_corrected)]
+            .into_iter()
+            .filter(|(_, value)| value.is_nan())
+        {
+            record.undefined.insert(column, "attraction carries the load, to which the area has no ratio");
+        }
+        if !law.lowest_curvature.is_finite() {
+            record.undefined.insert(
+                "lowest_curvature",
+                "no curvature was computed: by dynamics, or where the search ended before its first step",
+            );
+        }
+        record
     }
 
     /// The record with the force, if the surface on `grid` does not repeat.

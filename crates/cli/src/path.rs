@@ -15,11 +15,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Contact, Drive, Fields, Hardness, Refusal, Resumable, SolveError, Visit};
+use gfmd_contact::{
+    Boundary, Budget, Contact, Drive, Fields, Hardness, Refusal, Resumable, RigidSurface, SolveError, Visit,
+};
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Quasistatic, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
+use gfmd_measure::Scales;
 use serde::Serialize;
 
 use self::file::PathFile;
@@ -91,10 +94,11 @@ pub struct Args {
     /// Largest number of iterations for one step
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
-    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy
+    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction also twice
+    /// the largest change of the shear, as an energy, when the increments of a step are halved
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
-    /// Largest number of further solves per step, on average, to find the dissipated energy; 0 for none
+    /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the shear; 0 for none
     #[arg(long, default_value_t = Refinement::default().solves_per_step, value_name = "N")]
     energy_solves: u64,
     #[command(flatten)]
@@ -241,9 +245,12 @@ impl Prepared {
             Interface::bounded(*boundary, body, grid, heights, law)
         };
         let interface = interface.map_err(refuse)?;
-        self.adhesion(args).map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
+        let adhesion = self.adhesion(args);
+        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
         if let Some(trapping) = interface.trapping() {
             session.warn("lattice-trapping", trapping);
+        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
+            session.warn("process-zone", unresolved);
         }
         self.follow(&interface, args, session)
     }
@@ -257,6 +264,11 @@ impl Prepared {
     /// The hardness, if there is one.
     fn hardness(&self) -> Option<&Hardness> {
         if let Action::Wall(hardness) = &self.action { hardness.as_ref() } else { None }
+    }
+
+    /// The units of reduced quantities.
+    fn scales(&self) -> Scales {
+        Scales { contact_modulus: self.body.contact_modulus(), rms_gradient: self.surface.rms_gradient() }
     }
 
     fn is_plastic(&self) -> bool {
@@ -333,6 +345,7 @@ impl Prepared {
             progress.advance(log.steps.len() as f64, "kept");
         }
         let (mut parted_at, mut failure, mut not_converged) = (None, None, None);
+        let mut unsettled = Vec::new();
         for (index, drive) in self.drives.iter().enumerate().skip(log.steps.len()) {
             let started = Instant::now();
             let mut history = History::default();
@@ -347,6 +360,9 @@ impl Prepared {
             let error = match (reached, path.state()) {
                 (Ok(step), Some(state)) => {
                     let fields = log.write(state, &problem.reading(state), &step, seconds)?;
+                    if step.is_unsettled {
+                        unsettled.push(index);
+                    }
                     let record = &log.steps[index];
                     progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
                     if let Some(kept) = &mut kept {
@@ -387,6 +403,20 @@ impl Prepared {
             break;
         }
         progress.finish();
+        if let Some(first) = unsettled.first() {
+            let Args { energy_solves, energy_tol, .. } = args;
+            let others = match unsettled.len() - 1 {
+                0 => String::new(),
+                others => format!(" and {others} more"),
+            };
+            session.warn(
+                "increments",
+                format!(
+                    "step {first}{others}: shear and lost energy may change by more than --energy-tol {energy_tol} with more increments; \
+                     --energy-solves {energy_solves} did not suffice: raise it, or take more --steps"
+                ),
+            );
+        }
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
         let file = log.file.filter(|_| !is_kept);
         let out = file.map(|file| file.finish(&log.steps, self.drives.len(), not_converged.as_ref())).transpose()?;
@@ -416,7 +446,8 @@ impl Prepared {
             scan: self.surface.scan.clone(),
             second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
-            rms_height: self.surface.heights.std(0.0),
+            rms_height: RigidSurface::new(&self.surface.grid, &self.surface.heights)
+                .map_or(f64::NAN, |rigid| rigid.rms_height()),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
             body: args.body.words(None),
@@ -441,7 +472,7 @@ struct Log<'a> {
     /// The largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
     points: [usize; 2],
-    unit_pressure: f64,
+    scales: Scales,
     tolerance: f64,
 }
 
@@ -454,7 +485,7 @@ impl<'a> Log<'a> {
             file: prepared.output.as_ref().map(create).transpose()?,
             widest: None,
             points: prepared.surface.grid.points(),
-            unit_pressure: prepared.body.contact_modulus() * prepared.surface.rms_gradient(),
+            scales: prepared.scales(),
             tolerance: args.tol,
         })
     }
@@ -502,8 +533,7 @@ impl<'a> Log<'a> {
             fields = file.fields(state);
             file.write(index / self.steps_of_leg, &fields)?;
         }
-        let p_star = reading.mean_pressure / self.unit_pressure;
-        let record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
+        let record = StepRecord { seconds, ..state.record(&self.scales, reading, step, self.tolerance) };
         if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
             self.widest = Some((record.area_fraction, Shown::of(state, None, state.plastic_depth())));
         }

@@ -104,7 +104,12 @@ fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
     for step in steps {
         assert!(number(step, "dissipated") >= -number(step, "dissipated_error"), "{step}");
         assert!(step["stick_fraction"].is_null());
+        // What is lost beyond the error is lost in a jump.
+        if number(step, "dissipated") > number(step, "dissipated_error") {
+            assert_eq!(step["passed_instability"], true, "{step}");
+        }
     }
+    assert!(steps.iter().any(|step| step["passed_instability"] == true));
     // The loss does not depend on how many steps are asked for; that of trapezoids does.
     let finer = run(folder.path(), &format!("{flags} --steps 16 --energy-solves 20"));
     assert!((number(&finer, "dissipated") - lost).abs() <= error + number(&finer, "dissipated_error"));
@@ -141,7 +146,10 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
         table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --displacement 0.001,0.002"));
     assert_eq!(columns(&adhesive), "pressure approach area energy dissipated +- steps residual");
     let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
-    assert_eq!(columns(&slip), "pressure approach lateral shear area stick energy dissipated steps residual");
+    assert_eq!(
+        columns(&slip),
+        "pressure approach lateral shear area stick energy dissipated +- increments steps residual"
+    );
     let cohesive =
         "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --displacement 0.002";
     let cohesive = table(&format!("{surface} {cohesive} --lateral 0,0.001"));
@@ -187,6 +195,51 @@ fn a_path_of_friction_sticks_slips_and_turns() {
     assert_eq!(stored, shear);
     assert_eq!(file.shape("/fields/shear_x").unwrap(), [3, 128, 1]);
     assert!(folder.path().join("p-path.svg").exists() && folder.path().join("p-map.svg").exists());
+}
+
+#[test]
+fn a_load_with_friction_is_divided_until_it_changes_nothing_or_the_path_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags =
+        "path --n 64 --dim 2 --eps-f-inv 4 --poisson 0.2 --p-star 0.05 --friction 0.3 --lateral 0,0.004 --steps 2";
+    let report = run(folder.path(), &format!("{flags} --out f.h5"));
+    let first = &report["steps"][0];
+    assert!(number(first, "increments") > 2.0 && number(first, "extra_solves") > number(first, "increments"));
+    assert!(number(first, "dissipated_error") > 0.0 && first["passed_instability"].is_null());
+    let stored: Vec<f64> = Reader::open(folder.path().join("f.h5")).unwrap().values("/path/increments").unwrap();
+    assert_eq!(stored[0], number(first, "increments"));
+    assert_eq!(run(folder.path(), "check f.h5 --rerun")["differing"], 0);
+    let codes = |report: &Value| -> Vec<String> {
+        report["warnings"].as_array().unwrap().iter().map(|told| told["code"].as_str().unwrap().into()).collect()
+    };
+    assert!(!codes(&report).contains(&"increments".into()), "{report}");
+    // The load alone, in more steps, ends where the one step did; in one increment it does not.
+    let finer = flags.replace("0.05", "0.01,0.05").replace(" --lateral 0,0.004", "");
+    let finer = run(folder.path(), &finer.replace("--steps 2", "--steps 6"));
+    let single = run(folder.path(), &format!("{flags} --energy-solves 0"));
+    assert!(codes(&single).contains(&"increments".into()), "{single}");
+    let stick = |step: &Value| number(step, "stick_fraction") / number(step, "area_fraction");
+    let [divided, wanted, undivided] = [first, &finer["steps"][6], &single["steps"][0]].map(stick);
+    assert!((divided - wanted).abs() < 0.3 * (undivided - wanted).abs(), "{divided} {wanted} {undivided}");
+}
+
+#[test]
+fn a_path_and_a_contact_print_one_state_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    for flags in [
+        "--n 40 --eps-f-inv 8 --boundary free --p-star 0.1",
+        "--n 40 --eps-f-inv 8 --hardness 0.05 --p-star 0.1",
+        "--n 40 --eps-f-inv 8 --law exponential --param gamma=1e-5,range=3e-3 --p-star 0.05",
+    ] {
+        let [contact, path] = ["contact", "path"].map(|command| run(folder.path(), &format!("{command} {flags}")));
+        for name in ["rms_height", "rms_gradient", "e_star"] {
+            assert_eq!(number(&contact, name).to_bits(), number(&path, name).to_bits(), "{flags}: {name}");
+        }
+        let (load, step) = (&contact["loads"][0], &path["steps"][0]);
+        for name in ["mean_pressure", "p_star", "displacement", "area_fraction", "mean_gap", "elastic_energy"] {
+            assert_eq!(number(load, name).to_bits(), number(step, name).to_bits(), "{flags}: {name}");
+        }
+    }
 }
 
 #[test]
@@ -284,6 +337,20 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
     );
     let told = String::from_utf8(told.stderr).unwrap();
     assert!(told.contains("process zone of 16.08 grid steps (resolved)") && told.contains("Tabor number"), "{told}");
+    // A law whose traction jumps needs more points than a smooth one; both commands say so.
+    for (command, law, range, needed, is_told) in [
+        ("contact", "exponential", 4e-3, 2.0, false),
+        ("contact", "exponential", 1.3e-3, 2.0, true),
+        ("contact", "dugdale", 4e-3, 32.0, true),
+        ("path", "dugdale", 4e-3, 32.0, true),
+        ("path", "dugdale", 6e-3, 32.0, false),
+    ] {
+        let flags = format!("--surface wave.npy --e-star 2 --law {law} --param gamma={gamma},range={range}");
+        let report = run(folder.path(), &format!("{command} {flags} --pressure 0.01"));
+        assert_eq!(number(&report["adhesion"], "process_zone_needed"), needed);
+        let codes = report["warnings"].as_array().unwrap().iter().map(|told| told["code"].as_str().unwrap());
+        assert_eq!(codes.filter(|code| *code == "process-zone").count(), usize::from(is_told), "{flags}");
+    }
     assert!(told.contains("Wang-Zhou-Müser 0.22 (below 0.5: resolved)"), "{told}");
     for command in ["contact", "path"] {
         let coarse = format!("{command} {} --displacement 0.002 -q", flags(1e-4));

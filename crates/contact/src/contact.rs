@@ -2,11 +2,11 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_field::{Grid, Rows};
-use gfmd_green::Body;
+use gfmd_green::{Body, Conductor};
 use gfmd_relax::Upper;
 use gfmd_response::{FreeCompliance, NormalResponse};
 use gfmd_vector::{Ranks, Share};
-use ndarray::{ArrayRef2, ArrayView2};
+use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
 use crate::pull_push::PullPush;
@@ -128,6 +128,32 @@ impl Contact {
             *scaled = units.surface(surface);
         }
         Ok(contact)
+    }
+
+    /// The problem of two conductors on a `grid`, of which one has unit conductivity and the other no resistance: potential for
+    /// displacement, current density for pressure. The surface is flat, which only loads would see.
+    ///
+    /// # Errors
+    /// With free boundaries an electrode that is not deep enough.
+    pub(crate) fn of_conductor(boundary: Boundary, conductor: &Conductor, grid: &Grid) -> Result<Self, Refusal> {
+        let units = Units::of_grid(grid);
+        let (grid, conductor) = (units.grid(grid), conductor.in_units(units.lateral()));
+        let free = match boundary {
+            Boundary::Periodic => None,
+            Boundary::Free => Some(FreeCompliance::of_conductor(grid, &conductor)?.into()),
+        };
+        let surface = Arc::new(RigidSurface::new(&grid, &Array2::zeros(grid.points()))?);
+        Ok(Self {
+            response: NormalResponse::of_conductor(grid, &conductor).into(),
+            free,
+            hardness: None,
+            share: grid.whole(),
+            dynamics: Dynamics::default(),
+            scaled: Arc::clone(&surface),
+            surface,
+            contact_modulus: conductor.body().contact_modulus(),
+            units,
+        })
     }
 
     /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one

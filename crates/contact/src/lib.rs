@@ -35,7 +35,7 @@
 //! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
 //! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface,
 //! [`Contact::held_sideways`] holds it; [`Dynamics`] are time step and damping. [`SqueezedContact`] is a slab between two rigid
-//! surfaces, [`SteepContact`] does not take slopes as small. Other crates generate heights (`gfmd-surface`),
+//! surfaces, [`SteepContact`] does not take slopes as small; [`Conductors`] touch at the points of any contact. Other crates generate heights (`gfmd-surface`),
 //! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod boundary;
@@ -55,6 +55,7 @@ mod solution;
 
 mod attempt;
 mod compliance;
+mod conductors;
 mod dilute;
 mod dual;
 mod dynamics;
@@ -70,6 +71,7 @@ mod steep;
 mod stiffness;
 
 pub use boundary::{Boundary, UnknownBoundary};
+pub use conductors::{Conductance, ConductanceError, Conductors};
 pub use contact::Contact;
 pub use dynamics::Dynamics;
 pub use effort::Effort;

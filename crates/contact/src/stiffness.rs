@@ -48,10 +48,18 @@ impl Contact {
     /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
-        let hardness = upper.ceiling();
+        self.stiffness_of_points(&contiguous(&solution.pressure), upper.ceiling())
+    }
+
+    /// The stiffness of the points whose `pressure`, row by row of this process, is between zero and the `hardness`.
+    pub(crate) fn stiffness_of_points(
+        &self,
+        pressure: &[f64],
+        hardness: Ceiling,
+    ) -> Result<Stiffness, (Stiffness, Why)> {
         let n = self.share.total();
         let touches = |(i, p): (usize, &f64)| (*p > 0.0) & (*p < hardness.at(i));
-        let own = solution.pressure.iter().enumerate().filter(|point| touches(*point)).count();
+        let own = pressure.iter().enumerate().filter(|point| touches(*point)).count();
         let count: usize = self.share.each(own).into_iter().sum();
         let exact = |value| Ok(Stiffness { value, error: 0.0, effort: Effort::default() });
         if !self.has_level() {
@@ -61,12 +69,11 @@ impl Contact {
         } else if count == n && self.free.is_none() {
             return exact(self.units().stiffness() / self.uniform_compliance());
         }
-        let pressure = contiguous(&solution.pressure);
-        let mut unit = Unit::new(self, &pressure, hardness, count);
+        let mut unit = Unit::new(self, pressure, hardness, count);
         if !unit.dual.keeps_constants() {
             unit.keep_sums();
         }
-        let mut few = Few::of(self, &pressure);
+        let mut few = Few::of(self, pressure);
         let certified = few.as_mut().and_then(|few| unit.correct(few));
         let (ended, sums) = match certified {
             Some(sums) => (Ok(()), sums),

@@ -49,7 +49,12 @@ impl Units {
 
     /// The units of lengths of a surface alone.
     pub(crate) fn of_surface(surface: &RigidSurface) -> Self {
-        Self { modulus: 1.0, lateral: unit_of(longest(surface.grid())), normal: unit_of(surface.rms_height()) }
+        Self { normal: unit_of(surface.rms_height()), ..Self::of_grid(surface.grid()) }
+    }
+
+    /// The unit of lengths along the surface alone.
+    pub(crate) fn of_grid(grid: &Grid) -> Self {
+        Self { lateral: unit_of(longest(grid)), ..Self::ONE }
     }
 
     /// The unit of gradients.

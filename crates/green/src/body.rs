@@ -305,6 +305,13 @@ impl Body {
         self.stiffness_blocks(q).normal
     }
 
+    /// The compliance G_TT of the wavenumber `q` (rad/length) to a shear traction across the wave vector, in length/stress: that
+    /// of anti-plane shear, 1/(C44 q) for a half-space and tanh(q height)/(C44 q) for a bonded slab. At q = 0 it is
+    /// height/C44, infinite where the base does not hold the body.
+    pub fn transverse_compliance(&self, q: f64) -> f64 {
+        self.compliance_blocks(q).transverse
+    }
+
     /// The ratio ρ in u_long = −i ρ u_z of the wavenumber `q` (rad/length) without shear traction on the surface
     /// (theory.md, section 3). Dimensionless; s for a half-space, 0 at q = 0.
     pub fn lateral_ratio(&self, q: f64) -> f64 {

@@ -13,7 +13,7 @@
 //!
 //! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives the stiffness of a wave
 //! vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and stresses inside, [`Layer`] to
-//! a layer whose two faces both move. Displacement u and traction t are those of the body's surface, +z out of the body;
+//! a layer whose two faces both move, a [`Conductor`] conducts heat or electric current. Displacement u and traction t are those of the body's surface, +z out of the body;
 //! fields go like e^(+i q·r). The mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact,
 //! and no product q·height overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
@@ -45,6 +45,7 @@
 
 mod blocks;
 mod body;
+mod conductor;
 mod error;
 mod half_space;
 mod hyperbolic;
@@ -61,11 +62,12 @@ mod tables;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
+pub use conductor::Conductor;
 pub use error::GreenError;
 pub use layer::Layer;
 pub use material::Material;
 pub use num_complex::Complex64;
-pub use patch::{PatchMatrix, has_level, patch_compliance, patch_matrix};
+pub use patch::{PatchMatrix, has_level, patch_compliance, patch_matrix, patch_resistance};
 pub use plate::{Plate, PlateCompliance};
 pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use stacking::{BaseKind, UnknownBase};

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use gfmd_field::Grid;
 
-use crate::{Body, GreenError};
+use crate::{Body, Conductor, GreenError};
 use layered::{Correction, MatrixCorrection};
 
 /// The frictionless compliance of a patch of surface, in length/stress: the displacement, downwards, at the centre of a cell
@@ -20,7 +20,28 @@ use layered::{Correction, MatrixCorrection};
 /// # Errors
 /// A plate, which nothing holds; layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
-    let correction = Correction::of(body, grid)?;
+    patch_of(body, grid, Body::normal_compliance)
+}
+
+/// The resistance of a patch of surface, in length: the potential at the centre of a cell by a uniform current density of 1 on
+/// the cell that lies `[i, j]` cells away, as [`patch_compliance`]. It is zero far away, and on the electrode.
+///
+/// # Errors
+/// An electrode whose depth is less than 1/200 of the patch or 1/4 of a cell.
+pub fn patch_resistance(
+    conductor: &Conductor,
+    grid: &Grid,
+) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
+    patch_of(conductor.body(), grid, Body::transverse_compliance)
+}
+
+/// The patch of a body with this compliance G(q), for which q G → 2/E* for short waves.
+fn patch_of(
+    body: &Body,
+    grid: &Grid,
+    compliance: fn(&Body, f64) -> f64,
+) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
+    let correction = Correction::of(body, grid, compliance)?;
     let modulus = body.contact_modulus();
     let (sides, length, is_line) = (grid.spacing(), grid.lengths()[0], grid.is_line());
     Ok(move |[i, j]: [usize; 2]| {

@@ -2,6 +2,7 @@
 //! with the limits that the pressure sets, are solved in turn until both agree (Panagiotopoulos 1975).
 
 mod certify;
+mod division;
 mod increment;
 mod normal;
 mod response;

@@ -9,6 +9,18 @@ use crate::{FrictionState, FrictionalContact, Interface, State};
 pub trait Quasistatic: Equilibrium {
     /// The numbers of a state that the energy balance of a path needs.
     fn reading(&self, state: &Self::State) -> Reading;
+
+    /// Returns true if the state `end` may depend, by more than a [`change`](Self::change) of `tolerance`, on the number of
+    /// increments in which it was reached from `start`, or from the undeformed surface. The answer takes no solve.
+    fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
+        false
+    }
+
+    /// The change from a state to another one under the same drive, reached in other increments: the energy of their
+    /// difference over that of the forces that depend on the way.
+    fn change(&self, _from: &Self::State, _to: &Self::State) -> f64 {
+        0.0
+    }
 }
 
 /// The numbers of a state at rest that the energy balance needs.
@@ -31,7 +43,7 @@ pub struct Reading {
 pub enum Loss {
     /// By the balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
     Balance(f64),
-    /// The solver returns the loss of an increment, per area.
+    /// The solver returns the loss of an increment, per area. Its error is that of the increment.
     Known(f64),
     /// The loss is unknown, because the tractions have no energy.
     Unknown,
@@ -40,8 +52,10 @@ pub enum Loss {
 /// The accuracy of the energy balance of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
-    /// Largest error of a step, relative to the work exchanged in the step or to the mean of that work over the steps so
-    /// far, if that is larger.
+    /// With an energy, the largest error of a step, relative to the work exchanged in the step or to the mean of that work
+    /// over the steps so far, if that is larger. Where a loss is [known](Loss::Known), the largest
+    /// error of the loss over that work, and twice the largest [change](Quasistatic::change) of the state when its increments
+    /// are halved.
     pub tolerance: f64,
     /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0 no
     /// step is divided.
@@ -60,8 +74,20 @@ impl Default for Refinement {
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or exact.
+    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or does not depend on the division of the
+    /// step, or if extra solves did not suffice to halve the step.
     pub dissipated_error: Option<f64>,
+    /// The number of equal increments in which the state was reached, where the loss is [known](Loss::Known); else 0.
+    pub increments: u64,
+    /// The [change](Quasistatic::change) of the state from half as many increments; `None` if its division changes nothing,
+    /// NaN if it may do so and extra solves did not suffice to halve the step.
+    pub change: Option<f64>,
+    /// True if more increments may change the state by more than the tolerance: the extra solves did not suffice.
+    pub is_unsettled: bool,
+    /// True if a jump was enclosed in the step: two states so close that the forces between them, if they change
+    /// monotonically, explain less than the energy that is missing. False if no piece of the step loses more energy than
+    /// the error allowed for it. `None` if the extra solves did not suffice to tell, or if the tractions have no energy.
+    pub jumped: Option<bool>,
     /// Number of solves beyond the one that every step needs.
     pub extra_solves: u64,
     /// Effort of all solves.
@@ -74,6 +100,11 @@ pub struct Step {
 /// A step is therefore divided until the balance of work and energy closes to fourth order, which shows that no energy was
 /// lost, or until a jump is enclosed between two states so close that the work between them is negligible: the energy that
 /// is missing is then the loss.
+///
+/// With friction the state itself depends on the number of increments in which it is reached, as long as they are few: slip
+/// counts from the start of an increment, and where the contact grows this is too early. A step, also the first one, whose
+/// drive then begins at no load, is made in 1, 2, 4, ... equal increments until the state does not change. Steps that change neither the
+/// limits of the shear nor the direction of slip, or that have no shear, are made in one.
 ///
 /// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
 ///
@@ -178,9 +209,18 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         let (state, reading) = search.rest(drive, self.state())?;
         let step = &mut search.step;
         match (reading.loss, self.last.take()) {
-            (Loss::Unknown, _) => {}
-            (Loss::Known(lost), _) => step.dissipated = Some(lost),
-            (Loss::Balance(_), None) => (step.dissipated, step.dissipated_error) = (Some(0.0), Some(0.0)),
+            (Loss::Unknown, last) => self.last = last,
+            (Loss::Known(_), last) => {
+                // An error leaves the path where it was.
+                self.last = last;
+                let made = search.divide(self.last.as_ref(), (state, reading), drive, self.refinement.tolerance);
+                self.allowance = search.allowance;
+                self.last = Some(made?);
+                return Ok(search.step);
+            }
+            (Loss::Balance(_), None) => {
+                (step.dissipated, step.dissipated_error, step.jumped) = (Some(0.0), Some(0.0), Some(false));
+            }
             (Loss::Balance(_), Some((start, begin))) => {
                 let exchanged = Balance::between(&begin, &reading).exchanged;
                 self.exchanged += exchanged;
@@ -214,6 +254,9 @@ const IN_ADVANCE: u64 = 8;
 const SHORTEST: f64 = 1e-9;
 /// The error that a piece with a jump may have, over the error allowed for its step.
 const OF_A_JUMP: f64 = 0.25;
+/// The change from half as many increments that a step may have, over the tolerance. The next change would be a little more
+/// than half of it in the tractions, since their order in the length of an increment is a little below one.
+const OF_A_CHANGE: f64 = 0.5;
 /// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step then get
 /// a state in their middle, without which their error is hardly known.
 const RESERVE: u64 = 5;
@@ -238,6 +281,69 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok((state, reading))
     }
 
+    /// Finds the state at the end of a step from `start`, in twice as many equal increments each time, until it does not change.
+    /// `end` was found in one increment.
+    fn divide(
+        &mut self,
+        start: Option<&(P::State, Reading)>,
+        mut end: (P::State, Reading),
+        drive: Drive,
+        tolerance: f64,
+    ) -> Result<(P::State, Reading), SolveError<P::State>> {
+        let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
+        let mut lost = end.1.lost();
+        self.step.increments = 1;
+        let mut settles = !self.problem.depends_on_division(state, &end.0, tolerance);
+        if !settles {
+            self.step.change = Some(f64::NAN);
+        }
+        while !settles && 2 * self.step.increments <= self.allowance {
+            let increments = 2 * self.step.increments;
+            let (finer, sum) = match self.in_increments(state, &begin, drive, increments) {
+                Ok(finer) => finer,
+                Err(error @ SolveError::Interrupted { .. }) => return Err(error),
+                // The step itself was solved; its change is not known.
+                Err(_) => break,
+            };
+            let (change, error) = (self.problem.change(&end.0, &finer.0), (sum - lost).abs());
+            settles =
+                change <= OF_A_CHANGE * tolerance && error <= tolerance * Balance::between(&begin, &finer.1).exchanged;
+            (self.step.increments, self.step.change) = (increments, Some(change));
+            self.step.dissipated_error = Some(error);
+            (end, lost) = (finer, sum);
+        }
+        self.step.dissipated = Some(lost);
+        self.step.is_unsettled = !settles;
+        Ok(end)
+    }
+
+    /// The end of a step in so many equal increments, and the sum of their losses.
+    fn in_increments(
+        &mut self,
+        start: Option<&P::State>,
+        begin: &Reading,
+        drive: Drive,
+        increments: u64,
+    ) -> Result<((P::State, Reading), f64), SolveError<P::State>> {
+        let (mut here, mut lost): (Option<(P::State, Reading)>, f64) = (None, 0.0);
+        for increment in 1..increments {
+            let drive = begin.towards(drive, increment as f64 / increments as f64);
+            let reached = self.further(drive, here.as_ref().map_or(start, |(state, _)| Some(state)))?;
+            lost += reached.1.lost();
+            here = Some(reached);
+        }
+        let end = self.further(drive, here.as_ref().map_or(start, |(state, _)| Some(state)))?;
+        lost += end.1.lost();
+        Ok((end, lost))
+    }
+
+    /// The state at rest under `drive`, by a further solve.
+    fn further(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), SolveError<P::State>> {
+        self.step.extra_solves += 1;
+        self.allowance = self.allowance.saturating_sub(1);
+        self.rest(drive, start)
+    }
+
     /// Moves `here` to `end` piece by piece, and sums the losses of the pieces, to the tolerance times a reference work.
     fn account(
         &mut self,
@@ -249,12 +355,11 @@ impl<P: Quasistatic> Search<'_, P> {
     ) -> Result<(), SolveError<P::State>> {
         let (begin, allowed) = (here.reading, tolerance * reference);
         let extra = |search: &mut Self, share: f64, start: &Rest<P::State>| {
-            search.step.extra_solves += 1;
-            search.allowance = search.allowance.saturating_sub(1);
-            let (state, reading) = search.rest(begin.towards(drive, share), Some(&start.state))?;
+            let (state, reading) = search.further(begin.towards(drive, share), Some(&start.state))?;
             Ok::<_, SolveError<P::State>>(Rest { state, reading, share, origin: start.share })
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
+        let (mut jumped, mut is_known) = (false, true);
         // The ends of the next one or two pieces, in reverse order.
         let mut ahead = vec![end];
         while here.share < 1.0 {
@@ -302,9 +407,12 @@ impl<P: Quasistatic> Search<'_, P> {
             }
             lost += piece.0;
             uncertain += piece.1;
+            jumped |= piece.0 > piece.1;
+            is_known &= piece.0 > piece.1 || piece.1 <= allowed * span.max(OF_A_JUMP);
             *here = end;
         }
         (self.step.dissipated, self.step.dissipated_error) = (Some(lost), Some(uncertain));
+        self.step.jumped = (jumped || is_known).then_some(jumped);
         Ok(())
     }
 }
@@ -367,6 +475,15 @@ impl Halves {
 }
 
 impl Reading {
+    /// The surfaces before the first step.
+    const UNLOADED: Self =
+        Self { mean_pressure: 0.0, approach: 0.0, mean_shear: [0.0; 2], lateral: [0.0; 2], loss: Loss::Known(0.0) };
+
+    /// The loss of the increment, if it is known.
+    fn lost(&self) -> f64 {
+        if let Loss::Known(lost) = self.loss { lost } else { 0.0 }
+    }
+
     /// The drive at the fraction `share` of the way from this state to `drive`.
     fn towards(&self, drive: Drive, share: f64) -> Drive {
         if share == 1.0 {
@@ -408,5 +525,13 @@ impl Quasistatic for FrictionalContact {
             lateral: state.lateral,
             loss: Loss::Known(state.dissipated),
         }
+    }
+
+    fn depends_on_division(&self, start: Option<&FrictionState>, end: &FrictionState, tolerance: f64) -> bool {
+        FrictionalContact::depends_on_division(self, start, end, tolerance)
+    }
+
+    fn change(&self, from: &FrictionState, to: &FrictionState) -> f64 {
+        self.distance(from, to)
     }
 }

@@ -1,7 +1,8 @@
 //! A hard wall whose plastic depth stays, along a path.
 
 use gfmd_contact::{
-    Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, Solution, SolveError, Solver, Visit,
+    Contact, Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, Solution, SolveError, Solver,
+    Visit,
 };
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
@@ -35,6 +36,10 @@ pub struct PlasticState {
     pub elastic_energy: f64,
     /// Energy lost in the step, per area, in stress × length.
     pub dissipated: f64,
+    /// Points whose pressure is the hardness, over all points. A pressure counts as the hardness if it is less by no more than
+    /// ten times the pressure that would close the largest gap left in contact, or by a thousandth of the hardness if that is
+    /// less: loaded again to its largest load, a contact has the hardness at all points that it had flattened, to the residuals of both states.
+    pub fraction: f64,
     /// The depth at the start of the step.
     before: Array2<f64>,
 }
@@ -61,7 +66,7 @@ impl PlasticContact {
         load: Load,
     ) -> Result<PlasticState, Refusal> {
         let solution = self.contact.indented(depth)?.certify(pressure, load)?;
-        Ok(PlasticState::new(solution, depth.to_owned()))
+        Ok(PlasticState::new(&self.contact, solution, depth.to_owned()))
     }
 
     /// The contact at the start of the step after `state`, and the depth there.
@@ -73,7 +78,8 @@ impl PlasticContact {
 }
 
 impl PlasticState {
-    fn new(solution: Solution, before: Array2<f64>) -> Self {
+    /// The state of `contact` after a step from the depth `before`.
+    fn new(contact: &Contact, solution: Solution, before: Array2<f64>) -> Self {
         let (depth, dissipated) = match &solution.plastic {
             Some(plastic) => {
                 // The depth grows where the pressure is the hardness.
@@ -84,8 +90,30 @@ impl PlasticState {
         };
         let volume = depth.mean().unwrap_or(0.0);
         let elastic_energy = solution.summary_in(&solution.scales()).elastic_energy;
-        Self { solution, depth, volume, elastic_energy, dissipated, before }
+        let fraction = contact.hardness().map_or(0.0, |hardness| {
+            let [_, stiffest] = contact.stiffness_range();
+            saturated(&solution, &hardness, stiffest)
+        });
+        Self { solution, depth, volume, elastic_energy, dissipated, fraction, before }
     }
+}
+
+/// The error of a pressure over the one that would close the largest gap left in contact: the depth has the gaps of earlier states.
+const OF_A_GAP: f64 = 10.0;
+/// The largest difference between a pressure and the hardness, over the hardness, at a point that has the hardness.
+const NEAR: f64 = 1e-3;
+
+/// The points whose pressure is the hardness, to the accuracy that the gaps in contact show, over all points.
+fn saturated(solution: &Solution, hardness: &Hardness, stiffest: f64) -> f64 {
+    let Solution { pressure, gap, .. } = solution;
+    let touching = pressure.iter().zip(gap).filter(|(p, _)| **p > 0.0);
+    let accuracy = OF_A_GAP * stiffest * touching.fold(0.0, |most: f64, (_, gap)| most.max(gap.abs()));
+    let has = |p: f64, hardness: f64| p >= hardness - accuracy.min(NEAR * hardness);
+    let count = match hardness {
+        Hardness::Uniform(hardness) => pressure.iter().filter(|p| has(**p, *hardness)).count(),
+        Hardness::Field(field) => pressure.iter().zip(field).filter(|(p, hardness)| has(**p, **hardness)).count(),
+    };
+    count as f64 / pressure.len() as f64
 }
 
 impl Fields for PlasticState {
@@ -153,8 +181,8 @@ impl Equilibrium for PlasticContact {
         let (contact, depth) = self.after(start)?;
         let start = start.map(|state| &state.solution);
         match contact.equilibrate(drive, solver, budget, start, watch) {
-            Ok(solution) => Ok(PlasticState::new(solution, depth)),
-            Err(error) => Err(error.map(|solution| PlasticState::new(solution, depth))),
+            Ok(solution) => Ok(PlasticState::new(&self.contact, solution, depth)),
+            Err(error) => Err(error.map(|solution| PlasticState::new(&self.contact, solution, depth))),
         }
     }
 }
@@ -181,6 +209,6 @@ impl Resumable for PlasticContact {
         let mut before = Array2::zeros(self.contact.surface().grid().points());
         with_contiguous(&mut before, |depth| visitor.field(depth));
         let solution = self.contact.indented(&before)?.restore(drive, visitor)?;
-        Ok(PlasticState::new(solution, before))
+        Ok(PlasticState::new(&self.contact, solution, before))
     }
 }

@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver};
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{Interface, Kept, State};
-use gfmd_law::{Dugdale, Exponential, HardWall, Law, Morse};
+use gfmd_law::{Dugdale, Exponential, HardWall, HarmonicCosine, Law, Morse, Npc, Separation};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::Array2;
 
@@ -60,6 +60,93 @@ fn a_sphere_with_a_dugdale_zone_follows_the_curve_of_maugis() {
     // The contact edge jumps from point to point, which is an error of first order.
     assert!(errors[2] < 0.15, "{errors:?}");
     assert!(errors.windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{errors:?}");
+}
+
+/// The pull-off load of a sphere of radius 1 over π w, on a free patch of side 0.6 with n² points, E* = 1.
+fn pull_off(n: usize, work: f64, law: impl Law + 'static) -> f64 {
+    let side = 0.6;
+    let grid = Grid::square(n, side).unwrap();
+    let interface = Interface::bounded(Boundary::Free, &half_space(), &grid, &(side * side * sphere(n)), law).unwrap();
+    let (mut last, mut lowest): (Option<State>, f64) = (None, 0.0);
+    for step in 0..80 {
+        let press = interface.press(Load::Approach(1.5e-3 - 2.5e-4 * f64::from(step)));
+        let state = press.starting_from(last.as_ref()).tolerance(1e-6).solve().unwrap();
+        let force = state.mean_pressure * side * side;
+        if lowest < 0.0 && force > 0.6 * lowest {
+            break;
+        }
+        lowest = lowest.min(force);
+        last = Some(state);
+    }
+    -lowest / (PI * work)
+}
+
+/// The pull-off load over π w R of Maugis (1992) for his parameter λ: the lowest force of all ratios m of the radii of zone and
+/// contact, where the contact radius a follows from the work of the zone. a in (π w R²/K)^⅓, forces in π w R.
+fn maugis_pull_off(lambda: f64) -> f64 {
+    let terms = |m: f64| ((m * m - 1.0).sqrt(), (1.0 / m).acos());
+    let work = |a: f64, m: f64| {
+        let (root, arc) = terms(m);
+        let of_gap = 0.5 * lambda * a * a * (root + (m * m - 2.0) * arc);
+        of_gap + 4.0 / 3.0 * lambda * lambda * a * (root * arc - m + 1.0)
+    };
+    let mut lowest = 0.0_f64;
+    for k in 1..4000 {
+        let m = 1.0 + 1e-3 * 1.003_f64.powi(k);
+        let (mut low, mut high) = (0.0, 50.0);
+        if work(high, m) < 1.0 {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if work(middle, m) < 1.0 { low = middle } else { high = middle }
+        }
+        let (root, arc) = terms(m);
+        lowest = lowest.min(low.powi(3) - lambda * low * low * (root + m * m * arc));
+    }
+    -lowest
+}
+
+#[test]
+fn a_law_finds_its_pull_off_with_the_points_that_it_needs_in_its_process_zone() {
+    let work = 2.17e-4;
+    // (π/4) E*/steepness over the grid step.
+    let points = |law: &dyn Law, n: usize| 0.25 * PI / law.steepness() / (0.6 / n as f64);
+    // K = 4/3 E*, λ = 2 σ (R/(π w K²))^⅓.
+    let exact = |range: f64| maugis_pull_off(2.0 * work / range * (9.0 / (16.0 * PI * work)).cbrt());
+    let dugdale = |range: f64, n: usize| {
+        let law = Dugdale::new(work, range).unwrap();
+        (points(&law, n) / law.resolving_points(), pull_off(n, work, law) / exact(range) - 1.0)
+    };
+    let (share, error) = dugdale(6.44e-3, 128);
+    assert!(share >= 1.0 && error.abs() < 0.025, "{share} {error}");
+    // Two points, which resolve a smooth law, do not resolve one whose traction jumps.
+    let (share, error) = dugdale(2.28e-3, 64);
+    assert!(share < 0.1 && error > 0.1, "{share} {error}");
+
+    let separation = |length: f64| Separation {
+        normal_work: work,
+        tangential_work: work,
+        normal_length: length,
+        tangential_length: length,
+    };
+    let smooth: [&dyn Fn(f64) -> Box<dyn Law>; 4] = [
+        &|length| Box::new(Exponential::new(work, length).unwrap()),
+        &|length| Box::new(Morse::new(work, length).unwrap()),
+        &|length| Box::new(HarmonicCosine::new(work, work / length / length).unwrap()),
+        &|length| Box::new(Npc::new(separation(length)).unwrap()),
+    ];
+    for law in smooth {
+        // The length with which the process zone has as many points on 32² as the law needs: steepness ∝ 1/length².
+        let unit = law(1e-3);
+        let law = |n: usize| {
+            let law = law(1e-3 * (1.001 * unit.resolving_points() / points(&unit, 32)).sqrt());
+            assert!((points(&law, n) / law.resolving_points() - 1.001 * n as f64 / 32.0).abs() < 1e-9, "{law:?}");
+            pull_off(n, work, law)
+        };
+        let (found, finer) = (law(32), law(64));
+        assert!((found / finer - 1.0).abs() < 0.025, "{unit:?}: {found} {finer}");
+    }
 }
 
 fn rough(points: [usize; 2]) -> Array2<f64> {

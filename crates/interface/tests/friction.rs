@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Drive, Equilibrium, Load, Progress, Refusal, SolveError, Solver};
+use gfmd_contact::{Boundary, Budget, Drive, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{FrictionState, FrictionalContact, Interface};
+use gfmd_interface::{FrictionState, FrictionalContact, Interface, Path, Refinement, Step};
 use gfmd_law::Limit;
 use gfmd_response::FullResponse;
 use ndarray::Array2;
@@ -184,4 +184,141 @@ fn bad_input_is_refused_with_what_was_found() {
     let mut at_once = |_: &Progress| ControlFlow::Break(());
     let broken = contact.press(pressed(0.01, 1e-3)).watch(&mut at_once).solve();
     assert!(matches!(broken, Err(SolveError::Interrupted { .. })));
+}
+
+/// A sphere of radius 1 on a half-space with E* = 1, 64² points on a patch of side 0.5.
+fn free_sphere(poisson: f64, limit: Limit) -> FrictionalContact {
+    let (n, side) = (64, 0.5);
+    let at = |i: usize| (i as f64 / n as f64 - 0.5) * side;
+    let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i).powi(2) + at(j).powi(2)));
+    let body = Body::half_space(Material::from_contact_modulus(1.0, poisson).unwrap());
+    FrictionalContact::bounded(Boundary::Free, &body, &Grid::square(n, side).unwrap(), &heights, limit).unwrap()
+}
+
+/// The mean pressure over the patch of [`free_sphere`] with the contact radius `a` (Hertz).
+fn hertz(a: f64) -> f64 {
+    4.0 / 3.0 * a.powi(3) / 0.25
+}
+
+/// Steps along `drives` from the undeformed surfaces; the last state.
+fn along(contact: &FrictionalContact, drives: &[Drive], solves_per_step: u64) -> (Vec<Step>, FrictionState) {
+    let refinement = Refinement { solves_per_step, ..Refinement::default() };
+    let mut path = Path::new(contact, Budget::default(), refinement);
+    let steps = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap()).collect();
+    (steps, path.state().unwrap().clone())
+}
+
+/// The radius of the sticking part over that of the contact of a sphere under growing load: Spence (1975), in the form of
+/// Johnson (Contact Mechanics, section 5.4), (a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)), β = (1 − 2ν)/(2(1 − ν)).
+fn spence(coefficient: f64, poisson: f64) -> f64 {
+    let beta = (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson));
+    // The complete elliptic integral K(√(1 − c²)) by the arithmetic and the geometric mean of 1 and c.
+    let integral = |c: f64| {
+        let (mut a, mut b) = (1.0_f64, c);
+        for _ in 0..40 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        0.5 * PI / a
+    };
+    let excess = |c: f64| ((1.0 + c) / (1.0 - c)).ln() / (2.0 * c) - coefficient / beta * integral(c);
+    let (mut low, mut high) = (1e-9, 1.0 - 1e-12);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if excess(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_loaded() {
+    // By self-similarity the share of the radius is the same for every load.
+    for (coefficient, poisson, a, numbers) in
+        [(0.3, 0.3, 0.2, &[1, 2, 5][..]), (0.3, 0.3, 0.15, &[1]), (0.2, 0.0, 0.2, &[1])]
+    {
+        let contact = free_sphere(poisson, Limit::Coulomb(coefficient));
+        let wanted = spence(coefficient, poisson);
+        // The edge of the sticking part lies between two points.
+        let spacing = 0.5 / 64.0 / a;
+        let share = |state: &FrictionState| (state.stick_fraction / state.contact_fraction).sqrt();
+        for steps in numbers {
+            let drives: Vec<Drive> =
+                (1..=*steps).map(|k| pressed(hertz(a) * f64::from(k) / f64::from(*steps), 0.0)).collect();
+            let (made, state) = along(&contact, &drives, 12);
+            let found = share(&state);
+            assert!((found - wanted).abs() < spacing, "{coefficient} {poisson} {a}, {steps} steps: {found} {wanted}");
+            assert!(made.iter().all(|step| !step.is_unsettled && step.change <= Some(1e-3)), "{made:?}");
+            let shear = [0, 1].map(|c| state.mean_shear[c].abs());
+            assert!(shear.iter().all(|shear| *shear < 1e-6 * state.mean_pressure));
+        }
+        let one = share(&contact.press(pressed(hertz(a), 0.0)).solve().unwrap());
+        assert!(one < wanted - 5.0 * spacing, "one increment: {one} {wanted}");
+    }
+}
+
+#[test]
+fn the_energy_lost_by_slip_under_growing_load_is_that_of_many_small_increments() {
+    let contact = free_sphere(0.3, Limit::Coulomb(0.3));
+    let load = hertz(0.2);
+    let lost_in = |increments: u32| {
+        let (mut last, mut lost): (Option<FrictionState>, f64) = (None, 0.0);
+        for k in 1..=increments {
+            let drive = pressed(load * f64::from(k) / f64::from(increments), 0.0);
+            let state = contact.press(drive).starting_from(last.as_ref()).solve().unwrap();
+            lost += state.dissipated;
+            last = Some(state);
+        }
+        (lost, last.unwrap())
+    };
+    let (many, finest) = lost_in(32);
+    let (one, _) = lost_in(1);
+    assert!(one > 10.0 * many, "one increment is far off: {one:e}, {many:e}");
+    let (steps, state) = along(&contact, &[pressed(load, 0.0)], 4);
+    let [lost, error] = [steps[0].dissipated, steps[0].dissipated_error].map(Option::unwrap);
+    assert!((lost - many).abs() <= error && error < 0.1 * one, "{lost:e} ± {error:e}, {many:e}");
+    assert!(steps[0].increments >= 8 && steps[0].extra_solves > steps[0].increments);
+    // The shear itself, over its limit.
+    let shear = |state: &FrictionState| state.traction.index_axis(ndarray::Axis(0), 0).to_owned();
+    let apart = (shear(&state) - shear(&finest)).iter().map(|t| t.abs()).sum::<f64>();
+    assert!(apart < 0.03 * 0.3 * state.pressure().sum(), "{apart:e}");
+    // Without further solves a path says that it does not know.
+    let (steps, _) = along(&contact, &[pressed(load, 0.0)], 0);
+    assert!(steps[0].change.unwrap().is_nan() && steps[0].dissipated_error.is_none() && steps[0].increments == 1);
+}
+
+#[test]
+fn a_sphere_pressed_and_sheared_at_once_sticks_as_mindlin_and_deresiewicz_say() {
+    // 1953: under a force that grows within the cone of friction nothing slips, and dQ/dP = (2/3) dX/dδ for ν = ½. With X in
+    // proportion to P, and δ to P^⅔, Q/P = (9/8) (2/3) X/δ. If the pressure comes first, as in one increment, the edge slips
+    // (Cattaneo): Q/P = μ (1 − (1 − (2/3) X/(μ δ))^(3/2)).
+    let contact = free_sphere(0.5, Limit::Coulomb(0.3));
+    let (a, ratio) = (0.2_f64, 0.15);
+    let drive = pressed(hertz(a), 1.5 * ratio * a * a);
+    let (steps, state) = along(&contact, &[drive], 8);
+    let found = state.mean_shear[0] / state.mean_pressure;
+    let exact = 1.125 * ratio;
+    assert!((found - exact).abs() < 0.03 * exact, "{found} {exact} {steps:?}");
+    let one = contact.press(drive).solve().unwrap();
+    let found = one.mean_shear[0] / one.mean_pressure;
+    let cattaneo = 0.3 * (1.0 - (1.0_f64 - ratio / 0.3).powf(1.5));
+    assert!((found - cattaneo).abs() < 0.03 * cattaneo && cattaneo > 1.1 * exact, "{found} {cattaneo}");
+}
+
+#[test]
+fn what_does_not_depend_on_the_way_is_solved_once() {
+    let load = hertz(0.2);
+    let drives = [pressed(load, 0.0), pressed(0.5 * load, 0.0), pressed(0.5 * load, 1e-3), pressed(0.5 * load, -1e-3)];
+    // Without coupling, and with limits that stay or without shear.
+    let (steps, _) = along(&free_sphere(0.5, Limit::Coulomb(0.3)), &drives, 4);
+    for step in steps {
+        assert_eq!((step.extra_solves, step.increments, step.change, step.dissipated_error), (0, 1, None, None));
+    }
+    // Without friction.
+    let (steps, _) = along(&free_sphere(0.2, Limit::Coulomb(0.0)), &drives, 4);
+    assert!(steps.iter().all(|step| step.extra_solves == 0 && step.dissipated == Some(0.0)));
+    // A strength of the interface without a change of load.
+    let (steps, _) = along(&free_sphere(0.5, Limit::Tresca(0.02)), &[drives[0], pressed(load, 1e-3)], 4);
+    assert!(steps.iter().all(|step| step.extra_solves == 0));
+    // Under more load the sheared contact grows: this does depend on the way.
+    let (steps, _) = along(&free_sphere(0.5, Limit::Coulomb(0.3)), &[drives[2], pressed(load, 2e-3)], 4);
+    assert!(steps[1].extra_solves > 0 && steps[1].change.unwrap() <= 1e-3, "{steps:?}");
 }

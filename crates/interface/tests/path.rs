@@ -143,6 +143,28 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
         let [lost, error] = lost(&follow(&interface, &approaches(&turns, steps), FINE));
         assert!((lost - exact).abs() <= error && error < 0.01 * exact, "{lost:e} ± {error:e}, {exact:e}");
     }
+    // However many steps there are, the two that cross a fold are told to have jumped, and no other.
+    let [closes, opens] = [approach(far), approach(near)];
+    // No step ends at a fold.
+    let turns = [closes - 0.3137, closes + 0.0971, opens - 0.2993];
+    for steps in [10, 100, 1500] {
+        let drives = approaches(&turns, steps);
+        let made = follow(&interface, &drives, FINE);
+        let told: Vec<Option<bool>> = made.iter().map(|step| step.jumped).collect();
+        let places: Vec<f64> = legs(&turns, steps);
+        for (k, told) in told.iter().enumerate().skip(1) {
+            let (from, to) = (places[k - 1], places[k]);
+            let crosses = (from < closes && closes < to) || (to < opens && opens < from);
+            let around = &made[k - 1..=(k + 1).min(made.len() - 1)];
+            assert_eq!(*told, Some(crosses), "{steps} steps: {from} to {to}, folds {closes} {opens}: {around:?}");
+        }
+        assert_eq!(told.iter().filter(|told| **told == Some(true)).count(), 2, "{steps}");
+    }
+    // Without further solves nothing can be told of the steps with a jump.
+    let once = Refinement { solves_per_step: 0, ..FINE };
+    let told = follow(&interface, &approaches(&turns, 10), once);
+    assert_eq!(told.iter().filter(|step| step.jumped == Some(true)).count(), 0);
+    assert!(told.iter().any(|step| step.jumped.is_none()));
     // Under a tension below the largest one the contact holds and loses no energy.
     let strongest = law.response(0.05 * 2.0_f64.ln(), 0.0).traction[0];
     let turns = [0.5 * strongest, -0.9 * strongest, 0.5 * strongest];
@@ -210,6 +232,9 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
     for step in follow(&interface, &[drive(0.0), drive(0.002)], Refinement::default()) {
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (None, None, 0));
     }
+    // Where pressure and shear do not act on each other, a step is one increment.
+    let incompressible = Body::half_space(Material::from_contact_modulus(1.0, 0.5).unwrap());
+    let response = FullResponse::new(Grid::line(16, 1.0).unwrap(), &incompressible);
     let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.2)).unwrap();
     let mut path = Path::new(&contact, Budget::default(), Refinement::default());
     for x in [0.0, 0.002] {

@@ -60,6 +60,32 @@ fn unloading_is_elastic_and_loading_again_gives_the_state_before() {
 }
 
 #[test]
+fn loading_again_to_the_largest_load_brings_back_the_points_at_the_hardness() {
+    // The state under a load that the contact has borne is unique: the same points carry the hardness, and no more.
+    for (boundary, tolerance) in [(Boundary::Periodic, 1e-8), (Boundary::Periodic, 1e-11), (Boundary::Free, 1e-8)] {
+        let contact = plastic(boundary, 0.05);
+        let budget = Budget { tolerance, max_iterations: 1000 };
+        let mut path = Path::new(&contact, budget, Refinement::default());
+        let mut fractions = Vec::new();
+        for load in [0.03, 0.001, 0.02, 0.03, 0.015, 0.03, 0.025, 0.03] {
+            path.step(Load::MeanPressure(load).into(), &mut ()).unwrap();
+            fractions.push(path.state().unwrap().fraction);
+        }
+        // As of the first loading, where the solver holds these points at the hardness exactly.
+        let first = contact.contact().press(Load::MeanPressure(0.03)).budget(budget).solve().unwrap();
+        let at_hardness = first.pressure.iter().filter(|p| **p == 0.05).count() as f64 / 1024.0;
+        assert!(at_hardness > 0.3, "{at_hardness}");
+        for again in [0, 3, 5, 7] {
+            assert_eq!(fractions[again], at_hardness, "{boundary} {tolerance:e}: {fractions:?}");
+        }
+        // Below it, the same points carry less; the flattened summits have no sharp peaks of pressure.
+        for less in [1, 2, 4, 6] {
+            assert!(fractions[less] < 0.05 * at_hardness, "{boundary} {tolerance:e}: {fractions:?}");
+        }
+    }
+}
+
+#[test]
 fn the_work_of_the_path_is_stored_or_lost() {
     // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps of first.
     let errors = [8, 16, 32].map(|n| {

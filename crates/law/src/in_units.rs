@@ -60,6 +60,10 @@ impl Law for InUnits {
         self.stiffness_of(self.law.steepness())
     }
 
+    fn resolving_points(&self) -> f64 {
+        self.law.resolving_points()
+    }
+
     fn mixed_mode(&self) -> Option<MixedMode> {
         self.law.mixed_mode()
     }

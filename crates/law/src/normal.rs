@@ -128,6 +128,11 @@ impl Law for Dugdale {
     fn steepness(&self) -> f64 {
         self.energy / self.range.powi(2)
     }
+
+    /// The traction jumps to zero at the end of the range.
+    fn resolving_points(&self) -> f64 {
+        32.0
+    }
 }
 
 /// The Morse potential V = γ(e^{−2g/ϱ} − 2e^{−g/ϱ}): soft repulsion, minimum −γ at g = 0, largest tension γ/(2ϱ) at

@@ -8,8 +8,11 @@ use gfmd_cli::elastic::{BodyArgs, body_flags};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::law::{Adhesion, LawArgs};
-use gfmd_contact::{Boundary, Budget, Hardness, Load, Progress, Refusal, Solver};
+use gfmd_contact::{
+    Boundary, Budget, Conductance, ConductanceError, Conductors, Hardness, Load, Progress, Refusal, Solver,
+};
 use gfmd_field::Grid;
+use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
@@ -61,6 +64,34 @@ pub(crate) fn adhesion(
         Ok::<_, Failure>(Adhesion::of(&args, &law, &grid, &moments, modulus))
     })?;
     json::to_string(&found.map_err(|failure| refused(py, &failure))?).map_err(|error| refused(py, &error))
+}
+
+/// The conductance of the points that touch between two conductors with electrodes at this depth, or infinitely deep.
+#[pyfunction]
+pub(crate) fn conductance(
+    py: Python<'_>,
+    touching: PyReadonlyArray2<'_, bool>,
+    lengths: [f64; 2],
+    boundary: &str,
+    height: f64,
+) -> PyResult<f64> {
+    let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
+    let touching = touching.as_array().mapv(|touches| f64::from(u8::from(touches)));
+    let grid = grid(py, touching.dim().into(), lengths)?;
+    let height = if height == f64::INFINITY { Height::Infinite } else { Height::Finite(height) };
+    let found = quick(py, || {
+        let refuse = |error: Refusal| Failure::input("conductor_height", error);
+        let conductors = Conductors::new(boundary, &grid, height).map_err(refuse)?;
+        match &conductors.conductance(&touching) {
+            Ok(Conductance { value, .. }) => Ok(*value),
+            Err(inexact @ ConductanceError::Inexact { reached, .. }) => {
+                tracing::warn!("{inexact}");
+                Ok(reached.value)
+            }
+            Err(error) => Err(Failure::Computation(error.to_string())),
+        }
+    })?;
+    found.map_err(|failure| failed(py, &failure))
 }
 
 /// A surface against a body.
@@ -310,6 +341,8 @@ impl Problem {
             advice.map_or(Ok(()), |advice| advice.tell(coarse))?;
             if let Some(trapping) = loads.trapping() {
                 tracing::warn!("{trapping}");
+            } else if let Some(unresolved) = advice.and_then(|advice| advice.unresolved()) {
+                tracing::warn!("{unresolved}");
             }
         }
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };

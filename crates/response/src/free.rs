@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Split};
-use gfmd_green::{Body, GreenError, has_level, patch_compliance};
+use gfmd_green::{Body, Conductor, GreenError, has_level, patch_compliance, patch_resistance};
 use gfmd_vector::{for_each, total};
 
 use crate::elastic::fits;
@@ -44,7 +44,18 @@ impl FreeCompliance {
     /// # Errors
     /// A body without a level far away; layers that are too thin ([`patch_compliance`]).
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
-        let compliance = patch_compliance(body, &grid)?;
+        Ok(Self::tabulated(grid, patch_compliance(body, &grid)?, has_level(body, &grid)))
+    }
+
+    /// Tabulates the resistance of a conductor on `grid`: potential for displacement, current density for pressure.
+    ///
+    /// # Errors
+    /// An electrode that is not deep enough ([`patch_resistance`]).
+    pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Result<Self, GreenError> {
+        Ok(Self::tabulated(grid, patch_resistance(conductor, &grid)?, has_level(conductor.body(), &grid)))
+    }
+
+    fn tabulated(grid: Grid, compliance: impl Fn([usize; 2]) -> f64 + Sync, has_level: bool) -> Self {
         let convolution = Convolution::new(grid, &compliance);
         let unit = power_of_two(convolution.largest());
         let rounded = convolution.rounded(1.0 / unit);
@@ -54,12 +65,11 @@ impl FreeCompliance {
         let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points) as f32).collect());
         let weights = if grid.is_line() { swapped(weights) } else { weights };
         let mut uniform = vec![0.0; grid.len()];
-        let has_level = has_level(body, &grid);
         let free = Self { convolution, rounded, unit, cosines, stiffness, weights, uniform: Vec::new(), has_level };
         free.weighted(|_, row| row.fill(1.0), &mut uniform, &mut free.cosines.workspace());
         let sum = total(&uniform);
         uniform.iter_mut().for_each(|p| *p = (f64::from(*p) / sum) as f32);
-        Ok(Self { uniform, ..free })
+        Self { uniform, ..free }
     }
 
     /// The grid of the patch.

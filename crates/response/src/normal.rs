@@ -1,7 +1,7 @@
 use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share, Transform};
-use gfmd_green::{Body, GreenError, patch_compliance, table_of_lanes};
+use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes};
 use gfmd_vector::pass;
 
 use crate::patch_table::{Parity, PatchTable};
@@ -55,6 +55,14 @@ impl NormalResponse {
     /// As [`held_sideways`](Self::held_sideways), for the rows that are the `share` of this process.
     pub fn held_sideways_over(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
+    }
+
+    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has none,
+    /// since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
+    pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
+        let conductance = |body: &Body, q: f64| 1.0 / body.transverse_compliance(q);
+        let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
+        Self { uniform_compliance: 0.0, ..response }
     }
 
     fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: fn(&Body, f64) -> f64) -> Self {

@@ -42,11 +42,6 @@ impl Unknown {
         }
     }
 
-    /// The modulus with which the stiffness of a contact gives its conductance: E*, if the surface is free sideways; else none.
-    pub(super) fn conducting(self, e_star: f64) -> f64 {
-        if self == Self::Normal { e_star } else { f64::NAN }
-    }
-
     /// What a contact with these unknowns cannot have.
     pub fn clash(self, law: Kind, boundary: Boundary, is_plastic: bool, body: &Body) -> Option<&'static str> {
         match self {

@@ -54,7 +54,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         config: String,
     ) -> Result<Option<Failure>, Failure> {
         let Self {
-            prepared: Prepared { surface, base, lower, hardness, controls, output, .. },
+            prepared: Prepared { surface, base, lower, hardness, conducting, controls, output, .. },
             contact,
             args,
             first,
@@ -123,6 +123,11 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             let stiffness = self.stiffness(index, &state, stopped.is_some());
             let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
+            if args.statistics {
+                if let Some(warning) = conducting.measure(&state.repulsion(), &mut record)? {
+                    session.warn("conductance", format!("load {index}: {warning}"));
+                }
+            }
             record.seconds = started.elapsed().as_secs_f64();
             self.gather(index, &state.repulsion().view(), &state.gap(), &mut record, &mut gathered, true)?;
             progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
@@ -243,13 +248,12 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         gathered: &mut Gathered,
         is_new: bool,
     ) -> Result<(), Failure> {
-        let Self { prepared: Prepared { surface, body, .. }, args, session, .. } = *self;
+        let Self { prepared: Prepared { surface, .. }, args, session, .. } = *self;
         if args.statistics || (args.flow && is_new) {
             // In contact are the points that are repelled.
             let repulsion = repulsion.mapv(|p| p.max(0.0));
             if args.statistics {
-                let e_star = args.components.conducting(body.contact_modulus());
-                gathered.loads.push(Measured::of(surface, repulsion.view(), *gap, e_star, record)?);
+                gathered.loads.push(Measured::of(surface, repulsion.view(), *gap, record)?);
             }
             if args.flow && is_new {
                 let found = match through(surface, repulsion.view(), *gap, record.mean_gap) {

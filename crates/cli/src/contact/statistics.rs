@@ -60,7 +60,6 @@ impl Measured {
         surface: &Surface,
         pressure: ArrayView2<f64>,
         gap: ArrayView2<f64>,
-        e_star: f64,
         record: &mut LoadRecord,
     ) -> Result<Self, Failure> {
         let (grid, found) = (&surface.grid, patches(surface, pressure));
@@ -71,7 +70,6 @@ impl Measured {
             largest_fraction: found.largest() as f64 / points as f64,
             percolates: found.percolate(),
         });
-        record.conductance = Some(2.0 * record.stiffness / e_star);
         let forces = found.sums(pressure);
         let rows = found.patches.iter().zip(forces).map(|(patch, force)| {
             let perimeter = patch.links[0] as f64 * dy + patch.links[1] as f64 * dx;
@@ -174,10 +172,15 @@ impl LoadRecord {
         let Flow { mut conductivity, percolates, residual, .. } = *flow;
         if self.mean_gap <= 0.0 {
             conductivity = [[f64::NAN; 2]; 2];
-            let reason = format!(
-                "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
-                self.mean_gap
-            );
+            let reason = if self.mean_gap == 0.0 {
+                "the gap is closed everywhere; a conductivity is relative to a uniform gap of the mean height"
+                    .to_owned()
+            } else {
+                format!(
+                    "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
+                    self.mean_gap
+                )
+            };
             RELATIVE.iter().for_each(|name| self.undefined.insert(name, &*reason));
         }
         let [mut limit, mut limit_error, mut grid_error] = [[[f64::NAN; 2]; 2]; 3];

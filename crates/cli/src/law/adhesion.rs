@@ -22,6 +22,8 @@ pub struct Adhesion {
     pub process_zone: f64,
     /// Process zone over the grid step.
     pub process_zone_points: f64,
+    /// Grid steps in the process zone from which on this law finds the pull-off load of a sphere to 2.5 %.
+    pub process_zone_needed: f64,
     /// The criterion of Wang, Zhou and Müser, √(steepness × grid step / E*): below 0.5 the grid resolves the attraction.
     pub wang_zhou_muser: f64,
     /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
@@ -34,9 +36,6 @@ pub struct Adhesion {
 
 /// The least width of the process zone in grid steps that is solved without `--coarse`.
 pub(super) const LEAST_POINTS: f64 = 0.1;
-
-/// Grid steps in the process zone that resolve it.
-const RESOLVED: f64 = 2.0;
 
 /// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the attraction.
 const WANG_ZHOU_MUSER: f64 = 0.5;
@@ -63,6 +62,7 @@ impl Adhesion {
             range,
             process_zone,
             process_zone_points: process_zone / spacing,
+            process_zone_needed: law.resolving_points(),
             wang_zhou_muser: (steepness * spacing / contact_modulus).sqrt(),
             tabor: finite(((length / range).powi(2) / (curvature * range)).cbrt()),
             pastewka_robbins: finite(slope * squeezed / (PI * (3.0_f64 / 16.0).powf(2.0 / 3.0))),
@@ -85,15 +85,32 @@ impl Adhesion {
         tracing::info!("{self}");
         Ok(())
     }
+
+    /// A warning, if the process zone has fewer grid steps than the law needs.
+    pub fn unresolved(&self) -> Option<String> {
+        let Self { process_zone_points: points, process_zone_needed: needed, .. } = *self;
+        (points < needed).then(|| {
+            format!(
+                "the process zone at the edge of a contact is {points:.2} grid steps wide; with this law {needed} or more give \
+                 a pull-off load to 2.5 %, fewer a larger error: refine the grid, or take a longer range"
+            )
+        })
+    }
 }
 
 impl fmt::Display for Adhesion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { range, process_zone_points: points, wang_zhou_muser, tabor, pastewka_robbins, .. } = *self;
-        let resolved = if points >= RESOLVED { "resolved" } else { "not resolved: 2 or more are" };
+        let Self { range, wang_zhou_muser, tabor, pastewka_robbins, .. } = *self;
+        let Self { process_zone_points: points, process_zone_needed: needed, .. } = *self;
+        let is_resolved = points >= needed;
+        let resolved = if is_resolved { "resolved".into() } else { format!("not resolved: {needed} or more are") };
         write!(f, "adhesion: range {range:.3e}; process zone of {points:.2} grid steps ({resolved})")?;
-        let words =
-            if wang_zhou_muser < WANG_ZHOU_MUSER { "below 0.5: resolved" } else { "not resolved: below 0.5 is" };
+        // The criterion is that of a smooth law; one that needs more is not resolved by it.
+        let words = match wang_zhou_muser < WANG_ZHOU_MUSER {
+            true if is_resolved => "below 0.5: resolved",
+            true => "below 0.5, enough for a smooth law",
+            false => "not resolved: below 0.5 is",
+        };
         write!(f, "; Wang-Zhou-Müser {wang_zhou_muser:.2} ({words})")?;
         if let Some(tabor) = tabor {
             let limit = match tabor {

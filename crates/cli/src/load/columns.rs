@@ -109,7 +109,9 @@ pub const STATISTICS: &[Column<LoadRecord>] = &[
     Column::new(
         "conductance",
         "1/length",
-        "2 stiffness/E*: over the sum of the resistivities of both bodies the contact conductance per area (Barber 2003)",
+        "conductance per area of the points in contact between two conductors, times the sum of their resistivities: current \
+         density over the potential difference less that of the bulk, with free boundaries over all of it; infinite if all points \
+         of a periodic surface touch",
         |r| r.conductance.unwrap_or(f64::NAN),
     ),
 ];

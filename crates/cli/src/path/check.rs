@@ -3,15 +3,19 @@
 use gfmd_contact::{Boundary, Drive, Fields, Load};
 use gfmd_files::Reader;
 use gfmd_interface::{Interface, Quasistatic, Step};
-use gfmd_law::Limit;
+use gfmd_law::{Kind, Limit};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::file::PathFile;
 use super::record::{Recorded, StepRecord, scalars};
 use super::{Action, Args, Prepared};
-use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
+use crate::check::{
+    Comparison, Configuration, Kind, beside_fields, flags_again, layout, parsed, regenerated, stored_fields,
+    stored_surface, stored_unit,
+};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::source::Surface;
@@ -35,16 +39,25 @@ const OF_THE_STATE: [&str; 12] = [
 /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
 pub(crate) fn check(
     reader: &Reader,
-    config: &str,
+    config: &Configuration,
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_fields(reader));
-    flags.extend(words(config, &beside_fields(reader))?);
+    flags.extend(stored_fields(reader, config)?);
+    flags.extend(config.words(&beside_fields(reader)));
     let args: Args = parsed(&flags)?;
-    let prepared = Prepared::new(&args, session)?;
-    let columns = scalars(prepared.is_plastic()).map(|scalar| {
+    regenerated(reader, config, comparison, session)?;
+    let mut prepared = Prepared::new(&args, session)?;
+    // As it is spelt there.
+    prepared.surface.unit = stored_unit(reader, "/surface");
+    layout(Kind::Path, reader, comparison, |output| {
+        let file = PathFile::create(output, &prepared, &args, prepared.moves_sideways(&args), session)?;
+        file.finish(&[], prepared.drives.len(), None)
+    })?;
+    let present =
+        scalars(prepared.is_plastic(), false).filter(|scalar| reader.contains(&format!("/path/{}", scalar.name)));
+    let columns = present.map(|scalar| {
         let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
         Ok((scalar.name, values))
     });
@@ -55,6 +68,7 @@ pub(crate) fn check(
     };
     let check = StateCheck { reader, args: &args, prepared: &prepared };
     for (step, drive) in prepared.drives.iter().enumerate() {
+        check.columns(step, &stored, comparison);
         if stored("converged", step) != 1.0 {
             continue;
         }
@@ -89,6 +103,44 @@ impl StateCheck<'_> {
         self.prepared.body.contact_modulus() * self.prepared.surface.rms_gradient()
     }
 
+    /// Compares the scalars of a step that follow from others, of this step and of the one before.
+    fn columns(&self, step: usize, stored: &dyn Fn(&str, usize) -> f64, comparison: &mut Comparison) {
+        let now = |name: &str| stored(name, step);
+        let [residual, pressure] = ["residual", "mean_pressure"].map(now);
+        // A step that was not made has no numbers.
+        if pressure.is_nan() && residual.is_nan() && now("converged").is_nan() {
+            return;
+        }
+        let converged = f64::from(u8::from(residual <= self.args.tol));
+        comparison.number("/path/converged", now("converged"), converged, 0.0);
+        comparison.number("/path/p_star", now("p_star"), pressure / self.stress(), 0.0);
+        // Without further solves the loss is the balance of the work, by the trapezoidal rule, and the energy.
+        let has_energy = matches!(self.prepared.action, Action::Law(_)) && !now("interface_energy").is_nan();
+        if step == 0 || !has_energy || now("extra_solves") != 0.0 || now("converged") != 1.0 {
+            return;
+        }
+        let before = |name: &str| stored(name, step - 1);
+        let [mut work, mut spread, mut floor] = [0.0_f64; 3];
+        for (force, way) in
+            [("mean_pressure", "displacement"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
+        {
+            let moved = now(way) - before(way);
+            work += 0.5 * (now(force) + before(force)) * moved;
+            spread += 0.5 * ((now(force) - before(force)) * moved).abs();
+            floor += 0.5 * (now(force).abs() + before(force).abs()) * now(way).abs().max(before(way).abs());
+        }
+        let energy = |at: &dyn Fn(&str) -> f64| at("elastic_energy") + at("interface_energy");
+        let missing = work - (energy(&now) - energy(&before));
+        floor = floor.max(energy(&now).abs()).max(energy(&before).abs());
+        comparison.number("/path/dissipated", now("dissipated"), missing, floor);
+        comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
+    }
+
+    /// The unit of length, the rms height.
+    fn height(&self) -> f64 {
+        self.prepared.surface.heights.std(0.0).max(f64::MIN_POSITIVE)
+    }
+
     fn is_law_on_patch(&self) -> bool {
         matches!(self.prepared.action, Action::Law(_)) && self.prepared.surface.boundary == Boundary::Free
     }
@@ -118,10 +170,10 @@ impl StateCheck<'_> {
                 };
                 let problem = self.prepared.wall(refuse)?;
                 let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
-                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), 0.0);
+                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), self.height());
                 self.displacement(waypoint, &state, comparison)?;
-                let mut record = state.record(&problem.reading(&state), &Step::default(), args.tol);
-                record.p_star = record.mean_pressure / self.stress();
+                let record =
+                    state.record(&self.prepared.scales(), &problem.reading(&state), &Step::default(), args.tol);
                 self.scalars(&record, comparison, stored);
                 Ok(())
             }
@@ -130,12 +182,22 @@ impl StateCheck<'_> {
                 let interface = Interface::bounded(*boundary, body, grid, heights, Arc::clone(law)).map_err(refuse)?;
                 let stored_pressure = self.field("pressure", waypoint)?;
                 let state = interface.certify(&gap, &stored_pressure, drive).map_err(refuse)?;
-                let pressure: Vec<f64> = state.pressure().iter().copied().collect();
-                comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
-                self.displacement(waypoint, &state, comparison)?;
+                // Without attraction the file has the pressure of the wall.
+                let is_wall = args.law.law == Kind::HardWall;
+                let pressure = if is_wall { state.repulsion() } else { state.pressure() };
+                let pressure: Vec<f64> = pressure.iter().copied().collect();
+                if self.is_law_on_patch() {
+                    let worst = farthest(&flat(&stored_pressure), &pressure) / self.stress();
+                    comparison.at_most("/fields/pressure", worst, 100.0 * args.tol);
+                    let displacement = flat(&self.field("displacement_z", waypoint)?);
+                    let worst = farthest(&displacement, &flat(&state.displacement_z().to_owned())) / self.height();
+                    comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
+                } else {
+                    comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
+                    self.displacement(waypoint, &state, comparison)?;
+                }
                 let reading = interface.reading(&state);
-                let mut record = state.record(&reading, &Step::default(), args.tol);
-                record.p_star = reading.mean_pressure / self.stress();
+                let record = state.record(&self.prepared.scales(), &reading, &Step::default(), args.tol);
                 self.scalars(&record, comparison, stored);
                 Ok(())
             }
@@ -152,7 +214,7 @@ impl StateCheck<'_> {
 
     /// Compares the scalars that follow from a state.
     fn scalars(&self, record: &StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
-        let of_state = scalars(self.prepared.is_plastic()).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
+        let of_state = scalars(self.prepared.is_plastic(), false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
         for scalar in of_state {
             let (path, stored, found) = (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(record));
             match scalar.name {
@@ -163,6 +225,19 @@ impl StateCheck<'_> {
                     }
                 }
                 "residual" => comparison.number(&path, stored, found, 1e-3),
+                _ if self.is_law_on_patch() => {
+                    let unit = match scalar.units {
+                        "stress" => self.stress(),
+                        "length" => self.height(),
+                        "stress*length" => self.stress() * self.height(),
+                        _ => 1.0,
+                    };
+                    if stored.to_bits() != found.to_bits() {
+                        let apart = (stored - found).abs() / stored.abs().max(unit);
+                        comparison.at_most(&path, apart, 100.0 * self.args.tol);
+                    }
+                }
+                "mean_gap" => comparison.number(&path, stored, found, self.height()),
                 _ => comparison.number(&path, stored, found, 0.0),
             }
         }
@@ -206,15 +281,32 @@ impl StateCheck<'_> {
         let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found: Vec<f64> =
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
-        let height = surface.heights.std(0.0).max(f64::MIN_POSITIVE);
+        let height = self.height();
         let stored_displacement = flat(&self.field("displacement_z", waypoint)?);
         comparison.at_most("/fields/gap", apart(&found, &flat(gap)) / height, 100.0 * args.tol);
         let worst = apart(&displacement[lateral..], &stored_displacement) / height;
         comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
-        comparison.at_most("/fields/gap (penetration)", -gap.iter().copied().fold(0.0, f64::min) / height, args.tol);
-        comparison.number("/path/mean_pressure", stored("mean_pressure"), pressure.mean().unwrap_or(f64::NAN), 0.0);
+        let law = if let Action::Law(law) = action { Some(law) } else { None };
+        if law.is_none_or(|law| law.has_wall()) {
+            let below = -gap.iter().copied().fold(0.0, f64::min) / height;
+            comparison.at_most("/fields/gap (penetration)", below, args.tol);
+        }
+        let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
+        match law {
+            // The mean pressure is that of the law, the field that of the displacement: equal to the residual.
+            Some(_) => comparison.at_most(
+                "/path/mean_pressure",
+                (stored("mean_pressure") - mean_pressure).abs() / self.stress(),
+                100.0 * args.tol,
+            ),
+            None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
+        }
         comparison.number("/path/mean_gap", stored("mean_gap"), gap.mean().unwrap_or(f64::NAN), height);
         let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
+        let approaches =
+            surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
+        let approach = approaches.sum::<f64>() / points as f64;
+        comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.tol);
         if let Action::Friction(limit) = action {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
@@ -245,13 +337,19 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
 }
 
+/// The largest distance of two fields. NaN if there is one.
+fn farthest(a: &[f64], b: &[f64]) -> f64 {
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
+}
+
 fn flat(field: &Array2<f64>) -> Vec<f64> {
     field.iter().copied().collect()
 }
 
 /// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let words = flags_again(reader, config, out)?;
-    super::run(&parsed::<Args>(&words)?, session)?;
+pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let args: Args = parsed(&flags_again(reader, config)?)?;
+    super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

@@ -1,9 +1,11 @@
 //! The HDF5 file of a path.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
+use gfmd_law::Kind;
 
 use super::record::{Recorded, scalars};
 use super::{Args, Prepared, StepRecord};
@@ -17,6 +19,8 @@ pub(super) struct PathFile<'a> {
     archive: Archive<'a>,
     shears: &'static [&'static str],
     is_plastic: bool,
+    /// True without attraction, where the pressure is that of the wall: exactly zero where nothing touches.
+    is_wall: bool,
 }
 
 /// The fields that every state has.
@@ -59,14 +63,14 @@ impl<'a> PathFile<'a> {
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
         hardness::write(prepared.hardness(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
-        Ok(Self { archive, shears, is_plastic })
+        Ok(Self { archive, shears, is_plastic, is_wall: args.law.law == Kind::HardWall })
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
     pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
         let shears = state.traction().into_iter().flat_map(|traction| traction.outer_iter().take(self.shears.len()));
         let normal = [
-            contiguous(&state.pressure()).into_owned(),
+            contiguous(&if self.is_wall { state.repulsion() } else { state.pressure() }).into_owned(),
             contiguous(&state.gap()).into_owned(),
             contiguous(&state.displacement_z()).into_owned(),
         ];
@@ -90,10 +94,19 @@ impl<'a> PathFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let step = Dimension::index("step", count, "step of the path");
-        for scalar in scalars(self.is_plastic) {
+        let has_friction = steps.iter().any(|step| step.increments.is_some());
+        for scalar in scalars(self.is_plastic, has_friction) {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
-            self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;
+            let path = format!("/path/{}", scalar.name);
+            self.archive.write(&path, &variable, &values)?;
+            let reasons: BTreeSet<&str> = (steps.iter().flat_map(|step| step.undefined.iter()))
+                .filter_map(|(name, reason)| (name == scalar.name).then_some(reason))
+                .collect();
+            if !reasons.is_empty() {
+                let reasons: Vec<&str> = reasons.into_iter().collect();
+                self.archive.attribute(&path, "undefined", &*reasons.join("; "))?;
+            }
         }
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
         Ok(self.archive.finish()?)

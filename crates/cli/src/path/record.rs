@@ -1,11 +1,13 @@
 //! The numbers of one step.
 
 use gfmd_contact::Fields;
-use gfmd_interface::{FrictionState, PlasticState, Reading, State, Step};
+use gfmd_interface::{FrictionState, Loss, PlasticState, Reading, State, Step};
+use gfmd_measure::{Scales, Summary};
 use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::load::Undefined;
 
 /// One step of a path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -29,14 +31,19 @@ pub struct StepRecord {
     pub plastic_volume: Option<f64>,
     pub dissipated: Option<f64>,
     pub dissipated_error: Option<f64>,
-    pub passed_instability: bool,
+    pub passed_instability: Option<bool>,
     pub lowest_curvature: f64,
     pub extra_solves: u64,
+    /// With friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub increments: Option<u64>,
     pub iterations: u64,
     pub transform_pairs: u64,
     pub converged: bool,
     pub residual: ResidualRecord,
     pub seconds: f64,
+    #[serde(default, skip_serializing_if = "Undefined::is_empty")]
+    pub undefined: Undefined,
 }
 
 impl StepRecord {
@@ -46,33 +53,52 @@ impl StepRecord {
         table.map(|table| table.to_string()).map_err(|error| Failure::Computation(error.to_string()))
     }
 
-    /// Makes a record with the numbers that all states have; all other numbers are NaN or `None`.
-    fn new(reading: &Reading, step: &Step, residual: ResidualRecord, tolerance: f64) -> Self {
+    /// Makes a record with the numbers that all states have, by the sums that `contact` prints; all other numbers are NaN or `None`.
+    fn new(summary: &Summary, reading: &Reading, step: &Step, residual: ResidualRecord, tolerance: f64) -> Self {
         Self {
-            mean_pressure: reading.mean_pressure,
-            p_star: f64::NAN,
+            mean_pressure: summary.mean_pressure,
+            p_star: summary.p_star,
             displacement: reading.approach,
             lateral: reading.lateral,
             mean_shear: reading.mean_shear,
-            area_fraction: f64::NAN,
+            area_fraction: summary.area_fraction,
             stick_fraction: None,
-            mean_gap: f64::NAN,
-            elastic_energy: f64::NAN,
+            mean_gap: summary.mean_gap,
+            elastic_energy: summary.elastic_energy,
             interface_energy: None,
             plastic_fraction: None,
             plastic_volume: None,
             dissipated: step.dissipated,
             dissipated_error: step.dissipated_error,
-            passed_instability: false,
+            passed_instability: step.jumped,
             lowest_curvature: f64::NAN,
             extra_solves: step.extra_solves,
+            increments: None,
             iterations: step.effort.iterations,
             transform_pairs: step.effort.transform_pairs as u64,
             converged: residual.worst() <= tolerance,
             residual,
             seconds: f64::NAN,
+            undefined: undefined(reading, step),
         }
     }
+}
+
+/// The reasons why numbers of a step are not known.
+fn undefined(reading: &Reading, step: &Step) -> Undefined {
+    let mut undefined = Undefined::default();
+    if step.jumped.is_none() {
+        let reason = match reading.loss {
+            Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
+            Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
+            Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
+        };
+        undefined.insert("passed_instability", reason);
+    }
+    if step.change.is_some_and(f64::is_nan) {
+        undefined.insert("dissipated_error", "--energy-solves did not suffice to halve the increment");
+    }
+    undefined
 }
 
 /// The residuals of a step, recomputed from its final fields.
@@ -125,8 +151,8 @@ impl ResidualRecord {
 
 /// A state whose numbers and fields a path records.
 pub(super) trait Recorded: Fields {
-    /// The numbers of the state and of the step that led to it; the caller adds time and reduced pressure.
-    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
+    /// The numbers of the state, in units of `scales`, and of the step that led to it; the caller adds the time.
+    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
 
     /// The traction on the elastic surface, component by component, if all components move.
     fn traction(&self) -> Option<&Array3<f64>>;
@@ -138,16 +164,13 @@ pub(super) trait Recorded: Fields {
 }
 
 impl Recorded for State {
-    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
         let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load, .. } = self.residual;
         StepRecord {
-            area_fraction: self.contact_fraction,
-            mean_gap: self.gap.mean().unwrap_or(f64::NAN),
-            elastic_energy: self.elastic_energy,
             interface_energy: Some(self.interface_energy).filter(|energy| !energy.is_nan()),
-            passed_instability: self.passed_instability,
             lowest_curvature: self.lowest_curvature,
             ..StepRecord::new(
+                &self.summary_in(scales),
                 reading,
                 step,
                 ResidualRecord::Law { equilibrium, penetration, wall_tension, load },
@@ -162,14 +185,13 @@ impl Recorded for State {
 }
 
 impl Recorded for FrictionState {
-    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
         let gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess } = self.residual;
         StepRecord {
-            area_fraction: self.contact_fraction,
             stick_fraction: Some(self.stick_fraction),
-            mean_gap: self.gap.mean().unwrap_or(f64::NAN),
-            elastic_energy: self.elastic_energy,
+            increments: Some(step.increments),
             ..StepRecord::new(
+                &self.summary_in(scales),
                 reading,
                 step,
                 ResidualRecord::Friction { complementarity, penetration, load, friction, excess },
@@ -184,17 +206,15 @@ impl Recorded for FrictionState {
 }
 
 impl Recorded for PlasticState {
-    fn record(&self, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
+    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
         let gfmd_contact::Residual { complementarity, penetration, negative_pressure, load } = self.solution.residual;
         let plastic = self.solution.plastic.as_ref();
         let saturation = plastic.map(|plastic| plastic.saturation);
         StepRecord {
-            area_fraction: self.summary().area_fraction,
-            mean_gap: self.solution.gap.mean().unwrap_or(f64::NAN),
-            elastic_energy: self.elastic_energy,
-            plastic_fraction: plastic.map(|plastic| plastic.fraction),
+            plastic_fraction: plastic.map(|_| self.fraction),
             plastic_volume: plastic.map(|_| self.volume),
             ..StepRecord::new(
+                &self.summary_in(scales),
                 reading,
                 step,
                 ResidualRecord::Wall { complementarity, penetration, negative_pressure, load, saturation },
@@ -230,13 +250,20 @@ const fn scalar(
 }
 
 /// The scalars of a file.
-pub(super) fn scalars(is_plastic: bool) -> impl Iterator<Item = &'static Scalar> {
-    SCALARS.iter().chain(PLASTIC.iter().filter(move |_| is_plastic))
+pub(super) fn scalars(is_plastic: bool, has_friction: bool) -> impl Iterator<Item = &'static Scalar> {
+    let plastic = PLASTIC.iter().filter(move |_| is_plastic);
+    SCALARS.iter().chain(plastic).chain(FRICTION.iter().filter(move |_| has_friction))
 }
+
+/// The scalars of a path with friction.
+const FRICTION: &[Scalar] =
+    &[scalar("increments", "1", "equal increments in which the step was made until they changed nothing", |r| {
+        r.increments.map_or(f64::NAN, |increments| increments as f64)
+    })];
 
 /// The scalars of a path with a hardness.
 const PLASTIC: &[Scalar] = &[
-    scalar("plastic_fraction", "1", "points whose pressure is the hardness over all points", |r| {
+    scalar("plastic_fraction", "1", "points whose pressure is the hardness, to its accuracy, over all points", |r| {
         r.plastic_fraction.unwrap_or(f64::NAN)
     }),
     scalar("plastic_volume", "length", "mean plastic depth so far", |r| r.plastic_volume.unwrap_or(f64::NAN)),
@@ -253,9 +280,12 @@ const SCALARS: &[Scalar] = &[
     scalar("mean_shear_x", "stress", "mean shear traction on the elastic surface along x", |r| r.mean_shear[0]),
     scalar("mean_shear_y", "stress", "mean shear traction on the elastic surface along y", |r| r.mean_shear[1]),
     scalar("area_fraction", "1", "points that are repelled over all points", |r| r.area_fraction),
-    scalar("stick_fraction", "1", "points in contact that stick over all points; NaN without friction", |r| {
-        r.stick_fraction.unwrap_or(f64::NAN)
-    }),
+    scalar(
+        "stick_fraction",
+        "1",
+        "points in contact whose shear is below its limit, over all points; NaN without friction",
+        |r| r.stick_fraction.unwrap_or(f64::NAN),
+    ),
     scalar("mean_gap", "length", "mean distance between the surfaces", |r| r.mean_gap),
     scalar("elastic_energy", "stress*length", "elastic energy per area of the surface", |r| r.elastic_energy),
     scalar("interface_energy", "stress*length", "energy of the law per area of the surface; NaN if it has none", |r| {
@@ -267,12 +297,15 @@ const SCALARS: &[Scalar] = &[
     scalar(
         "dissipated_error",
         "stress*length",
-        "estimated error of dissipated; NaN if dissipated is exact, or unknown",
+        "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
         |r| r.dissipated_error.unwrap_or(f64::NAN),
     ),
-    scalar("passed_instability", "1", "1 if directions of negative curvature were met on the way", |r| {
-        f64::from(u8::from(r.passed_instability))
-    }),
+    scalar(
+        "passed_instability",
+        "1",
+        "1 if more energy was lost in a jump of this step than its error; NaN if no energy tells",
+        |r| r.passed_instability.map_or(f64::NAN, |passed| f64::from(u8::from(passed))),
+    ),
     scalar(
         "lowest_curvature",
         "1",

@@ -59,7 +59,7 @@ pub struct Report {
     pub sliding: Vec<Sliding>,
     /// Energy lost along the path, per area; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Sum of the errors of the steps; `None` if `dissipated` is exact, or unknown.
+    /// Sum of the errors of the steps; `None` if `dissipated` does not depend on the division of any step, or is unknown.
     pub dissipated_error: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
@@ -149,7 +149,7 @@ impl Report {
         }
         let any = |of: fn(&StepRecord) -> Option<f64>| self.steps.iter().any(|step| of(step).is_some());
         let sideways = self.moves_sideways();
-        let columns: [(bool, Column); 13] = [
+        let columns: [(bool, Column); 14] = [
             (true, ("pressure", short(|step| step.mean_pressure))),
             (true, ("approach", short(|step| step.displacement))),
             (sideways, ("lateral", short(|step| self.along(step.lateral)))),
@@ -161,6 +161,10 @@ impl Report {
             (any(|step| step.plastic_volume), ("depth", short(|step| step.plastic_volume.unwrap_or(f64::NAN)))),
             (any(|step| step.dissipated), ("dissipated", short(|step| step.dissipated.unwrap_or(f64::NAN)))),
             (any(|step| step.dissipated_error), ("+-", short(|step| step.dissipated_error.unwrap_or(f64::NAN)))),
+            (
+                self.steps.iter().any(|step| step.increments > Some(1)),
+                ("increments", Box::new(|step| format!("{:>12}", step.increments.unwrap_or(1)))),
+            ),
             (true, ("steps", Box::new(|step| format!("{:>12}", step.iterations)))),
             (true, ("residual", Box::new(|step| format!("{:>12.1e}", step.residual.worst())))),
         ];
@@ -193,7 +197,7 @@ impl fmt::Display for Report {
             writeln!(
                 f,
                 "{index:>5}{values}{}{}",
-                if step.passed_instability { "  passed an instability" } else { "" },
+                if step.passed_instability == Some(true) { "  passed an instability" } else { "" },
                 if step.converged { "" } else { "  NOT CONVERGED" }
             )?;
         }

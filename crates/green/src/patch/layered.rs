@@ -61,14 +61,14 @@ const LAST: f64 = 24.0;
 const HALVINGS: i32 = 40;
 
 impl Correction {
-    /// The correction for a body with layers; `None` for a half-space, or two of them.
+    /// The correction of this compliance for a body with layers; `None` for a half-space, or two of them.
     ///
     /// # Errors
     /// A plate, which nothing holds; layers that are too thin for the patch or for its cells.
-    pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
+    pub(super) fn of(body: &Body, grid: &Grid, compliance: fn(&Body, f64) -> f64) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let half_space = 2.0 / body.contact_modulus();
-        let more = |q: f64| q * body.normal_compliance(q) - half_space;
+        let more = |q: f64| q * compliance(body, q) - half_space;
         if !grid.is_line() {
             let table = Radial::of(&layers, grid, |q| [more(q) / TAU], |x| [libm::j0(x)])?;
             return Ok(Some(Self { table, far: None }));

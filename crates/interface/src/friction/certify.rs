@@ -28,7 +28,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let coarsest = increment.contact.surface.length_scale(increment.drive.load);
     let length_scale = RigidSurface::finer_scale(coarsest, highest + lowest);
     increment.length_scale = length_scale;
-    let Increment { contact, drive, stuck, pressure, .. } = &*increment;
+    let Increment { contact, drive, stuck, pressure, limits_before, .. } = &*increment;
     let n = pressure.len();
     let clearance = contact.surface.clearance();
     let components = lateral / n;
@@ -54,7 +54,10 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         &|range| {
             range.fold([0.0; 3], |sums, i| {
                 let sticks = limits.values[i] > 0.0 && magnitude(i) < limits.values[i] * (1.0 - 1e-9);
+                // The shear is at its limit while a point slips, and the limit changes on the way.
+                let mean = 0.5 * (limits_before[i] + limits.values[i]) / limits.values[i];
                 let work: f64 = (0..components).map(|c| -traction[c * n + i] * slip[c * n + i]).sum();
+                let work = if limits.values[i] > 0.0 { mean * work } else { 0.0 };
                 add(sums, [f64::from(sticks), work, pressure[i] * gap[i]])
             })
         },

@@ -17,6 +17,8 @@ pub(super) struct Increment<'a> {
     pub(super) normal: NormalProblem,
     /// Lateral displacement of the elastic surface if nothing slips.
     pub(super) stuck: Vec<f64>,
+    /// The limits of the shear at the start.
+    pub(super) limits_before: Vec<f64>,
     pub(super) pressure: Vec<f64>,
     /// The scale of lengths in the residuals: that of the load, or that of the displacement as soon as it is known.
     pub(super) length_scale: f64,
@@ -40,12 +42,16 @@ impl<'a> Increment<'a> {
             for (k, (stuck, u)) in stuck.iter_mut().zip(&state.displacement).enumerate() {
                 *stuck += u - state.lateral[k / points];
             }
-        } else if let Load::MeanPressure(mean) = drive.load {
+        }
+        let rms_height = contact.surface.rms_height();
+        let limits_before = Limits::new(contact.limit, &pressure, rms_height).values;
+        if let (None, Load::MeanPressure(mean)) = (start, drive.load) {
             pressure.fill(mean);
         }
         let mut increment = Self {
             contact,
             drive,
+            limits_before,
             transforms: contact.response.transforms(),
             normal: NormalProblem::new(&contact.response, contact.surface.clearance()),
             stuck,

@@ -29,7 +29,8 @@ pub struct FrictionState {
     pub stick_fraction: f64,
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
-    /// Work done against friction in this increment, per area.
+    /// Work done against friction in this increment, per area: the slip of each point times the mean of its limits at the
+    /// start and at the end.
     pub dissipated: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: FrictionResidual,

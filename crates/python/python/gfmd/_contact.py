@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law
-from ._check import Array, frozen, shown
+from ._check import Array, frozen, number, shown
 from ._command import body_flags, records
 from ._errors import InputError
 from ._record import Record, Residual
@@ -238,7 +238,7 @@ class Contact(Record):
     def adhesion(self) -> Optional[Record]:
         """The attraction on this surface and grid in numbers; None without one.
 
-        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `wang_zhou_muser`,
+        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`,
         `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
         """
         if self.law.name == "hard-wall":
@@ -256,6 +256,28 @@ class Contact(Record):
     def touching(self) -> npt.NDArray[np.bool_]:
         """The points in contact [x, y]: those that are repelled, as `area_fraction` counts them."""
         return np.asarray(self.repulsion > 0.0)
+
+    def conductance(self, *, conductor_height: float = float("inf")) -> float:
+        """Returns the conductance of the points in contact between two conductors of heat or electric current, per area, 1 / length.
+
+        The column `conductance` of `gfmd contact --statistics`: over the sum of the resistivities of both bodies it is the contact
+        conductance per area. The bulk has no part in it, but with free boundaries, where it is that of the whole current over the area
+        of the patch. Right for any elastic body, hardness and law. Infinite if all points of a periodic surface touch. NaN for a profile
+        with free boundaries on conductors without end, with finite slopes, and with a lower surface.
+
+        Args:
+            conductor_height: depth of the electrodes of both conductors below the surface, length; infinite by default.
+
+        Raises:
+            InputError: a depth that is not positive; with free boundaries an electrode that is not deep enough.
+
+        Example:
+            >>> c.conductance() < c.conductance(conductor_height=0.1)
+            True
+        """
+        height = number("conductor_height", conductor_height)
+        found = _gfmd.conductance(self.touching, self.surface.size, self.boundary, height)
+        return float("nan") if self.finite_slope or self.lower_surface is not None else found
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.

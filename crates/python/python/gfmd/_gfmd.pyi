@@ -13,6 +13,7 @@ __all__ = [
     "adhesion",
     "check_law",
     "composite",
+    "conductance",
     "detrend",
     "fill",
     "json_to_toml",
@@ -20,13 +21,13 @@ __all__ = [
     "program",
     "read",
     "read_array",
+    "read_config",
     "read_text",
     "run",
     "save",
     "self_affine",
     "solvers",
     "statistics",
-    "toml_to_json",
 ]
 VERSION: str
 GIT_COMMIT: str
@@ -69,6 +70,7 @@ class Problem:
 
 def adhesion(heights: _Array, lengths: tuple[float, float], body: list[str], law: tuple[str, list[tuple[str, float]]]) -> str: ...
 
+def conductance(touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float) -> float: ...
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
 def solvers() -> list[str]: ...
 def self_affine(
@@ -108,5 +110,5 @@ def save(
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...
-def toml_to_json(text: str) -> str: ...
+def read_config(path: str) -> str: ...
 def json_to_toml(text: str) -> str: ...

@@ -25,19 +25,20 @@ class Path(Record):
         steps: a Record of arrays over the steps: `mean_pressure`, `mean_shear` [step, 2] (stress), `p_star`, `displacement`
             (the approach), `lateral` [step, 2], `mean_gap` (length), `area_fraction`, `stick_fraction`, `elastic_energy`,
             `interface_energy`, `dissipated`, `dissipated_error` (stress * length), `passed_instability`,
-            `lowest_curvature`, `extra_solves`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
+            `lowest_curvature`, `extra_solves`, with friction `increments`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
         pressure, gap, displacement_z: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
         shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
         plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
             hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
         hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
         adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
-            (length), `process_zone_points`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+            (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.
         parted_at: the step at which the surfaces parted under their load, or None.
+        undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the effort.
 
@@ -70,6 +71,7 @@ class Path(Record):
     law: str
     direction: list[float]
     extra_solves: int
+    undefined: dict[str, str]
     warnings: list[Record]
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
@@ -159,7 +161,7 @@ def path(
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
-        energy_tolerance, energy_solves: accuracy of the dissipated energy, see docs/interface.md.
+        energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see docs/interface.md.
         threads: number of threads; all cores by default.
 
     Raises:
@@ -210,13 +212,14 @@ def path(
         values, failure = _command.run("path", words, threads)
         fields = _command.fields(file, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
+    undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
     if bound is not None:
         told["hardness"] = bound  # not the name of a file that is removed with its folder
-    result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), **fields})
+    result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), "undefined": undefined, **fields})
     return _command.ended(result, failure)
 
 

@@ -1,0 +1,126 @@
+//! The conductance of the points in contact, which `--statistics` measures of each load.
+
+use std::sync::OnceLock;
+
+use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Conductor, Height};
+use gfmd_law::Kind;
+use ndarray::ArrayRef2;
+
+use super::{Args, Unknown};
+use crate::failure::Failure;
+use crate::load::LoadRecord;
+use crate::source::Surface;
+
+/// What gives the loads of a contact their conductance.
+pub(super) struct Conducting {
+    way: Way,
+    boundary: Boundary,
+    grid: Grid,
+    height: Height,
+    /// Made when they are first needed.
+    conductors: OnceLock<Conductors>,
+}
+
+/// The way to the conductance.
+enum Way {
+    /// Over the stiffness: it is that of the same points, with a compliance in proportion to the resistance.
+    OfStiffness(f64),
+    /// By a solve of its own.
+    Solved,
+    /// None, and the reason.
+    Undefined(&'static str),
+}
+
+/// The reason why a load that did not converge has no conductance.
+const NOT_CONVERGED: &str = "the load did not converge";
+
+/// The reason why full contact has no conductance.
+const ALL_TOUCH: &str = "all points touch, which leaves no resistance but that of the bulk";
+
+impl Conducting {
+    /// Of contacts with these flags.
+    ///
+    /// # Errors
+    /// A depth of the electrodes that cannot be had, or is given without `--statistics`.
+    pub(super) fn new(args: &Args, body: &Body, surface: &Surface) -> Result<Self, Failure> {
+        let (height, Surface { grid, boundary, .. }) = (args.conductor_height, surface);
+        if let (Height::Finite(height), false) = (height, args.statistics) {
+            return Err(Failure::value("--conductor-height", height, "left out without --statistics"));
+        }
+        let refuse = |error: &dyn std::fmt::Display| Failure::input("--conductor-height", error);
+        Conductor::new(height).map_err(|error| refuse(&error))?;
+        let is_endless = |body: &Body| body.height() == Height::Infinite;
+        let are_alike = args.law.law == Kind::HardWall
+            && args.hardness.is_none()
+            && args.components == Unknown::Normal
+            && [height, body.height()] == [Height::Infinite; 2]
+            && body.second().is_none_or(is_endless);
+        let way = if args.finite_slope {
+            Way::Undefined("with finite slopes the points in contact have moved sideways")
+        } else if *boundary == Boundary::Free && grid.is_line() && height == Height::Infinite {
+            Way::Undefined(
+                "below a profile with free boundaries the potential of half-spaces is known up to a constant; \
+                 electrodes (--conductor-height) fix it",
+            )
+        } else if are_alike {
+            Way::OfStiffness(2.0 / body.contact_modulus())
+        } else {
+            Way::Solved
+        };
+        let conducting = Self { way, boundary: *boundary, grid: *grid, height, conductors: OnceLock::new() };
+        if let (true, Way::Solved, Boundary::Free, Height::Finite(_)) =
+            (args.statistics, &conducting.way, boundary, height)
+        {
+            // An electrode that is not deep enough is refused before the first load.
+            conducting.conductors().map_err(|error| refuse(&error))?;
+        }
+        Ok(conducting)
+    }
+
+    /// Measures the conductance of the points that are repelled, for the record of a load that has its stiffness. Returns the
+    /// words of a warning, if it is not exact.
+    ///
+    /// # Errors
+    /// A conductance that cannot be computed.
+    pub(super) fn measure(
+        &self,
+        repulsion: &ArrayRef2<f64>,
+        record: &mut LoadRecord,
+    ) -> Result<Option<String>, Failure> {
+        let mut warning = None;
+        let (value, reason) = match self.way {
+            _ if !record.converged => (f64::NAN, Some(NOT_CONVERGED)),
+            Way::Undefined(reason) => (f64::NAN, Some(reason)),
+            Way::OfStiffness(factor) => (factor * record.stiffness, None),
+            Way::Solved => {
+                let failed = |error: &dyn std::fmt::Display| Failure::Computation(format!("the conductance: {error}"));
+                let conductors = self.conductors().map_err(|error| failed(&error))?;
+                let Conductance { value, .. } = match &conductors.conductance(repulsion) {
+                    Ok(found) => *found,
+                    Err(inexact @ ConductanceError::Inexact { reached, .. }) => {
+                        warning = Some(inexact.to_string());
+                        *reached
+                    }
+                    Err(error) => return Err(failed(error)),
+                };
+                (value, None)
+            }
+        };
+        record.conductance = Some(value);
+        let reason = reason.or(value.is_infinite().then_some(ALL_TOUCH));
+        if let Some(reason) = reason {
+            record.undefined.insert("conductance", reason);
+        }
+        Ok(warning)
+    }
+
+    fn conductors(&self) -> Result<&Conductors, gfmd_contact::Refusal> {
+        if let Some(made) = self.conductors.get() {
+            return Ok(made);
+        }
+        let made = Conductors::new(self.boundary, &self.grid, self.height)?;
+        Ok(self.conductors.get_or_init(|| made))
+    }
+}

@@ -1,0 +1,689 @@
+//! The numbers of each load of a contact, against their definitions.
+
+use gfmd_files::Reader;
+use serde_json::Value;
+
+use super::draw::{Case, Components, Control};
+use super::elastic::{Base, Dense, Plane, Stack, Top, layered, love};
+use super::found::{Found, number};
+use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, neighbours, patches, steepest};
+use super::path::{Vectors, all_components};
+
+/// What the dense compliance of a case may differ by: the sums of layered patches are a quadrature.
+pub(crate) struct Elastic {
+    pub(crate) dense: Dense,
+    pub(crate) tolerance: f64,
+}
+
+/// The downward displacement by pressures, dense; none where it is not made here.
+pub(crate) fn elastic(case: &Case) -> Elastic {
+    let (plane, body) = (case.plane, &case.body);
+    let held = case.components == Components::Held;
+    if !case.is_free {
+        return Elastic { dense: Dense::periodic(plane, |q| body.compliance(q, held)), tolerance: 1e-8 };
+    }
+    let modulus = body.contact_modulus();
+    if body.is_half_space() {
+        return Elastic { dense: Dense::free(plane, love(plane, modulus)), tolerance: 1e-8 };
+    }
+    let stacks = [Some(&body.first), body.second.as_ref()];
+    let least = stacks.iter().flatten().filter_map(|stack| stack.layers.first()).map(|layer| layer.height);
+    let sum = stacks.iter().flatten().map(|stack| stack.height()).fold(0.0, f64::max);
+    let heights = [least.fold(f64::INFINITY, f64::min), sum];
+    let of_cell = layered(plane, modulus, heights, body.lowest(), |q| body.compliance(q, false));
+    Elastic { dense: Dense::free(plane, of_cell), tolerance: 1e-6 }
+}
+
+/// The surface that is pressed on the body, and what its base alone does.
+pub(crate) struct Rough {
+    pub(crate) heights: Vec<f64>,
+    pub(crate) lift: Vec<f64>,
+    /// Clearance beyond first touch.
+    pub(crate) clearance: Vec<f64>,
+    pub(crate) gradient: f64,
+    pub(crate) deviation: f64,
+}
+
+impl Rough {
+    pub(crate) fn new(case: &Case, heights: Vec<f64>) -> Self {
+        let lift = lift(case);
+        let lifted: Vec<f64> = heights.iter().zip(&lift).map(|(h, w)| h + w).collect();
+        let top = lifted.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
+        let clearance = lifted.iter().map(|h| top - h).collect();
+        let (gradient, deviation) = (gradient(case.plane, &heights, case.is_free), deviation(&lifted));
+        Self { heights, lift, clearance, gradient, deviation }
+    }
+}
+
+/// u_z of the surface without load over a base that moves.
+fn lift(case: &Case) -> Vec<f64> {
+    let plane = case.plane;
+    let Some((field, is_traction)) = &case.moved else { return vec![0.0; plane.len()] };
+    let parts = [0, 1, 2].map(|c| plane.transform(&field.iter().map(|at| at[c]).collect::<Vec<f64>>()));
+    let modes: Vec<[f64; 2]> = (0..plane.len())
+        .map(|place| {
+            let [x, y] = plane.wave(place);
+            let q = x.hypot(y);
+            if q == 0.0 {
+                return if *is_traction { [0.0; 2] } else { parts[2][place] };
+            }
+            // A wave along the base, b = sin(q x), is -i in exponentials.
+            let shortest = plane.is_shortest(place);
+            let n = [0, 1].map(|axis| if shortest[axis] { 0.0 } else { [x, y][axis] / q });
+            let along = [0, 1].map(|part| n[0] * parts[0][place][part] + n[1] * parts[1][place][part]);
+            let (up, sideways) = match is_traction {
+                // A traction up on the lower face is a pressure there, and one along the wave is -sxz.
+                true => (
+                    case.body.first.solve(q, Top::PressedBelow).at(0.0, false).uz,
+                    -case.body.first.solve(q, Top::ShearedBelow).at(0.0, false).uz,
+                ),
+                false => (
+                    case.body.first.solve(q, Top::BaseUp).at(0.0, false).uz,
+                    if case.body.first.base == Base::Sliding {
+                        0.0
+                    } else {
+                        case.body.first.solve(q, Top::BaseAlong).at(0.0, false).uz
+                    },
+                ),
+            };
+            let [re, im] = parts[2][place];
+            [up * re - sideways * along[1], up * im + sideways * along[0]]
+        })
+        .collect();
+    plane.inverse(&modes)
+}
+
+/// The displacements into the slab of both faces by the pressures on both.
+fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
+    let parts = pressures.map(|pressure| plane.transform(pressure));
+    let mut both = [vec![[0.0; 2]; plane.len()], vec![[0.0; 2]; plane.len()]];
+    for place in 0..plane.len() {
+        let [x, y] = plane.wave(place);
+        let q = x.hypot(y);
+        let matrix = if q == 0.0 {
+            let half = 0.5 * stack.compliance(0.0, false);
+            [[half, 0.0], [0.0, half]]
+        } else {
+            let (above, below) = (stack.solve(q, Top::Pressed), stack.solve(q, Top::PressedBelow));
+            let bottom = stack.height();
+            [
+                [-above.at(0.0, false).uz, -below.at(0.0, false).uz],
+                [above.at(bottom, false).uz, below.at(bottom, false).uz],
+            ]
+        };
+        for (face, row) in both.iter_mut().zip(matrix) {
+            face[place] = [0, 1].map(|part| row[0] * parts[0][place][part] + row[1] * parts[1][place][part]);
+        }
+    }
+    both.map(|modes| plane.inverse(&modes))
+}
+
+/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall adds, which the file
+/// may have.
+pub(crate) fn repulsion(
+    case: &Case,
+    pressure: &[f64],
+    gap: &[f64],
+    wall: Option<Vec<f64>>,
+) -> (Vec<bool>, Vec<bool>, Vec<f64>) {
+    let touching = |pressure: &[f64]| pressure.iter().map(|p| *p > 0.0).collect::<Vec<bool>>();
+    let Some(law) = &case.law else { return (touching(pressure), touching(pressure), pressure.to_vec()) };
+    if let Some(wall) = wall {
+        return (touching(&wall), touching(&wall), wall);
+    }
+    let repelled: Vec<f64> = pressure
+        .iter()
+        .zip(gap)
+        .map(|(p, g)| match law.has_wall() {
+            true if *g > 1e-9 * largest(gap) => 0.0,
+            true => (p + law.tension(g.max(0.0))).max(0.0),
+            false => p.max(0.0),
+        })
+        .collect();
+    if !law.has_wall() {
+        return (touching(&repelled), touching(&repelled), repelled);
+    }
+    let scale = largest(&repelled).max(largest(pressure));
+    let surely = repelled.iter().map(|p| *p > 1e-4 * scale).collect();
+    (surely, touching(&repelled), repelled)
+}
+
+/// The pressure of the wall that the file has beside an attraction.
+fn wall_pressure(file: &Reader, k: usize) -> Option<Vec<f64>> {
+    file.contains("/fields/repulsion").then(|| file.slab("/fields/repulsion", k).unwrap())
+}
+
+/// The numbers of one face that count points and sum pressures.
+pub(crate) fn counted(
+    found: &mut Found,
+    case: &Case,
+    record: &Value,
+    repelled: (&[bool], &[bool], &[f64]),
+    gap: &[f64],
+) {
+    let (plane, (surely, possibly, repulsion)) = (case.plane, repelled);
+    let points = plane.len() as f64;
+    let count = |set: &[bool]| set.iter().filter(|belongs| **belongs).count() as f64;
+    let (least, most) = (count(surely), count(possibly));
+    let has = |key: &str| record.get(key).is_some();
+    let area = number(record, "area_fraction") * points;
+    found.must(least - 1e-6 <= area && area <= most + 1e-6, || {
+        format!("area_fraction is {} points; {least} to {most} are repelled", area)
+    });
+    if has("contact_nodes") {
+        found.near("contact_nodes", number(record, "contact_nodes"), area, 1e-6);
+    }
+    found.near("mean_gap", number(record, "mean_gap"), mean(gap), 1e-9 * largest(gap));
+    if has("max_pressure") {
+        found.near("max_pressure", number(record, "max_pressure"), largest(repulsion), 1e-7 * largest(repulsion));
+    }
+    if least == most {
+        let edges = links(plane, surely, case.is_free);
+        if has("boundary_links") {
+            found.near("boundary_links", number(record, "boundary_links"), edges as f64, 0.0);
+            let corrected = if case.is_line {
+                least / points
+            } else {
+                (least / points - excess() * edges as f64 / points).max(0.0)
+            };
+            found.near("area_fraction_corrected", number(record, "area_fraction_corrected"), corrected, 1e-12);
+        }
+        if has("mean_pressure_in_contact") && least > 0.0 {
+            let inside = repulsion.iter().sum::<f64>() / least;
+            found.is(record, "mean_pressure_in_contact", inside, 1e-7);
+        }
+        if has("pressure_moment_2") {
+            let square = repulsion.iter().map(|p| p * p).sum::<f64>() / points;
+            found.is(record, "pressure_moment_2", square, 1e-7);
+            if least > 0.0 {
+                let inside = repulsion.iter().sum::<f64>() / least;
+                let about =
+                    repulsion.iter().zip(surely).filter(|(_, belongs)| **belongs).map(|(p, _)| (p - inside).powi(2));
+                let deviation = (about.sum::<f64>() / least).sqrt();
+                let stored = number(record, "pressure_deviation_in_contact");
+                found.near("pressure_deviation_in_contact", stored, deviation, 1e-7 * largest(repulsion));
+            }
+        }
+    }
+}
+
+/// The conditions of a wall: no tension, no penetration, pressure where the gap is closed. Returns complementarity and penetration over
+/// the scale of length.
+pub(crate) fn wall(found: &mut Found, pressure: &[f64], gap: &[f64], scale: f64, tolerance: f64) -> [f64; 2] {
+    let sum: f64 = pressure.iter().sum();
+    let closed = pressure.iter().zip(gap).map(|(p, g)| p * g).sum::<f64>().abs() / (sum * scale);
+    let below = gap.iter().fold(0.0_f64, |below, g| below.max(-g)) / scale;
+    let pull = pressure.iter().fold(0.0_f64, |pull, p| pull.max(-p)) / (sum / pressure.len() as f64);
+    for (name, value) in [("sum(p gap)", closed), ("penetration", below), ("tension", pull)] {
+        found.must(value <= tolerance * 1.000_001 + 1e-13, || format!("{name} is {value:e}, above {tolerance:e}"));
+    }
+    [closed, below]
+}
+
+/// Checks all loads.
+pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
+    let plane = case.plane;
+    let heights = file.values::<f64>("/surface/height").unwrap();
+    found.must(heights.len() == plane.len(), || format!("{} heights", heights.len()));
+    if let Some(given) = &case.heights {
+        found.must(given == &heights, || "the heights are not those of the file".into());
+    }
+    let rough = Rough::new(case, heights);
+    if let Some(asked) = case.asked_gradient {
+        let made = gradient(plane, &rough.heights, false);
+        found.near("rms gradient of the generator", made, asked, 1e-9 * asked);
+    }
+    let modulus = case.body.contact_modulus();
+    found.near("e_star", number(report, "e_star"), modulus, 1e-12 * modulus);
+    found.near("max_slope", number(report, "max_slope"), steepest(plane, &rough.heights), 1e-9);
+    if case.moved.is_none() {
+        found.near("rms_gradient", number(report, "rms_gradient"), rough.gradient, 1e-10);
+        found.near("rms_height", number(report, "rms_height"), rough.deviation, 1e-10 * rough.deviation);
+    } else {
+        let stored = file.values::<f64>("/base/lift").unwrap();
+        let scale = largest(&rough.lift).max(rough.deviation);
+        let apart = stored.iter().zip(&rough.lift).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        found.near("lift of the base", apart, 0.0, 1e-8 * scale);
+    }
+    // Which surface the gradient of p* belongs to is said by the file; with a base that moves it may be either, but one of them.
+    let gradient_of_load = number(report, "rms_gradient");
+    let elastic = elastic(case);
+    let loads = report["loads"].as_array().unwrap();
+    found.must(loads.len() == case.loads.len(), || format!("{} loads of {}", loads.len(), case.loads.len()));
+    for (k, load) in loads.iter().enumerate() {
+        let before = found.complaints.len();
+        one(found, case, load, k, file, &rough, &elastic, gradient_of_load);
+        found.complaints[before..].iter_mut().for_each(|text| *text = format!("load {k}: {text}"));
+    }
+    if case.threshold {
+        threshold(found, case, report, file);
+    }
+    if case.statistics && !case.has_lower {
+        arrays(found, case, loads, file);
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "all that a load is checked against")]
+fn one(
+    found: &mut Found,
+    case: &Case,
+    load: &Value,
+    k: usize,
+    file: &Reader,
+    rough: &Rough,
+    elastic: &Elastic,
+    gradient: f64,
+) {
+    let plane = case.plane;
+    let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
+    let (pressure, displacement, gap) = (field("pressure"), field("displacement_z"), field("gap"));
+    found.must(load["converged"] == true, || "not converged, with status 0".into());
+    found.nulls(load, &[]);
+    for (name, values) in [("pressure", &pressure), ("displacement_z", &displacement), ("gap", &gap)] {
+        found.must(values.iter().all(|value| value.is_finite()), || format!("{name} is not finite everywhere"));
+    }
+    let modulus = case.body.contact_modulus();
+    let mean_pressure = mean(&pressure);
+    let stress = largest(&pressure);
+    // Loads.
+    // The pressure is that of the displacement, the mean pressure that of the law, from which it may differ by the tolerance.
+    let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 1e-9 };
+    found.near("mean_pressure", number(load, "mean_pressure"), mean_pressure, unbalanced * stress);
+    let asked = case.loads[k];
+    match case.control {
+        Control::Pressure => found.near("load", mean_pressure, asked, 1.01 * case.tolerance * asked.max(stress)),
+        Control::PStar => {
+            let asked = asked * modulus * gradient;
+            found.near("load", mean_pressure, asked, 1.01 * case.tolerance * asked.max(stress));
+        }
+        Control::Displacement => found.near("approach", number(load, "displacement"), asked, 1e-9 * asked),
+    }
+    found.is(load, "p_star", number(load, "mean_pressure") / (modulus * gradient), 1e-9);
+    if !number(load, "kappa").is_nan() {
+        let p_star = number(load, "p_star");
+        found.is(load, "kappa", number(load, "area_fraction") / p_star, 1e-9);
+        found.is(load, "kappa_corrected", number(load, "area_fraction_corrected") / p_star, 1e-9);
+    }
+    if case.is_free {
+        let area = plane.length[0] * if case.is_line { 1.0 } else { plane.length[1] };
+        found.is(load, "force", number(load, "mean_pressure") * area, 1e-9);
+    }
+    // Counts and sums.
+    let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, wall_pressure(file, k));
+    counted(found, case, load, (&surely, &possibly, &repulsion), &gap);
+    // The displacement, by dense sums.
+    let loaded: Vec<f64> = displacement.iter().zip(&rough.lift).map(|(u, w)| u - w).collect();
+    let approach = number(load, "displacement");
+    let mut energy = None;
+    let scale = rough.deviation;
+    if case.has_lower {
+        squeezed(found, case, load, k, file, rough, [&pressure, &displacement, &gap]);
+    } else if !case.is_steep {
+        let dense = match case.components {
+            Components::All => {
+                let zero = vec![0.0; plane.len()];
+                let pressed = pressure.iter().map(|p| -p).collect();
+                let Vectors([_, _, z]) = all_components(case, &Vectors([zero.clone(), zero, pressed]));
+                z.into_iter().map(|u| -u).collect()
+            }
+            _ => elastic.dense.displace(&pressure),
+        };
+        let most = largest(&dense).max(1e-3 * scale);
+        let level = if has_level(case) { 0.0 } else { mean(&dense) + mean(&loaded) };
+        let apart = dense.iter().zip(&loaded).map(|(d, u)| (d + u - level).abs()).fold(0.0, f64::max);
+        found.near("displacement_z less that of the pressure", apart, 0.0, elastic.tolerance * most);
+        // A level that is not known has no energy.
+        energy = has_level(case)
+            .then(|| 0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
+        // The gap is closed by the approach and opened by the displacement.
+        let open: Vec<f64> = rough.clearance.iter().zip(&loaded).map(|(c, u)| c - u).collect();
+        let depth = case.hardness.as_ref().map(|_| field("plastic_depth"));
+        let depth = depth.unwrap_or_else(|| vec![0.0; plane.len()]);
+        let shift: Vec<f64> = (0..plane.len()).map(|at| open[at] + depth[at] - gap[at]).collect();
+        let known = if approach.is_nan() { mean(&shift) } else { approach };
+        let apart = shift.iter().map(|shift| (shift - known).abs()).fold(0.0, f64::max);
+        found.near(
+            "gap less clearance - u_z - approach",
+            apart,
+            0.0,
+            1e-8 * (largest(&rough.clearance) + known.abs() + largest(&loaded)),
+        );
+        if approach.is_nan() {
+            found.null(load, "displacement");
+        }
+        if let Some(hardness) = &case.hardness {
+            plastic(found, load, [&pressure, &gap, &depth], hardness, case.tolerance);
+        }
+    }
+    if let Some(energy) = energy {
+        found.is(load, "elastic_energy", energy, 1e2 * elastic.tolerance);
+    } else if !has_level(case) && !case.has_lower && !case.is_steep {
+        found.null(load, "elastic_energy");
+    }
+    // The interaction.
+    if let Some(law) = &case.law {
+        let traction = largest(&pressure).max(largest(&repulsion));
+        for at in 0..plane.len() {
+            if law.jump().is_some_and(|jump| (gap[at] - jump).abs() < 1e-6 * jump) {
+                continue;
+            }
+            let unbalanced =
+                pressure[at] + law.tension(gap[at].max(if law.has_wall() { 0.0 } else { f64::NEG_INFINITY }));
+            let error =
+                if law.has_wall() { (unbalanced - repulsion[at]).abs().max(-repulsion[at]) } else { unbalanced.abs() };
+            let allowed = 30.0 * case.tolerance * traction.max(softest(case) * scale) + 1e-9 * traction;
+            found.must(error <= allowed, || format!("the law at point {at} leaves {error:e} of {traction:e}"));
+        }
+        let energies: Option<Vec<f64>> =
+            gap.iter().map(|g| law.energy(if law.has_wall() { g.max(0.0) } else { *g })).collect();
+        if let Some(energies) = energies {
+            let sum = mean(&energies);
+            found.near("interface_energy", number(load, "interface_energy"), sum, 1e-7 * largest(&energies));
+        }
+    } else if !case.has_lower && case.hardness.is_none() {
+        let [closed, below] = wall(found, &pressure, &gap, scale, case.tolerance);
+        // The certificate of the program is at least as strict.
+        for (key, own) in [("residual.complementarity", closed), ("residual.penetration", below)] {
+            let stored = number(load, key);
+            found.must(own <= 1.01 * stored + 1e-12, || format!("{key} is {stored:e}, of the fields {own:e}"));
+        }
+    }
+    stiffness(found, case, load, &pressure, &surely, elastic);
+    measured(found, case, load, &surely, &possibly, &gap);
+}
+
+/// The stiffness of the softest wave, for the scale of the stress that a law leaves.
+fn softest(case: &Case) -> f64 {
+    let plane = case.plane;
+    let q = |axis: usize| 2.0 * std::f64::consts::PI / plane.length[axis];
+    let waves = if case.is_line { vec![q(0)] } else { vec![q(0), q(1)] };
+    let least = waves.into_iter().map(|q| 1.0 / case.body.compliance(q, false)).fold(f64::INFINITY, f64::min);
+    let level = case.body.compliance(0.0, false);
+    if level > 0.0 && !case.is_free { least.min(1.0 / level) } else { least }
+}
+
+/// True if the displacement is known, not only up to a constant: not of a line with free boundaries over a half-space.
+pub(crate) fn has_level(case: &Case) -> bool {
+    !(case.is_free && case.is_line && case.body.lowest() > 0.0)
+}
+
+fn plastic(found: &mut Found, load: &Value, [pressure, gap, depth]: [&[f64]; 3], hardness: &[f64], tolerance: f64) {
+    let hardest = largest(hardness);
+    let mut yielding = 0;
+    for at in 0..pressure.len() {
+        let (p, most) = (pressure[at], hardness[at]);
+        found.must(p >= -tolerance * hardest && p <= most * (1.0 + tolerance) + 1e-12, || {
+            format!("pressure {p:e} of {most:e} at {at}")
+        });
+        yielding += usize::from(p >= most * (1.0 - 1e-12));
+        let at_bound = p >= most * (1.0 - 1e-9);
+        let fine = if at_bound { depth[at] >= 0.0 } else { depth[at] == 0.0 };
+        found.must(fine, || format!("plastic depth {:e} under {p:e} of {most:e} at {at}", depth[at]));
+    }
+    found.is(load, "plastic_fraction", yielding as f64 / pressure.len() as f64, 1e-9);
+    found.is(load, "plastic_volume", mean(depth), 1e-9);
+    let scale = largest(gap).max(largest(depth)).max(1e-300);
+    let closed = pressure.iter().zip(gap).map(|(p, g)| p * g.abs()).sum::<f64>() / pressure.iter().sum::<f64>();
+    found.near("mean gap under pressure", closed, 0.0, 1e2 * tolerance * scale);
+}
+
+fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reader, rough: &Rough, upper: [&[f64]; 3]) {
+    let plane = case.plane;
+    let field = |name: &str| file.slab::<f64>(&format!("/fields/lower_{name}"), k).unwrap();
+    let (pressure, displacement, gap) = (field("pressure"), field("displacement_z"), field("gap"));
+    let heights = file.values::<f64>("/lower/height").unwrap();
+    found.must(case.lower.as_ref() == Some(&heights), || "the lower surface is not that of its file".into());
+    let top = heights.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
+    // Nothing but the two surfaces holds the slab.
+    let slab = Stack { layers: case.body.first.layers.clone(), base: Base::Free };
+    let [above, below] = faces(&slab, plane, [upper[0], &pressure]);
+    let most = largest(&above).max(largest(&below));
+    let lower = &load["lower"];
+    let parts = [
+        ("upper", upper, above, 1.0, &rough.clearance, number(load, "displacement") - number(lower, "displacement")),
+        (
+            "lower",
+            [&pressure[..], &displacement, &gap],
+            below,
+            -1.0,
+            &heights.iter().map(|h| top - h).collect::<Vec<f64>>(),
+            number(lower, "displacement"),
+        ),
+    ];
+    let scale = rough.deviation.hypot(deviation(&heights));
+    let mut energy = 0.0;
+    for (name, [p, u, g], into, sign, clearance, approach) in parts {
+        let apart = into.iter().zip(u).map(|(d, u)| (d + sign * u).abs()).fold(0.0, f64::max);
+        found.near(&format!("displacement of the {name} face"), apart, 0.0, 1e-7 * most);
+        let apart =
+            (0..plane.len()).map(|at| (clearance[at] - sign * u[at] - approach - g[at]).abs()).fold(0.0, f64::max);
+        found.near(&format!("gap of the {name} face"), apart, 0.0, 1e-8 * (largest(clearance) + most));
+        wall(found, p, g, scale, case.tolerance);
+        energy += 0.5 * p.iter().zip(&into).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64;
+    }
+    found.near(
+        "mean pressure of the lower face",
+        mean(&pressure),
+        mean(upper[0]),
+        1e2 * case.tolerance * largest(&pressure),
+    );
+    found.is(load, "elastic_energy", energy, 1e-6);
+    let touching: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
+    counted(found, case, lower, (&touching, &touching, &pressure), &gap);
+}
+
+fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], surely: &[bool], elastic: &Elastic) {
+    let has_stiffness = case.law.is_none()
+        && !case.is_steep
+        && !case.has_lower
+        && case.components != Components::All
+        && has_level(case);
+    let free = |at: &usize| {
+        pressure[*at] > 0.0 && case.hardness.as_ref().is_none_or(|h| pressure[*at] < h[*at] * (1.0 - 1e-12))
+    };
+    let points: Vec<usize> = (0..pressure.len()).filter(free).collect();
+    let expected = has_stiffness.then(|| elastic.dense.stiffness(&points));
+    match expected {
+        Some(expected) if expected.is_finite() && points.is_empty() => {
+            found.near("stiffness", number(load, "stiffness"), 0.0, 0.0);
+        }
+        Some(expected) if expected.is_finite() => {
+            found.is(load, "stiffness", expected, 1e-6_f64.max(elastic.tolerance))
+        }
+        _ => found.null(load, "stiffness"),
+    }
+    if !case.statistics {
+        return;
+    }
+    // Current through all points in contact, whose potential is uniform, into half-spaces of unit resistivity in all.
+    let conductors = match case.is_free {
+        false => Dense::periodic(case.plane, |q| if q > 0.0 { 1.0 / q } else { 0.0 }),
+        true => Dense::free(case.plane, love(case.plane, 2.0)),
+    };
+    let touching: Vec<usize> = (0..pressure.len()).filter(|at| surely[*at]).collect();
+    let expected = if case.is_free && case.is_line { f64::INFINITY } else { conductors.stiffness(&touching) };
+    match expected.is_finite() {
+        true => found.is(load, "conductance", expected, 1e-6),
+        false => found.null(load, "conductance"),
+    }
+}
+
+/// Patches and flow of a load.
+fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possibly: &[bool], gap: &[f64]) {
+    let plane = case.plane;
+    if case.statistics && surely == possibly {
+        let all = patches(plane, surely, case.is_free);
+        let most = all.iter().map(|patch| patch.points.len()).max().unwrap_or(0);
+        found.near("patches.count", number(load, "patches.count"), all.len() as f64, 0.0);
+        found.near(
+            "patches.largest_fraction",
+            number(load, "patches.largest_fraction"),
+            most as f64 / plane.len() as f64,
+            1e-12,
+        );
+        for axis in [0, 1] {
+            let through = all.iter().any(|patch| patch.percolates[axis]);
+            let told = &load["patches"]["percolates"][axis];
+            found.must(*told == through, || format!("patches.percolates[{axis}] is {told}; filling says {through}"));
+        }
+    }
+    if case.flow && surely == possibly {
+        let height = if mean(gap) > 0.0 { mean(gap) } else { f64::NAN };
+        let open: Vec<f64> = gap
+            .iter()
+            .zip(surely)
+            .map(|(g, closed)| if *closed { 0.0 } else { (g / height).max(0.0).powi(3) })
+            .collect();
+        if height.is_nan() {
+            return found.null(load, "flow_xx");
+        }
+        let expected = flow(plane, &open, case.is_free);
+        for (i, row) in expected.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                let told = load["flow"]["conductivity"][i][j].as_f64().unwrap_or(f64::NAN);
+                let scale = expected[0][0].abs().max(expected[1][1].abs()).max(1e-12);
+                found.near(&format!("flow.conductivity[{i}][{j}]"), told, *value, 1e-6 * scale);
+            }
+        }
+        for axis in [0, 1] {
+            let of = |kind: &str| load["flow"][format!("conductivity{kind}")][axis][axis].as_f64().unwrap_or(f64::NAN);
+            if of("_limit").is_finite() {
+                let error = (of("") - of("_limit")).abs() + of("_limit_error");
+                found.near("flow.conductivity_grid_error", of("_grid_error"), error, 1e-12 + 1e-9 * error);
+            }
+        }
+        let channels = patches(plane, &open.iter().map(|k| *k > 0.0).collect::<Vec<bool>>(), case.is_free);
+        for axis in [0, 1] {
+            let through = channels.iter().any(|patch| patch.percolates[axis]);
+            let told = &load["flow"]["percolates"][axis];
+            found.must(*told == through, || format!("flow.percolates[{axis}] is {told}; filling says {through}"));
+        }
+        found.must(number(load, "flow.residual") <= 1e-8, || {
+            format!("the residual of the flow is {}", number(load, "flow.residual"))
+        });
+    }
+}
+
+/// The loads at which the gap closes: a thousandth apart, between the lowest and the highest one, in order.
+pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
+    let keys = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
+    let loads = report["loads"].as_array().unwrap();
+    let asked = match case.control {
+        Control::Displacement => "displacement",
+        _ => "mean_pressure",
+    };
+    let all: Vec<f64> = loads.iter().map(|load| number(load, asked)).collect();
+    let (least, most) = (all.iter().fold(f64::INFINITY, |a, b| a.min(*b)), all.iter().fold(0.0_f64, |a, b| a.max(*b)));
+    for axis in [0, 1] {
+        let told = &report["flow_threshold"][axis];
+        let stored = |key: &str| file.values::<f64>(&format!("/flow_threshold/{key}")).unwrap_or_default();
+        if told.is_null() {
+            // The gap is open or closed at all loads.
+            let open = |load: f64| {
+                let k = all.iter().position(|other| *other == load).unwrap();
+                let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
+                let (pressure, gap) = (field("pressure"), field("gap"));
+                let open: Vec<bool> = pressure.iter().zip(&gap).map(|(p, g)| *p <= 0.0 && *g > 0.0).collect();
+                patches(case.plane, &open, case.is_free).iter().any(|patch| patch.percolates[axis])
+            };
+            found.must(open(least) == open(most), || format!("flow_threshold[{axis}] is null, and the gap closes"));
+            continue;
+        }
+        let pair = |key: &str| [0, 1].map(|side| told[key][side].as_f64().unwrap_or(f64::NAN));
+        let [open, closed] = pair(asked);
+        found.must(least * (1.0 - 1e-9) <= open && open < closed && closed <= most * (1.0 + 1e-9), || {
+            format!("flow_threshold[{axis}] from {open} to {closed}, loads {least} to {most}")
+        });
+        found.must(closed / open <= 1.0011, || {
+            format!("flow_threshold[{axis}]: {open} and {closed} are not a thousandth apart")
+        });
+        let [open, closed] = pair("area_fraction");
+        found.must(open <= closed + 1e-12, || format!("flow_threshold[{axis}]: area {open} and {closed}"));
+        for key in keys {
+            let values = stored(key);
+            found.must(values.get(2 * axis..2 * axis + 2) == Some(&pair(key)), || {
+                format!("/flow_threshold/{key} is {values:?}, in JSON {:?}", pair(key))
+            });
+        }
+    }
+}
+
+/// The arrays that the statistics add to the file.
+fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
+    let plane = case.plane;
+    let [dx, dy] = plane.spacing();
+    let values = |name: &str| file.values::<f64>(name).unwrap_or_default();
+    let names = ["load", "area", "perimeter", "force", "x", "y"].map(|name| values(&format!("/patches/{name}")));
+    let mut first = 0;
+    for k in 0..loads.len() {
+        let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
+        let (pressure, gap) = (field("pressure"), field("gap"));
+        let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, wall_pressure(file, k));
+        let all = patches(plane, &surely, case.is_free);
+        let count = names[0].iter().filter(|load| **load == k as f64).count();
+        if surely == possibly {
+            found.must(count == all.len(), || {
+                format!("load {k}: {count} patches in the file, {} by filling", all.len())
+            });
+            let cell = dx * dy;
+            for (patch, row) in all.iter().zip(first..first + count) {
+                let size = patch.points.len() as f64 * cell;
+                found.near("/patches/area", names[1][row], size, 1e-9 * size);
+                let perimeter: f64 = (patch.points.iter())
+                    .flat_map(|at| neighbours(plane, *at, case.is_free))
+                    .filter(|(there, ..)| !surely[*there])
+                    .map(|(_, _, axis)| if axis == 0 { dy } else { dx })
+                    .sum();
+                found.near("/patches/perimeter", names[2][row], perimeter, 1e-9 * (perimeter + size));
+                let force: f64 = patch.points.iter().map(|at| repulsion[*at]).sum::<f64>() * cell;
+                found.near("/patches/force", names[3][row], force, 1e-7 * force);
+                for (axis, spacing) in [dx, dy].into_iter().enumerate() {
+                    let told = names[4 + axis][row];
+                    let winds = patch.percolates[axis] && !case.is_free;
+                    found.must(told.is_nan() == winds, || format!("/patches/{} is {told}", ["x", "y"][axis]));
+                    if case.is_free {
+                        let index = |at: &usize| [at / plane.n[1], at % plane.n[1]][axis] as f64 * spacing;
+                        let centre = patch.points.iter().map(index).sum::<f64>() / patch.points.len() as f64;
+                        found.near("centre of a patch", told, centre, 1e-9);
+                    }
+                }
+            }
+        }
+        first += count;
+        // Densities times the width of a bin add up to the parts of the surface.
+        let positive = |values: &[f64]| values.iter().filter(|value| **value > 0.0).count() as f64 / plane.len() as f64;
+        let apart: Vec<f64> = gap.iter().zip(&repulsion).filter(|(_, p)| **p <= 0.0).map(|(g, _)| *g).collect();
+        let opened = apart.iter().filter(|g| **g > 0.0).count() as f64 / plane.len() as f64;
+        for (name, share, values) in [("pressure", positive(&repulsion), &repulsion), ("gap", opened, &apart)] {
+            let density = file.slab::<f64>(&format!("/distributions/{name}"), k).unwrap_or_default();
+            let middle = file.slab::<f64>(&format!("/distributions/{name}_at"), k).unwrap_or_default();
+            if surely != possibly || density.is_empty() {
+                continue;
+            }
+            let width = 2.0 * middle[0];
+            found.near(&format!("share of /distributions/{name}"), density.iter().sum::<f64>() * width, share, 1e-9);
+            let first: f64 = density.iter().zip(&middle).map(|(d, at)| d * at * width).sum();
+            let exact = values.iter().filter(|value| **value > 0.0).sum::<f64>() / plane.len() as f64;
+            found.near(&format!("mean of /distributions/{name}"), first, exact, 0.5001 * width * share);
+        }
+        if case.is_free {
+            continue;
+        }
+        let middle = mean(&repulsion);
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let told = file.slab::<f64>(&format!("/spectra/autocorrelation_{name}"), k).unwrap_or_default();
+            let lagged = |lag: usize| -> f64 {
+                (0..plane.len())
+                    .map(|at| {
+                        let mut there = [at / plane.n[1], at % plane.n[1]];
+                        there[axis] = (there[axis] + lag) % plane.n[axis];
+                        (repulsion[at] - middle) * (repulsion[there[0] * plane.n[1] + there[1]] - middle)
+                    })
+                    .sum()
+            };
+            for (lag, value) in told.iter().enumerate() {
+                found.near(&format!("autocorrelation along {name}"), *value, lagged(lag) / lagged(0), 1e-7);
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What a case is found to be: complaints, and how many numbers were compared.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) complaints: Vec<String>,
+    pub(crate) compared: usize,
+    /// Numbers that are null with a reason.
+    pub(crate) undefined: BTreeMap<String, usize>,
+}
+
+/// The number at a place, NaN if it is null.
+pub(crate) fn number(of: &Value, key: &str) -> f64 {
+    of.pointer(&format!("/{}", key.replace('.', "/"))).map_or(f64::NAN, |value| match value {
+        Value::Bool(flag) => f64::from(u8::from(*flag)),
+        value => value.as_f64().unwrap_or(f64::NAN),
+    })
+}
+
+impl Found {
+    pub(crate) fn complain(&mut self, text: String) {
+        self.complaints.push(text);
+    }
+
+    pub(crate) fn must(&mut self, holds: bool, text: impl FnOnce() -> String) {
+        self.compared += 1;
+        if !holds {
+            self.complaints.push(text());
+        }
+    }
+
+    /// Compares a number with its definition, within an absolute tolerance.
+    pub(crate) fn near(&mut self, name: &str, found: f64, expected: f64, tolerance: f64) {
+        self.must((found - expected).abs() <= tolerance || found == expected, || {
+            format!("{name} is {found:e}; by definition {expected:e}, which may differ by {tolerance:.1e}")
+        });
+    }
+
+    /// Compares the number of a load or a step with its definition, within a relative tolerance. A null needs its reason.
+    pub(crate) fn is(&mut self, record: &Value, key: &str, expected: f64, tolerance: f64) {
+        let found = number(record, key);
+        if found.is_nan() {
+            self.null(record, key);
+        } else {
+            self.near(key, found, expected, tolerance * expected.abs());
+        }
+    }
+
+    /// A number that is null has a reason in words.
+    pub(crate) fn null(&mut self, record: &Value, key: &str) {
+        self.compared += 1;
+        match record["undefined"][key].as_str() {
+            Some(reason) if reason.len() > 10 => *self.undefined.entry(format!("{key}: {reason}")).or_default() += 1,
+            _ => self.complaints.push(format!("{key} is null without a reason")),
+        }
+    }
+
+    /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have no meaning without
+    /// what the case does not have.
+    pub(crate) fn nulls(&mut self, record: &Value, absent: &[&str]) {
+        let mut all = BTreeMap::new();
+        super::outlets::flat(record, "", &mut all);
+        for (name, value) in &all {
+            match value.is_nan() {
+                true if absent.contains(&name.as_str()) => {}
+                true => self.null(record, name),
+                false => self.must(value.is_finite(), || format!("{name} is {value}")),
+            }
+        }
+        for name in record["undefined"].as_object().into_iter().flatten().map(|(name, _)| name) {
+            self.must(all.get(name).is_some_and(|value| value.is_nan()), || {
+                format!("{name} has a reason to be null, and is not")
+            });
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! JSON, HDF5 and table of a result have the same numbers; further commands read the file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use gfmd_files::Reader;
+use serde_json::Value;
+
+use super::draw::{Case, Control};
+use super::elastic::{Base, Top};
+use super::found::Found;
+use super::numbers::{largest, mean};
+use crate::common::gfmd;
+
+/// The numbers of a load or a step by the names that the file has for them. Nulls are NaN.
+pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
+    match record {
+        Value::Object(entries) => {
+            for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
+                if let ("flow", Some(kind)) = (at, key.strip_prefix("conductivity_")) {
+                    // Of the flow along a gradient, not across.
+                    for (axis, name) in ["xx", "yy"].into_iter().enumerate() {
+                        all.insert(format!("flow_{name}_{kind}"), value[axis][axis].as_f64().unwrap_or(f64::NAN));
+                    }
+                    continue;
+                }
+                let place = match (at, key.as_str()) {
+                    ("patches", "count") => "patches".into(),
+                    ("patches", "largest_fraction") => "largest_patch_fraction".into(),
+                    ("patches", "percolates") => "percolates".into(),
+                    ("", key) => key.into(),
+                    ("flow", "conductivity") => "flow".into(),
+                    (at, key) => format!("{at}_{key}"),
+                };
+                flat(value, &place, all);
+            }
+        }
+        Value::Array(entries) => {
+            for (name, value) in ["x", "y"].iter().zip(entries) {
+                let place = match at {
+                    "flow_x" | "flow_y" => format!("{at}{name}"),
+                    at => format!("{at}_{name}"),
+                };
+                flat(value, &place, all);
+            }
+        }
+        Value::Bool(flag) => drop(all.insert(at.into(), f64::from(u8::from(*flag)))),
+        Value::Null => drop(all.insert(at.into(), f64::NAN)),
+        value => drop(all.insert(at.into(), value.as_f64().unwrap_or(f64::NAN))),
+    }
+}
+
+/// Every number of the JSON is in the file, and every number of the file in the JSON, with the same bits.
+pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &str) {
+    for (k, record) in records.iter().enumerate() {
+        let mut all = BTreeMap::new();
+        flat(record, "", &mut all);
+        if group == "/path" {
+            // The file has the largest residual alone.
+            let worst = all.iter().filter(|(name, _)| name.starts_with("residual")).map(|(_, value)| *value);
+            let worst = worst.fold(0.0, f64::max);
+            all.retain(|name, _| !name.starts_with("residual"));
+            all.insert("residual".into(), worst);
+        }
+        for name in file.names(group) {
+            let Ok(stored) = file.values::<f64>(&format!("{group}/{name}")) else { continue };
+            let stored = stored[k];
+            match all.remove(&name) {
+                Some(told) => {
+                    let same = told.to_bits() == stored.to_bits() || (told.is_nan() && !stored.is_finite());
+                    found.must(same, || format!("{group}/{name}[{k}] is {stored:e} in the file, {told:e} in JSON"));
+                }
+                None => found.must(stored.is_nan() || name == "load" || name == "step", || {
+                    format!("{group}/{name}[{k}] = {stored:e} is not in JSON")
+                }),
+            }
+        }
+        for (name, told) in all {
+            found.must(told.is_nan() || name == "seconds", || format!("{name} = {told:e} of JSON is not in {group}"));
+        }
+    }
+}
+
+/// The heads of a table and the keys of their numbers.
+const HEADS: [(&str, &str); 11] = [
+    ("pressure", "mean_pressure"),
+    ("p*", "p_star"),
+    ("approach", "displacement"),
+    ("area", "area_fraction"),
+    ("corrected", "area_fraction_corrected"),
+    ("kappa", "kappa"),
+    ("mean gap", "mean_gap"),
+    ("peak p", "max_pressure"),
+    ("stiffness", "stiffness"),
+    ("steps", "iterations"),
+    ("pairs", "transform_pairs"),
+];
+
+/// The rows of the printed table, cell by cell below the heads.
+pub(crate) fn table(found: &mut Found, text: &str, records: &[Value]) {
+    let lines: Vec<&str> = text.lines().collect();
+    let Some(head) =
+        lines.iter().position(|line| line.contains("pressure") && line.contains("residual") && line.contains("steps"))
+    else {
+        return found.complain("no table".into());
+    };
+    let rows: Vec<&str> = lines[head + 1..].iter().copied().take(records.len()).collect();
+    found.must(rows.len() == records.len(), || "too few rows".into());
+    let mut from = 0;
+    for (name, key) in HEADS {
+        let Some(at) = lines[head][from..].find(name) else { continue };
+        let (start, end) = (from, from + at + name.len());
+        from = end;
+        for (k, (row, record)) in rows.iter().zip(records).enumerate() {
+            let cell = row.get(start..end).unwrap_or_default().trim();
+            let cell = cell.rsplit(' ').next().unwrap_or_default();
+            let told = super::found::number(record, key);
+            match cell.parse::<f64>() {
+                Ok(shown) if shown.is_finite() => {
+                    // Half of the last digit that is printed.
+                    let digits = cell.split('e').next().unwrap_or_default().split('.').nth(1).map_or(0, str::len);
+                    let power = cell.split_once('e').map_or(0, |(_, power)| power.parse().unwrap_or(0));
+                    let unit = 10_f64.powi(power - digits as i32);
+                    found.near(&format!("{name} in row {k} of the table"), shown, told, 0.5001 * unit);
+                }
+                _ => found
+                    .must(told.is_nan(), || format!("{name} in row {k} of the table is '{cell}', {told:e} in JSON")),
+            }
+        }
+    }
+}
+
+/// The gap is open at the lower one of the two loads of a threshold, and closed at the other.
+pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
+    let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
+    for axis in [0, 1] {
+        let told = &report["flow_threshold"][axis][key];
+        if told.is_null() {
+            continue;
+        }
+        let mut words: Vec<String> =
+            case.words.iter().filter(|word| *word != "--flow-threshold" && *word != "--flow").cloned().collect();
+        let flags = ["--pressure", "--p-star", "--displacement"];
+        let at = words.iter().position(|word| flags.contains(&word.as_str())).unwrap();
+        words.splice(
+            at..at + 2,
+            [
+                if key == "displacement" { "--displacement" } else { "--pressure" }.to_owned(),
+                format!("{},{}", told[0], told[1]),
+            ],
+        );
+        words.extend(["--flow", "--json", "-q", "--threads", "1"].map(str::to_owned));
+        let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
+        let Ok(again) = serde_json::from_slice::<Value>(&output.stdout) else {
+            found.complain(format!("the loads of a threshold: {}", String::from_utf8_lossy(&output.stderr)));
+            continue;
+        };
+        let through = [0, 1].map(|load| again["loads"][load]["flow"]["percolates"][axis] == true);
+        found.must(through == [true, false], || {
+            format!("the gap is open along {axis} at the loads of its threshold: {through:?}")
+        });
+    }
+}
+
+/// Runs one further command on the file of the result.
+pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report: &Value) {
+    let mut words: Vec<String> = case.further.split_whitespace().map(str::to_owned).collect();
+    let Some(command) = words.first().cloned() else { return };
+    let depths = ["0", "0.05", "0.2"];
+    match command.as_str() {
+        "resume" => {
+            words = case.words.clone();
+            words.extend(["--resume", "--json", "-q", "--out", out].map(str::to_owned));
+        }
+        "check" => words.extend([out, "--json", "-q"].map(str::to_owned)),
+        "report" => words.extend([out, "--json", "-q", "--out", &format!("{out}.html")].map(str::to_owned)),
+        _ if case.is_path => return,
+        _ => {
+            let list = depths.join(",");
+            let all = ["--surface", out, "--depths", &list, "--json", "-q", "--out", &format!("{out}.body.h5")]
+                .map(str::to_owned);
+            words.extend(all);
+            words.extend(["--quantities", "displacement,strain,stress,von-mises,energy-density"].map(str::to_owned));
+        }
+    }
+    let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
+    let told = String::from_utf8_lossy(&output.stderr);
+    let text = String::from_utf8_lossy(&output.stdout);
+    let status = output.status.code();
+    match command.as_str() {
+        "resume" => {
+            found.must(status == Some(0), || format!("--resume of a complete file: status {status:?}: {told}"));
+            let Ok(again) = serde_json::from_str::<Value>(&text) else {
+                return found.complain("--resume: no JSON".into());
+            };
+            let key = if case.is_path { "steps" } else { "loads" };
+            let without = |report: &Value| {
+                let mut records = report[key].clone();
+                for record in records.as_array_mut().unwrap() {
+                    record.as_object_mut().unwrap().remove("seconds");
+                }
+                records
+            };
+            found.must(without(&again) == without(report), || "--resume has other numbers".into());
+        }
+        "check" => {
+            let parsed = serde_json::from_str::<Value>(&text).unwrap_or_default();
+            found.must(status == Some(0) && parsed["differing"] == 0, || {
+                format!("{}: status {status:?}, {}{}", words.join(" "), parsed["differences"], told.trim_end())
+            });
+        }
+        "report" => found.must(status == Some(0), || format!("report: status {status:?}: {told}")),
+        _ if case.is_free || case.has_lower || matches!(&case.moved, Some((_, true))) => {
+            let one = status == Some(2) && told.trim_end().lines().count() == 1;
+            found.must(one, || format!("body: status {status:?}: {told}"));
+        }
+        _ => match status {
+            Some(0) => {
+                let file = Reader::open(folder.join(format!("{out}.body.h5"))).unwrap();
+                let result = Reader::open(folder.join(out)).unwrap();
+                body(found, case, &result, &file, &serde_json::from_str(&text).unwrap());
+            }
+            // A second body, layers and moved bases have their own limits, which one line tells.
+            Some(2) => {
+                found.must(told.trim_end().lines().count() == 1, || format!("body: {told}"));
+                let refused =
+                    case.moved.is_some() || case.body.first.height() < 0.2 && case.body.first.base != half_space(case);
+                found.must(refused, || format!("body is refused: {told}"));
+            }
+            _ => found.complain(format!("body: status {status:?}: {told}")),
+        },
+    }
+}
+
+fn half_space(case: &Case) -> Base {
+    match case.body.first.base {
+        Base::HalfSpace(..) => case.body.first.base,
+        _ => Base::HalfSpace(f64::NAN, f64::NAN),
+    }
+}
+
+/// The stress below the surface: in balance at every depth, and that of each wave of the pressure.
+fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: &Value) {
+    let plane = case.plane;
+    let loads = case.loads.len();
+    let pressure = result.slab::<f64>("/fields/pressure", loads - 1).unwrap();
+    let stress = file.values::<f64>("/fields/stress").unwrap();
+    let tensor = if case.is_line { 4 } else { 6 };
+    let levels = report["levels"].as_array().unwrap();
+    let size = plane.len() * tensor;
+    found.must(stress.len() == levels.len() * size, || format!("{} stresses", stress.len()));
+    let (most, mean_pressure) = (largest(&pressure), mean(&pressure));
+    // Even numbers of points have shortest waves without a sine, whose lateral tractions are left out, here and there in another way.
+    let is_exact = plane.n.iter().all(|n| n % 2 == 1) && case.moved.is_none() && !case.is_steep;
+    let parts = plane.transform(&pressure);
+    for (level, told) in levels.iter().enumerate() {
+        let depth = told["depth"].as_f64().unwrap();
+        let lower = told["side"] == "below";
+        let of = |place: usize, c: usize| stress[level * size + place * tensor + c];
+        let zz = 2;
+        let field = |c: usize| (0..plane.len()).map(|place| of(place, c)).collect::<Vec<f64>>();
+        let [zz_field, xz_field] = [field(zz), field(if case.is_line { 3 } else { 4 })];
+        if case.components != super::draw::Components::Held {
+            found.near(&format!("mean of sigma_zz at the depth {depth}"), mean(&zz_field), -mean_pressure, 1e-7 * most);
+        }
+        let is_sheared = case.is_steep || case.components == super::draw::Components::Held;
+        if !is_sheared {
+            found.near(&format!("mean of sigma_xz at the depth {depth}"), mean(&xz_field), 0.0, 1e-7 * most);
+        }
+        if depth == 0.0 && !case.is_steep && is_exact {
+            let apart = zz_field.iter().zip(&pressure).map(|(s, p)| (s + p).abs()).fold(0.0, f64::max);
+            found.near("sigma_zz less the pressure at the surface", apart, 0.0, 1e-6 * most);
+            if !is_sheared {
+                found.near("shear of the surface", largest(&xz_field), 0.0, 1e-6 * most);
+            }
+        }
+        if !is_exact || is_sheared {
+            continue;
+        }
+        // Wave by wave.
+        let mut modes = vec![vec![[0.0; 2]; plane.len()]; 6];
+        for place in 0..plane.len() {
+            let [x, y] = plane.wave(place);
+            let q = x.hypot(y);
+            let p = parts[place];
+            if q == 0.0 {
+                let nu = layer_at(case, depth, lower).poisson;
+                let sideways = -p[0] * nu / (1.0 - nu);
+                modes[0][place][0] = sideways;
+                modes[1][place][0] = sideways;
+                modes[2][place][0] = -p[0];
+                continue;
+            }
+            let solved = case.body.first.solve(q, Top::Pressed);
+            let wave = solved.at(depth, lower);
+            let nu = layer_at(case, depth, lower).poisson;
+            let across = nu * (wave.sxx + wave.szz);
+            let n = [x / q, y / q];
+            let even = [
+                n[0] * n[0] * wave.sxx + n[1] * n[1] * across,
+                n[1] * n[1] * wave.sxx + n[0] * n[0] * across,
+                wave.szz,
+            ];
+            for (c, value) in even.into_iter().enumerate() {
+                modes[c][place] = [value * p[0], value * p[1]];
+            }
+            // A sine is -i: yz, xz.
+            for (c, n) in [(3, n[1]), (4, n[0])] {
+                modes[c][place] = [n * wave.sxz * p[1], -n * wave.sxz * p[0]];
+            }
+            let xy = n[0] * n[1] * (wave.sxx - across);
+            modes[5][place] = [xy * p[0], xy * p[1]];
+        }
+        let expected: Vec<Vec<f64>> = modes.iter().map(|modes| plane.inverse(modes)).collect();
+        let columns: Vec<usize> = if case.is_line { vec![0, 1, 2, 4] } else { (0..6).collect() };
+        let columns = if case.is_line { vec![0, 1, 2, 4] } else { columns };
+        let names = ["xx", "yy", "zz", "yz", "xz", "xy"];
+        // Components of a line: xx, yy, zz, xz.
+        for (c, component) in columns.into_iter().enumerate() {
+            let apart = field(c).iter().zip(&expected[component]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            found.near(&format!("sigma_{} at the depth {depth}", names[component]), apart, 0.0, 1e-6 * most);
+        }
+        let mises: Vec<f64> = (0..plane.len())
+            .map(|at| {
+                let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|c| expected[c][at]);
+                let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+                (0.5 * normal + 3.0 * (yz * yz + xz * xz + xy * xy)).sqrt()
+            })
+            .collect();
+        found.near(
+            &format!("max_von_mises at the depth {depth}"),
+            super::found::number(told, "max_von_mises"),
+            largest(&mises),
+            1e-6 * most,
+        );
+        let layer = layer_at(case, depth, lower);
+        let density: Vec<f64> = (0..plane.len())
+            .map(|at| {
+                let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|c| expected[c][at]);
+                let (nu, trace) = (layer.poisson, xx + yy + zz);
+                let square = xx * xx + yy * yy + zz * zz + 2.0 * (yz * yz + xz * xz + xy * xy);
+                ((1.0 + nu) * square - nu * trace * trace) / (2.0 * layer.young)
+            })
+            .collect();
+        let scale = largest(&density);
+        let told = super::found::number(told, "mean_energy_density");
+        found.near(&format!("mean_energy_density at the depth {depth}"), told, mean(&density), 1e-6 * scale);
+    }
+}
+
+fn layer_at(case: &Case, depth: f64, lower: bool) -> super::elastic::Layer {
+    let mut top = 0.0;
+    for layer in &case.body.first.layers {
+        let bottom = top + layer.height;
+        if depth < bottom - 1e-12 || (!lower && depth <= bottom + 1e-12) {
+            return *layer;
+        }
+        top = bottom;
+    }
+    match (case.body.first.base, case.body.first.layers.last()) {
+        (Base::HalfSpace(young, poisson), _) => super::elastic::Layer { young, poisson, height: f64::INFINITY },
+        (_, Some(last)) => *last,
+        _ => case.body.top(),
+    }
+}

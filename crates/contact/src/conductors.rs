@@ -1,0 +1,109 @@
+//! The conductance of the points in contact between two conductors of heat or of electric current (theory.md, section 7.6).
+
+use std::borrow::Cow;
+
+use gfmd_field::Grid;
+use gfmd_green::{Conductor, Height};
+use gfmd_relax::{Ceiling, Why};
+use ndarray::ArrayRef2;
+
+use crate::{Boundary, Contact, Effort, Refusal, Stiffness};
+
+/// Two conductors that touch at some of the points of a grid and are insulated from each other at the others. One has unit
+/// conductivity, and the other none of the resistance: of conductors with the resistivities ρ₁ and ρ₂ the conductance is that
+/// found here over ρ₁ + ρ₂, half of it if both conductivities are 1.
+///
+/// The conductors are half-spaces, or slabs on electrodes at one depth; the elastic body, its interaction with the rigid surface
+/// and its hardness matter only in that they decide which points touch. Clones share the data.
+///
+/// ```
+/// use gfmd_contact::{Boundary, Conductors};
+/// use gfmd_field::Grid;
+/// use gfmd_green::Height;
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // A square spot of side a = L/16 alone on a half-space conducts 2.31 a/ρ or so; a round one of this area 4 (a/√π)/ρ = 2.26 a/ρ.
+/// let n = 128;
+/// let spot = Array2::from_shape_fn((n, n), |(i, j)| if i < 8 && j < 8 { 1.0 } else { 0.0 });
+/// let conductors = Conductors::new(Boundary::Free, &Grid::square(n, 1.0)?, Height::Infinite)?;
+/// let found = conductors.conductance(&spot)?;
+/// assert!((found.value / (2.31 / 16.0) - 1.0).abs() < 0.03 && found.error <= 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Conductors {
+    contact: Contact,
+}
+
+/// The conductance of points in contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductance {
+    /// Per area, over the sum of the two conductivities' inverses, in 1/length: of a periodic surface, mean current density over
+    /// the potential difference less that of the same mean current through the bulk alone; with free boundaries, current over the
+    /// area of the patch and over the whole potential difference. Infinite if all points of a periodic surface touch; NaN of a
+    /// profile with free boundaries on half-spaces, whose potential is known up to a constant.
+    pub value: f64,
+    /// The relative error of `value`, as [`Stiffness::error`].
+    pub error: f64,
+    /// Effort of the solve.
+    pub effort: Effort,
+}
+
+impl From<Stiffness> for Conductance {
+    fn from(Stiffness { value, error, effort }: Stiffness) -> Self {
+        Self { value, error, effort }
+    }
+}
+
+/// Reasons why there is no conductance, or none that is exact.
+#[derive(Debug, thiserror::Error)]
+pub enum ConductanceError {
+    /// The pressure has another shape than the grid.
+    #[error("the shape of the pressure is {found:?}; it must be {expected:?} as that of the grid")]
+    Shape {
+        /// Shape of the pressure.
+        found: [usize; 2],
+        /// Shape of the grid.
+        expected: [usize; 2],
+    },
+    /// The error of the conductance exceeds 1e-9.
+    #[error("the error of the conductance {:e} is {:.1e} ({why})", .reached.value, .reached.error)]
+    Inexact {
+        /// The conductance reached.
+        reached: Conductance,
+        /// The reason why the iterations ended.
+        why: Why,
+    },
+}
+
+impl Conductors {
+    /// Conductors on a `grid`, each with its electrode at the depth `height` below the surface, or infinitely deep.
+    ///
+    /// # Errors
+    /// A height that is not positive and finite; with free boundaries a height below 1/200 of the diagonal of the patch (of the
+    /// length of a profile) or 1/4 of the grid spacing.
+    pub fn new(boundary: Boundary, grid: &Grid, height: Height) -> Result<Self, Refusal> {
+        let conductor = Conductor::new(height)?;
+        Ok(Self { contact: Contact::of_conductor(boundary, &conductor, grid)? })
+    }
+
+    /// The conductance of the points `[x, y]` with a positive `pressure`, such as the [repulsion](crate::Fields::repulsion) of a
+    /// state: zero if there are none.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid; the conductance reached, if its error exceeds 1e-9.
+    pub fn conductance(&self, pressure: &ArrayRef2<f64>) -> Result<Conductance, ConductanceError> {
+        let (found, expected) = (pressure.dim().into(), self.contact.surface().shape());
+        if found != expected {
+            return Err(ConductanceError::Shape { found, expected });
+        }
+        let rows = pressure.as_slice();
+        let pressure = rows.map_or_else(|| pressure.iter().copied().collect(), Cow::from);
+        let found = self.contact.stiffness_of_points(&pressure, Ceiling::All(f64::INFINITY));
+        found
+            .map(Conductance::from)
+            .map_err(|(reached, why)| ConductanceError::Inexact { reached: reached.into(), why })
+    }
+}
