@@ -1,10 +1,9 @@
 //! The conductance of the points in contact between two conductors of heat or of electric current (theory.md, section 7.6).
 
-use std::borrow::Cow;
-
 use gfmd_field::Grid;
 use gfmd_green::{Conductor, Height};
 use gfmd_relax::{Ceiling, Why};
+use gfmd_vector::contiguous;
 use ndarray::ArrayRef2;
 
 use crate::{Boundary, Contact, Effort, Refusal, Stiffness};
@@ -99,8 +98,7 @@ impl Conductors {
         if found != expected {
             return Err(ConductanceError::Shape { found, expected });
         }
-        let rows = pressure.as_slice();
-        let pressure = rows.map_or_else(|| pressure.iter().copied().collect(), Cow::from);
+        let pressure = contiguous(pressure);
         let found = self.contact.stiffness_of_points(&pressure, Ceiling::All(f64::INFINITY));
         found
             .map(Conductance::from)

@@ -48,7 +48,8 @@ impl Contact {
     /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
-        self.stiffness_of_points(&contiguous(&solution.pressure), upper.ceiling())
+        let pressure = contiguous(&solution.pressure);
+        self.stiffness_of_points(&pressure, upper.ceiling())
     }
 
     /// The stiffness of the points whose `pressure`, row by row of this process, is between zero and the `hardness`.

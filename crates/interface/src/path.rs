@@ -23,6 +23,9 @@ pub trait Quasistatic: Equilibrium {
     }
 }
 
+/// A state at rest, and its forces and energies.
+type Reached<S> = (S, Reading);
+
 /// The numbers of a state at rest that the energy balance needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
@@ -144,7 +147,7 @@ pub struct Path<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
     refinement: Refinement,
-    last: Option<(P::State, Reading)>,
+    last: Option<Reached<P::State>>,
     /// Work exchanged in all steps so far, and their number.
     exchanged: f64,
     steps: u64,
@@ -272,7 +275,7 @@ struct Search<'a, P: Quasistatic> {
 }
 
 impl<P: Quasistatic> Search<'_, P> {
-    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), SolveError<P::State>> {
+    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
         let state = self.problem.equilibrate(drive, Solver::Auto, &self.budget, start, &mut *self.watch)?;
         let reading = self.problem.reading(&state);
         let Effort { iterations, transform_pairs } = state.effort();
@@ -285,11 +288,11 @@ impl<P: Quasistatic> Search<'_, P> {
     /// `end` was found in one increment.
     fn divide(
         &mut self,
-        start: Option<&(P::State, Reading)>,
-        mut end: (P::State, Reading),
+        start: Option<&Reached<P::State>>,
+        mut end: Reached<P::State>,
         drive: Drive,
         tolerance: f64,
-    ) -> Result<(P::State, Reading), SolveError<P::State>> {
+    ) -> Result<Reached<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let mut lost = end.1.lost();
         self.step.increments = 1;
@@ -324,8 +327,8 @@ impl<P: Quasistatic> Search<'_, P> {
         begin: &Reading,
         drive: Drive,
         increments: u64,
-    ) -> Result<((P::State, Reading), f64), SolveError<P::State>> {
-        let (mut here, mut lost): (Option<(P::State, Reading)>, f64) = (None, 0.0);
+    ) -> Result<(Reached<P::State>, f64), SolveError<P::State>> {
+        let (mut here, mut lost): (Option<Reached<P::State>>, f64) = (None, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
             let reached = self.further(drive, here.as_ref().map_or(start, |(state, _)| Some(state)))?;
@@ -338,7 +341,7 @@ impl<P: Quasistatic> Search<'_, P> {
     }
 
     /// The state at rest under `drive`, by a further solve.
-    fn further(&mut self, drive: Drive, start: Option<&P::State>) -> Result<(P::State, Reading), SolveError<P::State>> {
+    fn further(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
         self.step.extra_solves += 1;
         self.allowance = self.allowance.saturating_sub(1);
         self.rest(drive, start)

@@ -85,7 +85,7 @@ impl GridLimit {
             return Err(NoLimit::Narrow(narrow));
         } else if area_fraction > MOST_AREA {
             return Err(NoLimit::Area(area_fraction));
-        } else if !(conductivity >= LEAST_CONDUCTIVITY) {
+        } else if conductivity.is_nan() || conductivity < LEAST_CONDUCTIVITY {
             return Err(NoLimit::NearClosing(conductivity));
         }
         let open = links / (points as f64 - contact_nodes as f64);
