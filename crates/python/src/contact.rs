@@ -8,7 +8,6 @@ use gfmd_cli::elastic::{BodyArgs, body_flags};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::law::{Adhesion, LawArgs};
-use gfmd_cli::memory::Held;
 use gfmd_contact::{
     Boundary, Budget, Conductance, ConductanceError, Conductors, Hardness, Load, Progress, Refusal, Solver,
 };
