@@ -113,9 +113,10 @@ fn below_a_pressure_the_stresses_are_those_of_the_sum_of_waves() {
         ] {
             let pressure: Vec<f64> = noise(grid.len(), 3).into_iter().map(|p| p.max(0.0)).collect();
             let mean = mean(pressure.iter().copied());
-            let interior = Interior::frictionless(&Body::half_space(material), grid, &sunk(&material, &grid, &pressure))
-                .and_then(|interior| interior.with_mean_traction([0.0, 0.0, -mean]))
-                .unwrap();
+            let interior =
+                Interior::frictionless(&Body::half_space(material), grid, &sunk(&material, &grid, &pressure))
+                    .and_then(|interior| interior.with_mean_traction([0.0, 0.0, -mean]))
+                    .unwrap();
             let traction: Vec<f64> = pressure.iter().map(|p| -p).collect();
             let zero = vec![0.0; grid.len()];
             for depth in [0.0, 0.07, 0.5, 4.0] {
