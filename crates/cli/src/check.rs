@@ -180,7 +180,7 @@ fn recompute(
         Kind::Path => path::check(reader, &config, comparison, session)?,
         Kind::Punch => punch::check(reader, &config, comparison)?,
         Kind::KappaSweep => kappa_sweep::check(reader, &config, args.rerun, args.sample, comparison, session)?,
-        Kind::Body => {}
+        Kind::Body => body::check(reader, comparison)?,
     }
     let rerun = Rerun { reader, config: &config, session };
     match kind {

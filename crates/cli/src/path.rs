@@ -30,6 +30,7 @@ use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
+use crate::load::has_level;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::memory::Held;
@@ -274,6 +275,10 @@ impl Prepared {
         Ok(PlasticContact::new(contact.map_err(|error| Failure::input("--hardness", error))?))
     }
 
+    fn has_level(&self) -> bool {
+        has_level(self.surface.boundary, &self.surface.grid, &self.body)
+    }
+
     fn moves_sideways(&self, args: &Args) -> bool {
         matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty()
     }
@@ -442,6 +447,7 @@ struct Log<'a> {
     widest: Option<(f64, Shown)>,
     points: [usize; 2],
     unit_pressure: f64,
+    has_level: bool,
     tolerance: f64,
 }
 
@@ -455,6 +461,7 @@ impl<'a> Log<'a> {
             widest: None,
             points: prepared.surface.grid.points(),
             unit_pressure: prepared.body.contact_modulus() * prepared.surface.rms_gradient(),
+            has_level: prepared.has_level(),
             tolerance: args.tol,
         })
     }
@@ -503,7 +510,10 @@ impl<'a> Log<'a> {
             file.write(index / self.steps_of_leg, &fields)?;
         }
         let p_star = reading.mean_pressure / self.unit_pressure;
-        let record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
+        let mut record = StepRecord { p_star, seconds, ..state.record(reading, step, self.tolerance) };
+        if !self.has_level {
+            record = record.without_level();
+        }
         if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
             self.widest = Some((record.area_fraction, Shown::of(state, None, state.plastic_depth())));
         }

@@ -60,6 +60,7 @@ pub(crate) fn check(
     let mut file = Checked {
         reader,
         surface,
+        body,
         lift: base.as_ref().map(|base| &base.lift),
         scales,
         tolerance,
@@ -73,7 +74,7 @@ pub(crate) fn check(
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
         file.compare_all(["pressure"], loads, comparison, certify)
     } else if args.components == Unknown::All {
-        let contact = FullContact::on(FullResponse::new(surface.grid, body), heights).map_err(refuse)?;
+        let contact = FullContact::new(body, &surface.grid, heights).map_err(refuse)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
         file.compare_all(["pressure"], loads, comparison, certify)
     } else if let Some(lower) = lower {
@@ -89,11 +90,8 @@ pub(crate) fn check(
         };
         file.compare_all(["pressure", "lower_pressure"], loads, comparison, certify)
     } else if args.law.law == Kind::HardWall {
-        let contact = match surface.boundary {
-            Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
-            Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
-        };
-        let contact = prepared.harden(contact.map_err(refuse)?)?;
+        let contact = args.components.wall(surface.boundary, &surface.share, body, &surface.grid, heights).map_err(refuse)?;
+        let contact = prepared.harden(contact)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| {
             let state = contact.certify(pressure, load)?;
             let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
@@ -123,6 +121,7 @@ fn unstiff<S>(state: S) -> (S, Option<Stiffness>) {
 struct Checked<'a> {
     reader: &'a Reader,
     surface: &'a Surface,
+    body: &'a Body,
     /// What a base that moves adds to the displacement.
     lift: Option<&'a Array2<f64>>,
     scales: Scales,
@@ -172,7 +171,7 @@ impl Checked<'_> {
         stiffness: Option<Stiffness>,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { reader, surface, ref scales, tolerance, recording, .. } = *self;
+        let Self { reader, surface, body, ref scales, tolerance, recording, .. } = *self;
         let displacement = match self.lift {
             Some(lift) => (&state.displacement_z() + lift).into_iter().collect(),
             None => state.displacement_z().iter().copied().collect(),
@@ -198,9 +197,9 @@ impl Checked<'_> {
         for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
-        let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
+        let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid, body);
         let is_solved = record.converged;
-        let mut record = record.stiff(stiffness.filter(|_| is_solved));
+        let mut record = record.stiff(stiffness.filter(|_| is_solved).ok_or("not recomputed"));
         if recording.statistics || recording.flow {
             // From the fields of the file: a number that rounding moves to another bin would be a difference.
             let stored = |name: &str, made: ArrayView2<f64>| {

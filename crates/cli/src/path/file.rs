@@ -10,6 +10,7 @@ use super::{Args, Prepared, StepRecord};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
+use crate::load::Undefined;
 use crate::session::Session;
 
 /// The file of a path: the fields are written waypoint by waypoint, the scalars at the end.
@@ -93,7 +94,12 @@ impl<'a> PathFile<'a> {
         for scalar in scalars(self.is_plastic) {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
-            self.archive.write(&format!("/path/{}", scalar.name), &variable, &values)?;
+            let path = format!("/path/{}", scalar.name);
+            self.archive.write(&path, &variable, &values)?;
+            let reasons = steps.iter().map(|step| &step.undefined);
+            if let Some(reason) = Undefined::of_rows(reasons, scalar.name, ["step", "steps"]) {
+                self.archive.attribute(&path, "undefined", &*reason)?;
+            }
         }
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;
         Ok(self.archive.finish()?)
