@@ -320,7 +320,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         _ => Vec::new(),
     };
     let (n, length) = (surface.grid.points(), surface.grid.lengths());
-    Ok(Report { n, length, surface: surface.description, mean_traction, slice: rows.slice, levels, comparison, out, plots })
+    Ok(Report {
+        n,
+        length,
+        surface: surface.description,
+        mean_traction,
+        slice: rows.slice,
+        levels,
+        comparison,
+        out,
+        plots,
+    })
 }
 
 impl Args {

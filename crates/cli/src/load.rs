@@ -251,7 +251,9 @@ impl LoadRecord {
             Ok(found) if found.value.is_finite() => Ok(found),
             // The only contact without a level that gives a stiffness.
             Ok(found) if found.value.is_nan() => Err(NO_LEVEL),
-            Ok(_) => Err("infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed"),
+            Ok(_) => {
+                Err("infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed")
+            }
             Err(reason) => Err(reason),
         };
         (self.stiffness, self.stiffness_error) = found.map_or((f64::NAN, f64::NAN), |found| (found.value, found.error));

@@ -302,3 +302,44 @@ fn every_stiffness_without_a_value_has_its_reason() {
     let load = run(folder, &format!("contact {SURFACE} --p-star 0.1 --json"))["loads"][0].clone();
     assert!(nulls(&load).is_empty() && load["stiffness"].is_number());
 }
+
+/// The program and its check pose one contact, in units of its own size: every number is met to the last bit.
+#[test]
+fn the_check_poses_the_contact_of_the_program_in_any_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let reduced = |flags: &str, young: f64, length: f64| -> Vec<f64> {
+        let flags = format!("contact {SURFACE} --young {young:e} --length {length:e} {flags} --out c.h5 --json");
+        let load = run(folder, &flags)["loads"][0].clone();
+        let check = run(folder, "check c.h5 --json");
+        assert_eq!((&check["differing"], &check["rounded"]), (&0.into(), &0.into()), "{flags}: {check}");
+        let of = |key: &str, unit: f64| load[key].as_f64().unwrap_or(f64::NAN) / unit;
+        [
+            of("area_fraction", 1.0),
+            of("mean_pressure", young),
+            of("max_pressure", young),
+            of("mean_gap", length),
+            of("displacement", length),
+            of("elastic_energy", young * length),
+        ]
+        .into()
+    };
+    for flags in [
+        "--p-star 0.05",
+        "--p-star 0.05 --components held",
+        "--p-star 0.05 --components all",
+        "--p-star 0.05 --finite-slope",
+    ] {
+        let wanted = reduced(flags, 1.0, 1.0);
+        // Units within the range of the program, in which E* times the rms gradient is 1e-140 to 1e140.
+        for (young, length) in [(1e-130, 1.0), (1e130, 1.0), (1e-60, 1e-60), (1e60, 1e60)] {
+            for (found, wanted) in reduced(flags, young, length).iter().zip(&wanted) {
+                assert!((found / wanted - 1.0).abs() < 1e-6, "{flags} {young:e} {length:e}: {found} {wanted}");
+            }
+        }
+        for young in ["1e-200", "1e200"] {
+            let text = refused(folder, &format!("contact {SURFACE} --young {young} {flags}"));
+            assert!(text.contains(&format!("--young is {young}; it must be between 1e-140 and 1e140")), "{text}");
+        }
+    }
+}

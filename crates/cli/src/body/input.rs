@@ -197,7 +197,8 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
-    let beside = Beside { reader: &reader, group: dataset.rsplit_once('/').map_or("", |(group, _)| group), load, points };
+    let beside =
+        Beside { reader: &reader, group: dataset.rsplit_once('/').map_or("", |(group, _)| group), load, points };
     let (mut kind, mut mean_traction) = (Kind::Full, None);
     if normal {
         let held = record.get("components").and_then(toml::Value::as_str) == Some("held");

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
 use gfmd_files::Reader;
+use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
-use gfmd_response::FullResponse;
 use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
@@ -90,7 +90,8 @@ pub(crate) fn check(
         };
         file.compare_all(["pressure", "lower_pressure"], loads, comparison, certify)
     } else if args.law.law == Kind::HardWall {
-        let contact = args.components.wall(surface.boundary, &surface.share, body, &surface.grid, heights).map_err(refuse)?;
+        let contact =
+            args.components.wall(surface.boundary, &surface.share, body, &surface.grid, heights).map_err(refuse)?;
         let contact = prepared.harden(contact)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| {
             let state = contact.certify(pressure, load)?;
@@ -197,7 +198,8 @@ impl Checked<'_> {
         for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
-        let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid, body);
+        let record =
+            LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid, body);
         let is_solved = record.converged;
         let mut record = record.stiff(stiffness.filter(|_| is_solved).ok_or("not recomputed"));
         if recording.statistics || recording.flow {

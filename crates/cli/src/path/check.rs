@@ -155,7 +155,8 @@ impl StateCheck<'_> {
         let record = if self.prepared.has_level() { record } else { record.without_level() };
         let of_state = scalars(self.prepared.is_plastic()).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
         for scalar in of_state {
-            let (path, stored, found) = (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(&record));
+            let (path, stored, found) =
+                (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(&record));
             match scalar.name {
                 // The displacement outside of a patch is that by the pressure, to the residual.
                 "residual" if self.is_law_on_patch() => {
