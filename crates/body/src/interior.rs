@@ -14,6 +14,11 @@ pub struct Interior {
     components: Components,
     /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
     surface: [Vec<Complex64>; 3],
+    /// ũ_z of the Nyquist modes of a surface without shear traction, by their index in the half spectrum, in ascending order.
+    /// They are not in `surface`, since their lateral displacement vanishes at the points of the grid only.
+    nyquist: Vec<(usize, Complex64)>,
+    /// The mean of σ_xz, σ_yz, σ_zz, if it was given.
+    mean_traction: Option<[f64; 3]>,
     /// The same of the base, if it moves.
     base: Option<[Vec<Complex64>; 3]>,
 }
@@ -60,6 +65,18 @@ pub enum InteriorError {
         /// The mean of a component.
         found: f64,
     },
+    /// A mean traction of the surface that its mean displacement contradicts.
+    #[error(
+        "the mean traction along {axis} is {found}; it must be {expected}, which the mean displacement of the surface says"
+    )]
+    Contradiction {
+        /// The component: x, y or z.
+        axis: char,
+        /// The mean traction.
+        found: f64,
+        /// The mean traction that belongs to the mean displacement.
+        expected: f64,
+    },
     /// A lateral displacement of a base without friction.
     #[error("the lateral displacement of the sliding base is {found} at index {index}; it must be zero")]
     Sideways {
@@ -84,8 +101,9 @@ impl Interior {
     /// The mean displacement is measured against the mean level of what does not hold the body
     /// ([`Body::level_compliance`]): it strains slabs and layers, a half-space moves with it.
     ///
-    /// The mean of u_z must vanish if all layers are incompressible. The mean pressure, which u_z does not determine, is then
-    /// taken as zero (theory.md, section 3).
+    /// The mean traction follows from the mean displacement where the body has a stiffness against it. It is zero where it has
+    /// none, on a half-space, and along z on incompressible layers, unless [`with_mean_traction`](Self::with_mean_traction)
+    /// gives it (theory.md, section 5). The mean of u_z must vanish if all layers are incompressible.
     ///
     /// # Errors
     /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
@@ -93,7 +111,7 @@ impl Interior {
     pub fn new(body: &Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         let (axes, points) = (interior.components.axes(), grid.len());
-        interior.check(displacement, axes.len() * points)?;
+        interior.check("displacement", displacement, axes.len() * points)?;
         let mut ws = interior.transform.workspace();
         for (&axis, component) in axes.iter().zip(displacement.chunks_exact(points)) {
             interior.transform.forward(component, &mut interior.surface[axis], &mut ws)?;
@@ -113,7 +131,7 @@ impl Interior {
     /// As [`Self::new`].
     pub fn frictionless(body: &Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
-        interior.check(normal, grid.len())?;
+        interior.check("displacement", normal, grid.len())?;
         {
             let Self { transform, surface: [_, _, z], .. } = &mut interior;
             transform.forward(normal, z, &mut transform.workspace())?;
@@ -125,11 +143,87 @@ impl Interior {
             interior.share(body, |mode, [x, y, z]| [x, y, z * share(mode.wavenumber())]);
         }
         let Self { body, surface: [x, y, z], .. } = &mut interior;
-        (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
-            let factors = body.lateral_displacement(&grid.mode_at(index));
-            [*x, *y] = factors.map(|factor| factor * *z);
+        let set_apart = (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).filter_map(|(index, (x, y, z))| {
+            let mode = grid.mode_at(index);
+            if mode.nyquist != [false; 2] {
+                return Some((index, std::mem::take(z)));
+            }
+            [*x, *y] = body.lateral_displacement(&mode).map(|factor| factor * *z);
+            None
         });
+        interior.nyquist = set_apart.collect();
         Ok(interior)
+    }
+
+    /// The interior below a traction on the surface (stress), given component after component: σ_xz, σ_yz, σ_zz, or σ_xz, σ_zz
+    /// on a line. Of a [pair](Body::against) of bodies it is the traction on the first, whose interior it is.
+    ///
+    /// The mean displacement is that of [`Body::level_compliance`].
+    ///
+    /// # Errors
+    /// A traction of the wrong length or with a value that is not finite.
+    pub fn of_traction(body: &Body, grid: Grid, traction: &[f64]) -> Result<Self, InteriorError> {
+        let mut interior = Self::at_rest(body, grid);
+        let (axes, points) = (interior.components.axes(), grid.len());
+        interior.check("traction", traction, axes.len() * points)?;
+        let mut ws = interior.transform.workspace();
+        for (&axis, component) in axes.iter().zip(traction.chunks_exact(points)) {
+            interior.transform.forward(component, &mut interior.surface[axis], &mut ws)?;
+        }
+        let mean = interior.surface.each_ref().map(|spectrum| spectrum[0].re);
+        let compliance = interior.uniform_compliance();
+        let Self { body, surface: [x, y, z], .. } = &mut interior;
+        (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
+            let (mode, t) = (grid.mode_at(index), [*x, *y, *z]);
+            [*x, *y, *z] = match mode.is_uniform() {
+                true => [0, 1, 2].map(|axis| t[axis] * compliance[axis]),
+                false => apply(&body.compliance_of(&mode), t),
+            };
+        });
+        interior.mean_traction = Some(mean);
+        Ok(interior)
+    }
+
+    /// The same with the mean traction σ_xz, σ_yz, σ_zz on the surface (stress; a mean pressure p is −p along z), for bodies
+    /// whose mean displacement does not say it: half-spaces, and incompressible layers along z. It is the mean of these
+    /// stresses at every depth. The mean lateral strain is zero, so that a uniform strain along z belongs to it in every layer,
+    /// and below the surface of a half-space a displacement that is linear in depth (theory.md, section 5).
+    ///
+    /// # Errors
+    /// A value that is not finite; a traction that the mean displacement of layers contradicts, by more than a tenth.
+    pub fn with_mean_traction(mut self, traction: [f64; 3]) -> Result<Self, InteriorError> {
+        check_finite(&traction)?;
+        let compliance = self.uniform_compliance();
+        let largest = |spectrum: &[Complex64]| spectrum.iter().fold(0.0, |most: f64, u| most.max(u.norm()));
+        for &axis in self.components.axes() {
+            let (found, expected) = (compliance[axis] * traction[axis], self.surface[axis][0].re);
+            let scale = found.abs().max(expected.abs());
+            let differ = !((found - expected).abs() <= CONTRADICTION * scale);
+            if compliance[axis] > 0.0 && differ && scale > UNCERTAIN * largest(&self.surface[axis]) {
+                let (found, expected) = (traction[axis], expected / compliance[axis]);
+                return Err(InteriorError::Contradiction { axis: ['x', 'y', 'z'][axis], found, expected });
+            }
+        }
+        self.mean_traction = Some(traction);
+        Ok(self)
+    }
+
+    /// The mean of σ_xz, σ_yz, σ_zz, in stress, the same at every depth.
+    pub fn mean_traction(&self) -> [f64; 3] {
+        let compliance = self.uniform_compliance();
+        self.mean_traction.unwrap_or_else(|| {
+            std::array::from_fn(|axis| {
+                let base = self.base.as_ref().map_or(0.0, |base| base[axis][0].re);
+                let stretch = self.surface[axis][0].re - base;
+                if compliance[axis] > 0.0 { stretch * (1.0 / compliance[axis]) } else { 0.0 }
+            })
+        })
+    }
+
+    /// The compliance of the uniform mode along x, y, z against the mean level of what does not hold the body.
+    fn uniform_compliance(&self) -> [f64; 3] {
+        let [lateral, normal] = self.body.level_compliance();
+        [lateral, lateral, normal]
     }
 
     fn at_rest(body: &Body, grid: Grid) -> Self {
@@ -139,6 +233,8 @@ impl Interior {
             transform: Transform::new(grid),
             components: Components::of(&grid),
             surface,
+            nyquist: Vec::new(),
+            mean_traction: None,
             base: None,
         }
     }
@@ -153,7 +249,7 @@ impl Interior {
             return Err(InteriorError::Base { given: "displacement", allowed: "one slab on a bonded base" });
         }
         let points = self.grid().len();
-        self.check(displacement, self.components.len() * points)?;
+        self.check("displacement", displacement, self.components.len() * points)?;
         let mut spectra: [Vec<Complex64>; 3] = std::array::from_fn(|_| vec![Complex64::ZERO; self.surface[0].len()]);
         let mut ws = self.transform.workspace();
         for (&axis, component) in self.components.axes().iter().zip(displacement.chunks_exact(points)) {
@@ -193,11 +289,11 @@ impl Interior {
         self.base.as_ref().map_or([Complex64::ZERO; 3], |[x, y, z]| [x[index], y[index], -z[index]])
     }
 
-    fn check(&self, displacement: &[f64], expected: usize) -> Result<(), InteriorError> {
-        if displacement.len() != expected {
-            return Err(ShapeError { what: "displacement", found: displacement.len(), expected }.into());
+    fn check(&self, what: &'static str, field: &[f64], expected: usize) -> Result<(), InteriorError> {
+        if field.len() != expected {
+            return Err(ShapeError { what, found: field.len(), expected }.into());
         }
-        check_finite(displacement)
+        check_finite(field)
     }
 
     /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 as `part` says, and for the uniform
@@ -260,13 +356,21 @@ impl Interior {
         let section = self.body.at_depth(depth)?.against_level();
         let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
+        let linear = self.linear_displacement(&section);
         let [x, y, z, ..] = &mut ws.spectra;
         (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (x, y, z))| {
             let mode = grid.mode_at(index);
             [*x, *y, *z] = apply(&section.displacement_transfer_of(&mode), amplitude(index));
+            if let Some(u) = self.set_apart(index, &mode) {
+                let [px, py, pz] = section.frictionless_displacement_of(&mode).map(|entry| entry * u);
+                [*x, *y, *z] = [*x + px, *y + py, *z + pz];
+            }
             if let Some(section) = &base {
                 let [bx, by, bz] = apply(&section.displacement_transfer_of(&mode), self.mirrored(index));
                 [*x, *y, *z] = [*x + bx, *y + by, *z - bz];
+            }
+            if mode.is_uniform() {
+                [*x, *y, *z] = [*x + linear[0], *y + linear[1], *z + linear[2]];
             }
         });
         self.synthesise(self.components.axes(), ws)?;
@@ -300,10 +404,15 @@ impl Interior {
         let section = section.against_level();
         let base = self.upside_down(depth)?;
         let (grid, amplitude) = (*self.grid(), self.amplitude());
+        let mean_traction = self.mean_traction();
         let [a, b, c, d, e, f] = &mut ws.spectra;
         (a, b, c, d, e, f).into_par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, (a, b, c, d, e, f))| {
             let mode = grid.mode_at(index);
             let mut rows = apply(&section.continuous_transfer_of(&mode), amplitude(index));
+            if let Some(u) = self.set_apart(index, &mode) {
+                let added = section.frictionless_continuous_of(&mode);
+                rows.iter_mut().zip(added).for_each(|(row, entry)| *row += entry * u);
+            }
             if let Some(section) = &base {
                 let added = apply(&section.continuous_transfer_of(&mode), self.mirrored(index));
                 // The shear stresses σ_yz and σ_xz turn their signs upside down.
@@ -311,6 +420,11 @@ impl Interior {
                 {
                     *row += sign * added;
                 }
+            }
+            if mode.is_uniform() {
+                // The lateral strain has no mean.
+                let [xz, yz, zz] = mean_traction.map(|mean| Complex64::new(mean, 0.0));
+                rows[3..].copy_from_slice(&[zz, yz, xz]);
             }
             [*a, *b, *c, *d, *e, *f] = rows;
         });
@@ -339,6 +453,25 @@ impl Interior {
         Ok(())
     }
 
+    /// The uniform strain of the mean traction along z, from the top of the half-space that the plane cuts down to the plane.
+    fn linear_displacement(&self, section: &Section<'_>) -> [f64; 3] {
+        let Some(depth) = section.depth_in_half_space() else { return [0.0; 3] };
+        let material = section.material();
+        let shear = 1.0 / material.shear_modulus();
+        let compliance = [shear, shear, material.p_wave_compliance()];
+        let mean = self.mean_traction();
+        std::array::from_fn(|axis| -depth * compliance[axis] * mean[axis])
+    }
+
+    /// ũ_z of a mode of a surface without shear traction, if it is set apart.
+    fn set_apart(&self, index: usize, mode: &Mode) -> Option<Complex64> {
+        if self.nyquist.is_empty() || mode.nyquist == [false; 2] {
+            return None;
+        }
+        let at = self.nyquist.binary_search_by_key(&index, |(index, _)| *index).ok()?;
+        Some(self.nyquist[at].1)
+    }
+
     /// The displacement ũ of the surface by the index of a mode in the half spectrum.
     fn amplitude(&self) -> impl Fn(usize) -> [Complex64; 3] + Sync + '_ {
         let [x, y, z] = &self.surface;
@@ -358,6 +491,12 @@ const CHUNK: usize = 512;
 
 /// The ratio of mean to largest value below which a mean counts as rounding error.
 const ROUNDING: f64 = 1e-12;
+
+/// The relative difference of two mean tractions that contradict each other, beyond the tolerance of any search.
+const CONTRADICTION: f64 = 0.1;
+
+/// The ratio of a mean displacement to the largest amplitude below which it says nothing about the mean traction.
+const UNCERTAIN: f64 = 1e-6;
 
 /// The product of a matrix and an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of an
 /// incompressible slab at q = 0.

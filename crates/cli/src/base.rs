@@ -162,11 +162,18 @@ pub(crate) fn stored_base(reader: &Reader) -> Vec<String> {
     found.map(|(_, flag, path)| format!("--{flag}={}:{path}", reader.path().display())).collect()
 }
 
-/// The fields inside a body over the base that the contact in the file `name` has: those of the load, and those of the base.
+/// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean traction, and
+/// those of the base.
 ///
 /// # Errors
 /// A traction on a plate, or a stack of layers, whose fields inside are not available; a file that cannot be read.
-pub(crate) fn inside(name: &str, body: &Body, grid: &Grid, displacement: &[f64]) -> Result<Interior, String> {
+pub(crate) fn inside(
+    name: &str,
+    body: &Body,
+    grid: &Grid,
+    displacement: &[f64],
+    mean_traction: Option<[f64; 3]>,
+) -> Result<Interior, String> {
     let words = |error: gfmd_files::FileError| error.to_string();
     let path = split_dataset(name).map_or(name, |(path, _)| path);
     let reader = Reader::open(path).map_err(words)?;
@@ -182,6 +189,9 @@ pub(crate) fn inside(name: &str, body: &Body, grid: &Grid, displacement: &[f64])
     }
     let base: Vec<f64> = (0..components).flat_map(|c| stored.iter().skip(c).step_by(components).copied()).collect();
     let loaded: Vec<f64> = displacement.iter().zip(&lift).map(|(u, lift)| u - lift).collect();
-    let interior = Interior::frictionless(body, *grid, &loaded).and_then(|interior| interior.over_base(&base));
-    interior.map_err(|error| error.to_string())
+    let interior = Interior::frictionless(body, *grid, &loaded).and_then(|interior| match mean_traction {
+        Some(mean) => interior.with_mean_traction(mean),
+        None => Ok(interior),
+    });
+    interior.and_then(|interior| interior.over_base(&base)).map_err(|error| error.to_string())
 }

@@ -14,7 +14,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_body::Interior;
+use gfmd_body::{Interior, InteriorError};
 use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
@@ -29,7 +29,7 @@ use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::origin;
 
-pub(crate) use check::again;
+pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
 pub use component::Component;
 pub use quantity::Quantity;
@@ -68,6 +68,17 @@ pub struct Args {
     /// Number of the load in the file of a contact, from 0; default: the last one
     #[arg(long, value_name = "K")]
     load: Option<usize>,
+    /// Mean traction x, y, z on the surface (x, z of a line; z is less than 0 under pressure), of an array on a body whose mean
+    /// displacement does not say it: a half-space, or incompressible layers; default: 0
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "TX,TY,TZ",
+        num_args = 1..=3,
+        allow_hyphen_values = true,
+        conflicts_with = "wave"
+    )]
+    mean_traction: Vec<f64>,
     /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
     #[arg(long, value_delimiter = ',', value_name = "L", num_args = 1..=2, allow_negative_numbers = true)]
     length: Vec<f64>,
@@ -126,6 +137,8 @@ struct Config<'a> {
     scan: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<usize>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    mean_traction: &'a [f64],
     length: [f64; 2],
     #[serde(flatten)]
     body: &'a BodyArgs,
@@ -142,6 +155,8 @@ pub struct Report {
     pub n: [usize; 2],
     pub length: [f64; 2],
     pub surface: String,
+    /// The mean traction on the surface by component, which is that of every depth.
+    pub mean_traction: Vec<f64>,
     /// The row of points, with `--slice`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slice: Option<Slice>,
@@ -213,14 +228,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
     Held::BODY.check(name, surface.grid.points())?;
-    let inside = match surface.kind {
-        Kind::Normal if BaseArgs::NAMES.iter().any(|key| surface.record.contains_key(*key)) => {
-            base::inside(name, &body, &surface.grid, &surface.displacement)
-        }
-        Kind::Normal => Interior::frictionless(&body, surface.grid, &surface.displacement).map_err(|e| e.to_string()),
-        Kind::Full => Interior::new(&body, surface.grid, &surface.displacement).map_err(|e| e.to_string()),
-    };
-    let interior = inside.map_err(|error| Failure::input(name, error))?;
+    let interior = args.interior(name, &surface, &body, session)?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {
         surface: args.surface.as_deref(),
@@ -228,6 +236,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         n: args.surface.is_none().then(|| surface.grid.points()),
         scan: surface.scan.as_deref(),
         load: surface.load,
+        mean_traction: &args.mean_traction,
         length: surface.grid.lengths(),
         body: &elastic,
         depths: &unique(&planes_below),
@@ -235,7 +244,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         quantities: &quantities,
     });
     let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
+    let axes = interior.components().axes();
+    let mean_traction: Vec<f64> = axes.iter().map(|&axis| interior.mean_traction()[axis]).collect();
     let planes = Planes {
+        mean_traction: &mean_traction,
         grid: &surface.grid,
         rows: &rows,
         below: &planes_below,
@@ -308,10 +320,69 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         _ => Vec::new(),
     };
     let (n, length) = (surface.grid.points(), surface.grid.lengths());
-    Ok(Report { n, length, surface: surface.description, slice: rows.slice, levels, comparison, out, plots })
+    Ok(Report {
+        n,
+        length,
+        surface: surface.description,
+        mean_traction,
+        slice: rows.slice,
+        levels,
+        comparison,
+        out,
+        plots,
+    })
 }
 
 impl Args {
+    /// The fields inside the `body` below the `surface` of the file `name`.
+    fn interior(&self, name: &str, surface: &Surface, body: &Body, session: &Session) -> Result<Interior, Failure> {
+        let Surface { grid, kind, values, record, mean_traction, .. } = surface;
+        let refuse = |error: InteriorError| Failure::input(name, error);
+        if let Some(interior) = match kind {
+            Kind::Traction => Some(Interior::of_traction(body, *grid, values).map_err(refuse)?),
+            Kind::Normal if BaseArgs::NAMES.iter().any(|key| record.contains_key(*key)) => {
+                let inside = base::inside(name, body, grid, values, *mean_traction);
+                Some(inside.map_err(|error| Failure::input(name, error))?)
+            }
+            _ => None,
+        } {
+            return if self.mean_traction.is_empty() { Ok(interior) } else { Err(self.known_traction(name)) };
+        }
+        let interior = match kind {
+            Kind::Normal => Interior::frictionless(body, *grid, values),
+            _ => Interior::new(body, *grid, values),
+        };
+        let interior = interior.map_err(refuse)?;
+        match (mean_traction, &self.mean_traction[..]) {
+            (Some(mean), []) => interior.with_mean_traction(*mean).map_err(refuse),
+            (Some(_), _) => Err(self.known_traction(name)),
+            (None, []) => {
+                // Waves say what they are.
+                if self.surface.is_some() && interior.body().level_compliance().contains(&0.0) {
+                    let text = "the displacement of this body does not say the mean traction on it, which is taken as 0 \
+                                where it does not; --mean-traction gives it";
+                    session.warn("mean-traction", text);
+                }
+                Ok(interior)
+            }
+            (None, given) => {
+                let mean = match *given {
+                    [x, z] if grid.is_line() => [x, 0.0, z],
+                    [x, y, z] if !grid.is_line() => [x, y, z],
+                    _ => {
+                        let allowed = if grid.is_line() { "2 numbers, x and z" } else { "3 numbers, x, y and z" };
+                        return Err(Failure::value("--mean-traction", format!("{given:?}"), allowed));
+                    }
+                };
+                interior.with_mean_traction(mean).map_err(|error| Failure::input("--mean-traction", error))
+            }
+        }
+    }
+
+    fn known_traction(&self, name: &str) -> Failure {
+        Failure::value("--mean-traction", format!("{:?}", self.mean_traction), format!("left out: {name} has it"))
+    }
+
     /// The components that are drawn and compared on a section.
     fn components(&self, quantities: &[Quantity], section: &Rows, grid: &Grid) -> Result<Vec<Component>, Failure> {
         let absent = |component: &Component| grid.is_line() && component.is_out_of_plane();
@@ -435,6 +506,8 @@ impl fmt::Display for Report {
         if let Some(slice) = self.slice {
             writeln!(f, "slice at {slice}")?;
         }
+        let traction: Vec<String> = self.mean_traction.iter().map(|mean| format!("{mean:.6e}")).collect();
+        writeln!(f, "mean traction {}", traction.join(", "))?;
         writeln!(f, "\n{:>13} {:>13} {:>13} {:>13}", "depth", "max |u|", "max Mises", "mean energy")?;
         for level in &self.levels {
             let Level { depth, side, max_displacement, max_von_mises, mean_energy_density } = level;

@@ -197,7 +197,8 @@ fn recompute(
         Kind::Contact => contact::check(reader, &config, comparison, session)?,
         Kind::Path => path::check(reader, &config, comparison, session)?,
         Kind::Punch => punch::check(reader, &config, comparison, session)?,
-        Kind::Body | Kind::KappaSweep => {}
+        Kind::KappaSweep => {}
+        Kind::Body => body::check(reader, comparison)?,
     }
     let rerun = Rerun { reader, kind, config: &config, session };
     match kind {

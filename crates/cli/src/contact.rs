@@ -269,6 +269,7 @@ impl Prepared {
         args.check_components(&body)?;
         args.check_dynamics()?;
         args.check_lower()?;
+        args.check_base()?;
         let surface = args.source.bounded(args.boundary, session)?;
         let lower = args.lower.read(&args.source, &surface, session)?;
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
@@ -306,9 +307,14 @@ impl Prepared {
         let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
         let fields = args.together().held(loads <= 1 && !args.statistics && !args.flow);
         session.agree(fields.check_rest("the grid", surface.grid.points(), session.processes()))?;
+        let (base, hardness) = args.read_fields(&body, &surface, session)?;
+        let surface = match &base {
+            // What the contact sees is the surface that the base displaces.
+            Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&args.source.name(), error))?,
+            None => surface,
+        };
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
-        let (base, hardness) = args.read_fields(&body, &surface, session)?;
         let conducting = Conducting::new(args, &body, &surface)?;
         let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
             .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
@@ -326,7 +332,13 @@ impl Prepared {
         let Surface { grid, heights, boundary, .. } = surface;
         let modulus = self.body.contact_modulus();
         let by_gradient = 0.25 * (modulus * surface.rms_gradient()).powi(2);
-        let Ok(spectrum) = PowerSpectrum::of(heights, grid) else { return by_gradient };
+        // Of several processes the first one has all heights, and the lift of its own rows.
+        let base = self.base.as_ref();
+        if base.is_some_and(|base| base.lift.dim() != heights.dim()) {
+            return by_gradient;
+        }
+        let heights = MovedBase::under(base, heights);
+        let Ok(spectrum) = PowerSpectrum::of(&heights, grid) else { return by_gradient };
         if *boundary == Boundary::Free {
             return by_gradient;
         }
@@ -378,12 +390,7 @@ impl Prepared {
                 let contact = FullContact::new(body, grid, heights).map_err(refuse)?.with_dynamics(dynamics);
                 return self.press(&contact, contact.surface(), args, None, session);
             }
-            let share = &self.surface.share;
-            let contact = match (args.components, args.boundary) {
-                (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
-                (_, Boundary::Periodic) => Contact::over(share, body, grid, heights),
-                (_, Boundary::Free) => Contact::bounded(Boundary::Free, body, grid, heights),
-            };
+            let contact = args.components.wall(args.boundary, &self.surface.share, body, grid, heights);
             let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
             return self.press(&contact, contact.surface(), args, None, session);
         }

@@ -2,6 +2,7 @@
 
 use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, Stiffness};
 use gfmd_field::Grid;
+use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +16,7 @@ pub use columns::{
     FLOW, FORCE, LATERAL_TRACTION, LAW_SCALARS, LOWER, PLASTIC_SCALARS, Recording, SCALARS, SECONDS, SLOPE_SCALARS,
     STATISTICS, STIFFNESS, columns,
 };
-pub use recorded::{Recorded, Stiff};
+pub use recorded::{NoStiffness, Recorded, Stiff};
 pub use undefined::Undefined;
 
 /// The scalars of one load. Units: those of the input (stress, length).
@@ -37,7 +38,7 @@ pub struct LoadRecord {
     pub pressure_deviation_in_contact: f64,
     pub pressure_moment_2: f64,
     pub elastic_energy: f64,
-    /// NaN where it is not known, infinite in full contact with a fixed mean level.
+    /// NaN with a reason where there is none.
     #[serde(default = "unknown")]
     pub stiffness: f64,
     #[serde(default = "unknown")]
@@ -189,6 +190,21 @@ impl From<Residual> for ResidualRecord {
     }
 }
 
+/// The reason why a load that is not solved has no stiffness.
+pub const UNSOLVED: &str = "the load is not solved";
+
+/// The columns of a load, and of a step, that depend on the level of the displacement.
+pub(crate) const WITHOUT_LEVEL: [&str; 2] = ["displacement", "elastic_energy"];
+
+/// The reason why they have no value.
+pub(crate) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the distance: its \
+                                   displacement is known up to a constant, as are the approach, the elastic energy and the stiffness";
+
+/// True if the displacement of a surface on `grid` has a level: that of points far away, or that of its mean.
+pub(crate) fn has_level(boundary: Boundary, grid: &Grid, body: &Body) -> bool {
+    boundary == Boundary::Periodic || gfmd_green::has_level(body, grid)
+}
+
 fn unknown() -> f64 {
     f64::NAN
 }
@@ -232,17 +248,34 @@ impl LoadRecord {
         record
     }
 
-    /// The record with the force, if the surface on `grid` does not repeat.
-    pub fn bounded(self, boundary: Boundary, grid: &Grid) -> Self {
+    /// The record with the force, if the surface on `grid` does not repeat, and without the numbers that depend on the level of
+    /// the displacement, if this surface of `body` has none.
+    pub fn bounded(mut self, boundary: Boundary, grid: &Grid, body: &Body) -> Self {
         let [x, y] = grid.lengths();
-        let force = (boundary == Boundary::Free).then_some(self.mean_pressure * x * y);
-        Self { force, ..self }
+        self.force = (boundary == Boundary::Free).then_some(self.mean_pressure * x * y);
+        if !has_level(boundary, grid, body) {
+            (self.displacement, self.elastic_energy) = (f64::NAN, f64::NAN);
+            WITHOUT_LEVEL.iter().for_each(|name| self.undefined.insert(name, NO_LEVEL));
+        }
+        self
     }
 
-    /// The record with the stiffness of a contact, if it is known.
-    pub fn stiff(self, stiffness: Option<Stiffness>) -> Self {
-        let (stiffness, stiffness_error) = stiffness.map_or((f64::NAN, f64::NAN), |found| (found.value, found.error));
-        Self { stiffness, stiffness_error, ..self }
+    /// The record with the stiffness of a contact, or with the reason why it has none.
+    pub fn stiff(mut self, stiffness: Result<Stiffness, &str>) -> Self {
+        let found = match stiffness {
+            Ok(found) if found.value.is_finite() => Ok(found),
+            // The only contact without a level that gives a stiffness.
+            Ok(found) if found.value.is_nan() => Err(NO_LEVEL),
+            Ok(_) => {
+                Err("infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed")
+            }
+            Err(reason) => Err(reason),
+        };
+        (self.stiffness, self.stiffness_error) = found.map_or((f64::NAN, f64::NAN), |found| (found.value, found.error));
+        if let Err(reason) = found {
+            ["stiffness", "stiffness_error"].iter().for_each(|name| self.undefined.insert(name, reason));
+        }
+        self
     }
 
     /// Refuses units in which a number of load `index` is not finite. With a law κ may be undefined.

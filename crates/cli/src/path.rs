@@ -35,6 +35,7 @@ use crate::failure::{Failure, Outcome};
 use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
+use crate::load::has_level;
 use crate::memory::Held;
 use crate::progress::Progress;
 use crate::resume::{Kept, Part, ResumeArgs};
@@ -286,6 +287,10 @@ impl Prepared {
         Ok(PlasticContact::new(contact.map_err(|error| Failure::input("--hardness", error))?))
     }
 
+    fn has_level(&self) -> bool {
+        has_level(self.surface.boundary, &self.surface.grid, &self.body)
+    }
+
     fn moves_sideways(&self, args: &Args) -> bool {
         matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty()
     }
@@ -473,6 +478,7 @@ struct Log<'a> {
     widest: Option<(f64, Shown)>,
     points: [usize; 2],
     scales: Scales,
+    has_level: bool,
     tolerance: f64,
 }
 
@@ -486,6 +492,7 @@ impl<'a> Log<'a> {
             widest: None,
             points: prepared.surface.grid.points(),
             scales: prepared.scales(),
+            has_level: prepared.has_level(),
             tolerance: args.tol,
         })
     }
@@ -533,7 +540,10 @@ impl<'a> Log<'a> {
             fields = file.fields(state);
             file.write(index / self.steps_of_leg, &fields)?;
         }
-        let record = StepRecord { seconds, ..state.record(&self.scales, reading, step, self.tolerance) };
+        let mut record = StepRecord { seconds, ..state.record(&self.scales, reading, step, self.tolerance) };
+        if !self.has_level {
+            record = record.without_level();
+        }
         if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
             self.widest = Some((record.area_fraction, Shown::of(state, None, state.plastic_depth())));
         }

@@ -204,6 +204,16 @@ impl Surface {
         self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
 
+    /// The same surface with the statistics of the one that a base which moves makes of it: its heights and the `lift`, the
+    /// displacement of the surface by the base alone, of the rows of this process. The heights stay as they are.
+    ///
+    /// # Errors
+    /// Heights without statistics.
+    pub(crate) fn displaced(self, lift: &Array2<f64>) -> Result<Self, SurfaceError> {
+        let statistics = Statistics::over(&(&self.heights + lift), &self.grid, &self.share)?;
+        Ok(Self { statistics, ..self })
+    }
+
     /// The surface with the whole heights at the first process, `None` at the others.
     pub(crate) fn gathered(&self) -> Option<Self> {
         let heights = rows::gathered(&self.share, self.heights.view())?;

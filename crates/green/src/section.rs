@@ -3,7 +3,7 @@ use num_complex::Complex64;
 
 use crate::{
     Base, Blocks, Body, GreenError, Height, Material, Matrix2, Matrix3,
-    blocks::{VECTOR_ROWS, average_aliases},
+    blocks::{VECTOR_ROWS, average_aliases, direction},
     body::{on_axes, plus, uniform_compliance, wavevector},
     half_space,
     hyperbolic::{FARTHEST, cosh_minus, sinh_minus},
@@ -146,6 +146,11 @@ impl<'a> Section<'a> {
         Self { level: true, ..self }
     }
 
+    /// The depth of this plane below the top of the half-space that it cuts, in length; `None` in a layer or a slab.
+    pub fn depth_in_half_space(&self) -> Option<f64> {
+        (self.local.height() == Height::Infinite).then_some(self.depth)
+    }
+
     /// The material at this plane. Between two layers it is that of the upper one.
     pub fn material(&self) -> &'a Material {
         self.local.material()
@@ -205,6 +210,44 @@ impl<'a> Section<'a> {
         let mut matrix = self.continuous_transfer(wavevector(mode));
         average_aliases(&mut matrix, &CONTINUOUS_ROWS, mode.nyquist);
         matrix
+    }
+
+    /// The displacement at this plane per u_z of a surface without shear traction, for a mode of a grid: rows x, y, z;
+    /// dimensionless. The lateral displacement of the surface is that of [`Body::lateral_ratio`].
+    ///
+    /// A Nyquist mode is the average of its aliases ±q_N, each with its own lateral displacement, which is zero at the points
+    /// of the surface and not between them. The pressure on the surface is thus u_z over [`Body::normal_compliance`] for
+    /// these modes, too (theory.md, section 5).
+    pub fn frictionless_displacement_of(&self, mode: &Mode) -> [Complex64; 3] {
+        self.without_shear(&self.displacement_transfer(wavevector(mode)), &VECTOR_ROWS, mode)
+    }
+
+    /// The lateral strains and tractions at this plane per u_z of a surface without shear traction, for a mode of a grid: the
+    /// rows of a [`ContinuousMatrix`]; Nyquist modes as in
+    /// [`frictionless_displacement_of`](Self::frictionless_displacement_of).
+    pub fn frictionless_continuous_of(&self, mode: &Mode) -> [Complex64; 6] {
+        self.without_shear(&self.continuous_transfer(wavevector(mode)), &CONTINUOUS_ROWS, mode)
+    }
+
+    /// The product of a transfer matrix and the displacement of a surface without shear traction whose u_z is 1, averaged over
+    /// the aliases of a Nyquist mode.
+    fn without_shear<const ROWS: usize, const INDICES: usize>(
+        &self,
+        transfer: &[[Complex64; 3]; ROWS],
+        rows: &[[usize; INDICES]; ROWS],
+        mode: &Mode,
+    ) -> [Complex64; ROWS] {
+        let lateral = direction(wavevector(mode)).map_or([0.0; 2], |(direction, q)| {
+            let ratio = self.surface.lateral_ratio(q);
+            direction.map(|component| -ratio * component)
+        });
+        // A row is even or odd in a component of q as its entry of u_z is: the lateral displacement of u_z is odd in its own.
+        let mut products = transfer.map(|[x, y, z]| {
+            let sum = if lateral == [0.0; 2] { z } else { i_times(lateral[0], x) + i_times(lateral[1], y) + z };
+            [Complex64::ZERO, Complex64::ZERO, sum]
+        });
+        average_aliases(&mut products, rows, mode.nyquist);
+        products.map(|[_, _, product]| product)
     }
 
     /// The displacement (x, z) at this plane per displacement of the surface in plane strain, for the wave vector `q` along

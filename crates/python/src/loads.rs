@@ -5,22 +5,22 @@ use std::time::Instant;
 
 use gfmd_cli::contact::Unknown;
 use gfmd_cli::failure::Failure;
-use gfmd_cli::load::{LoadRecord, Recorded, Stiff as _};
+use gfmd_cli::load::{LoadRecord, NoStiffness, Recorded, Stiff, UNSOLVED};
 use gfmd_contact::{
     Boundary, Budget, Contact, Equilibrium, Fields, FullContact, FullSolution, Hardness, Load, Refusal, Solution,
-    SolveError, Solver, SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Watch,
+    SolveError, Solver, SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Kept, State};
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
-use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.
 pub(crate) struct Loads {
     contact: Kindred,
+    body: Body,
     solver: Solver,
 }
 
@@ -137,6 +137,20 @@ fn with_law(state: State) -> Reached {
     Reached::Law(Box::new(state), pressure, repulsion)
 }
 
+/// The stiffness of a load, which `stopped` before it was solved, or the reason why it has none.
+fn stiffness<E: Stiff>(contact: &E, state: &E::State, stopped: bool) -> Result<Stiffness, &'static str> {
+    if stopped {
+        return Err(UNSOLVED);
+    }
+    contact.stiffness_of(state).or_else(|error| match error {
+        NoStiffness::Undefined(reason) => Err(reason),
+        NoStiffness::Inexact(reached, why) => {
+            tracing::warn!("{why}");
+            Ok(reached)
+        }
+    })
+}
+
 impl Loads {
     pub(crate) fn new(
         (grid, body): (Grid, &Body),
@@ -149,22 +163,15 @@ impl Loads {
         } else if finite_slope {
             Kindred::Steep(SteepContact::new(body, &grid, heights)?)
         } else if unknown == Unknown::All {
-            Kindred::Full(FullContact::on(FullResponse::new(grid, body), heights)?)
+            Kindred::Full(FullContact::new(body, &grid, heights)?)
         } else if kind == Kind::HardWall {
-            let contact = match boundary {
-                Boundary::Periodic => Contact::on(unknown.response(grid, body), heights)?,
-                Boundary::Free => Contact::bounded(boundary, body, &grid, heights)?,
-            };
+            let contact = unknown.wall(boundary, &grid.whole(), body, &grid, heights)?;
             Kindred::Wall(match hardness {
                 Some(hardness) => contact.with_hardness(hardness.clone())?,
                 None => contact,
             })
         } else {
-            let interface = match boundary {
-                Boundary::Periodic => Interface::on(NormalResponse::new(grid, body), heights, Arc::clone(law))?,
-                Boundary::Free => Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?,
-            };
-            Kindred::Law(interface)
+            Kindred::Law(Interface::bounded(boundary, body, &grid, heights, Arc::clone(law))?)
         };
         let allowed = match &contact {
             Kindred::Wall(contact) => contact.solvers(),
@@ -176,7 +183,7 @@ impl Loads {
         if !allowed.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed });
         }
-        Ok(Self { contact, solver })
+        Ok(Self { contact, body: body.clone(), solver })
     }
 
     /// The remark that single points jump on this grid, if the law is too steep for it.
@@ -203,15 +210,11 @@ impl Loads {
             Kindred::Wall(contact) => {
                 let start = if let Some(Reached::Wall(start)) = last { Some(&**start) } else { None };
                 let (state, failure) = self.press(contact, load, budget, start, watch)?;
-                let stiffness = failure.is_none().then(|| contact.stiffness_of(&state)).transpose();
-                let stiffness = stiffness.map(Option::flatten).unwrap_or_else(|(reached, why)| {
-                    tracing::warn!("{why}");
-                    Some(reached)
-                });
+                let stiffness = stiffness(contact, &state, failure.is_some());
                 let seconds = started.elapsed().as_secs_f64();
                 let mut rest = Rest::of(state, wall, scales, budget.tolerance, seconds);
                 rest.record = rest.record.stiff(stiffness);
-                rest.record = rest.record.bounded(contact.boundary(), contact.surface().grid());
+                rest.record = rest.record.bounded(contact.boundary(), contact.surface().grid(), &self.body);
                 Ok((rest, failure))
             }
             Kindred::Full(contact) => {
@@ -229,14 +232,14 @@ impl Loads {
             Kindred::Law(interface) => {
                 let start = if let Some(Reached::Law(start, ..)) = last { Some(&**start) } else { None };
                 let (mut rest, failure) = self.rested((interface, with_law), load, (budget, scales), start, watch)?;
-                rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid());
+                rest.record = rest.record.bounded(interface.boundary(), interface.surface().grid(), &self.body);
                 Ok((rest, failure))
             }
         }
     }
 
-    /// As [`solve`](Self::solve), without a stiffness.
-    fn rested<E: Equilibrium<State: Recorded>>(
+    /// As [`solve`](Self::solve), of a contact on the whole cell.
+    fn rested<E: Stiff<State: Recorded>>(
         &self,
         (contact, kept): (&E, impl FnOnce(E::State) -> Reached),
         load: Load,
@@ -246,7 +249,10 @@ impl Loads {
     ) -> Result<(Rest, Option<Failure>), Failure> {
         let started = Instant::now();
         let (state, failure) = self.press(contact, load, budget, start, watch)?;
-        Ok((Rest::of(state, kept, scales, budget.tolerance, started.elapsed().as_secs_f64()), failure))
+        let stiffness = stiffness(contact, &state, failure.is_some());
+        let mut rest = Rest::of(state, kept, scales, budget.tolerance, started.elapsed().as_secs_f64());
+        rest.record = rest.record.stiff(stiffness);
+        Ok((rest, failure))
     }
 
     fn press<E: Equilibrium>(
@@ -282,8 +288,15 @@ impl Loads {
         scales: &Scales,
     ) -> Result<Rest, Failure> {
         let refuse = |error: Refusal| Failure::input("start", error);
+        // Without a level of the displacement the approach has no value; the fields of the state have one of their own.
+        let of_fields = |clearance: &[f64]| {
+            let fields = kept.gap.iter().zip(kept.displacement_z);
+            let sum: f64 = clearance.iter().zip(fields).map(|(clearance, (gap, u))| clearance - gap - u).sum();
+            if kept.approach.is_nan() { sum / clearance.len() as f64 } else { kept.approach }
+        };
         match &self.contact {
             Kindred::Wall(contact) => {
+                let kept = Kept { approach: of_fields(contact.surface().clearance()), ..kept };
                 let solution = contact.certify(kept.pressure, Load::Approach(kept.approach)).map_err(refuse)?;
                 Ok(Rest::of(solution, wall, scales, f64::INFINITY, 0.0))
             }
@@ -303,6 +316,7 @@ impl Loads {
                 Ok(Rest::of(solution, squeezed, scales, f64::INFINITY, 0.0))
             }
             Kindred::Law(interface) => {
+                let kept = Kept { approach: of_fields(interface.surface().clearance()), ..kept };
                 let state = interface.recall(kept).map_err(refuse)?;
                 Ok(Rest::of(state, with_law, scales, f64::INFINITY, 0.0))
             }

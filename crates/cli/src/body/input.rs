@@ -7,22 +7,26 @@ use super::wave::{self, Wave};
 use crate::failure::Failure;
 use crate::memory::Held;
 
-/// The components that a file has.
+/// The field that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// x, y, z, or x, z on a line.
+    /// The displacement x, y, z, or x, z on a line.
     Full,
-    /// Only z, of a frictionless surface.
+    /// The displacement z alone, of a frictionless surface.
     Normal,
+    /// The traction xz, yz, zz, or xz, zz on a line.
+    Traction,
 }
 
-/// The displacement of a surface, and the run that made it.
+/// The displacement of a surface, or the traction on it, and the run that made it.
 #[derive(Debug)]
 pub(super) struct Surface {
     pub(super) grid: Grid,
     pub(super) kind: Kind,
     /// Component after component.
-    pub(super) displacement: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    /// The mean traction xz, yz, zz, if the file has it.
+    pub(super) mean_traction: Option<[f64; 3]>,
     /// The configuration of the run that made it; empty if there is none.
     pub(super) record: toml::Table,
     pub(super) load: Option<usize>,
@@ -36,11 +40,15 @@ pub(super) struct Surface {
 const FULL: &str = "/fields/displacement";
 const NORMAL: &str = "/fields/displacement_z";
 
+/// The mean shear of the loads with finite slopes.
+const MEAN_SHEAR: [&str; 2] = ["/loads/mean_shear_x", "/loads/mean_shear_y"];
+
 /// An array of a file with its description, before its shape is checked.
 struct Found {
     shape: Vec<usize>,
     values: Vec<f64>,
     kind: Kind,
+    mean_traction: Option<[f64; 3]>,
     lengths: Option<[f64; 2]>,
     unit: Option<String>,
     record: toml::Table,
@@ -62,22 +70,22 @@ impl Surface {
         let allowed = "it must be [nx, ny, 3], or [n, 2] for a line";
         let (points, components) = match (found.kind, &found.shape[..]) {
             (Kind::Normal, &[nx, ny]) => ([nx, ny], 1),
-            (Kind::Full, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
-            (Kind::Full, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
+            (Kind::Full | Kind::Traction, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
+            (Kind::Full | Kind::Traction, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
             (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
         };
         let lengths = cell(length, found.lengths, points);
         let grid = Grid::new(points, lengths);
         let grid = grid.map_err(|error| Failure::input(if length.is_empty() { name } else { "--length" }, error))?;
-        let displacement =
-            (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
+        let values = (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
             (Some(load), Kind::Normal) => {
                 format!("{name}, load {load}, with the lateral displacement of a frictionless surface")
             }
-            (Some(load), Kind::Full) => format!("{name}, load {load}, without lateral displacement"),
+            (Some(load), Kind::Full) => format!("{name}, load {load}, with its own lateral displacement"),
+            (Some(load), Kind::Traction) => format!("{name}, waypoint {load}, below its pressure and shear traction"),
             (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
-            (None, Kind::Full) => name.into(),
+            (None, Kind::Full | Kind::Traction) => name.into(),
         };
         let description = match &found.scan {
             Some(scan) => format!("{description}; pressed by {scan}"),
@@ -86,7 +94,8 @@ impl Surface {
         Ok(Self {
             grid,
             kind: found.kind,
-            displacement,
+            values,
+            mean_traction: found.mean_traction,
             record: found.record,
             load: found.load,
             unit: found.unit.unwrap_or_else(|| "length".into()),
@@ -113,7 +122,8 @@ impl Surface {
         Ok(Self {
             grid,
             kind: Kind::Full,
-            displacement: wave::displacement(waves, &grid)?,
+            values: wave::displacement(waves, &grid)?,
+            mean_traction: None,
             record: toml::Table::new(),
             load: None,
             unit: "length".into(),
@@ -140,7 +150,17 @@ fn array(path: &str) -> Result<Found, String> {
     let array = npy::read(path)?;
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
-    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None, scan: None })
+    Ok(Found {
+        shape,
+        values,
+        kind,
+        mean_traction: None,
+        lengths: None,
+        unit: None,
+        record: toml::Table::new(),
+        load: None,
+        scan: None,
+    })
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
@@ -162,9 +182,6 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if crate::lower::is_stored(&reader) {
         return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
     }
-    // Surfaces whose lateral displacement is not that of a pressure alone.
-    let is_held = normal && record.get("components").and_then(toml::Value::as_str) == Some("held");
-    let is_steep = normal && record.contains_key("finite_slope");
     let (mut values, load): (Vec<f64>, _) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);
@@ -180,20 +197,107 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
-    let kind = if normal && !is_held && !is_steep { Kind::Normal } else { Kind::Full };
-    if is_held || is_steep {
-        let names = ["/fields/displacement_x", "/fields/displacement_y"];
-        let names = if points[1] == 1 { &names[..1] } else { &names[..] };
-        let of_file = |name: &&str| reader.slab(name, load.unwrap_or(0)).map_err(words);
-        let lateral: Vec<Vec<f64>> = match is_held {
-            true => vec![vec![0.0; values.len()]; names.len()],
-            false => names.iter().map(of_file).collect::<Result<_, _>>()?,
+    let beside =
+        Beside { reader: &reader, group: dataset.rsplit_once('/').map_or("", |(group, _)| group), load, points };
+    let (mut kind, mut mean_traction) = (Kind::Full, None);
+    if normal {
+        let held = record.get("components").and_then(toml::Value::as_str) == Some("held");
+        let pressure = beside.field("pressure")?;
+        let shears = beside.lateral(["shear_x", "shear_y"])?;
+        let lateral = match held {
+            // The lateral displacement of other surfaces is that of a pressure alone, unless the file has it.
+            true => Some(vec![vec![0.0; values.len()]; if points[1] == 1 { 1 } else { 2 }]),
+            false => beside.lateral(["displacement_x", "displacement_y"])?,
         };
-        let at = |(i, u): (usize, &f64)| lateral.iter().map(|field| field[i]).chain([*u]).collect::<Vec<f64>>();
-        values = values.iter().enumerate().flat_map(at).collect();
-        shape = vec![points[0], points[1], 1 + lateral.len()];
+        mean_traction = match &pressure {
+            Some(pressure) => Some(beside.mean_traction(pressure)?),
+            None => None,
+        };
+        let columns = match (shears, pressure, lateral) {
+            (Some(shears), Some(pressure), _) => {
+                kind = Kind::Traction;
+                Some([shears, vec![pressure.iter().map(|p| -p).collect()]].concat())
+            }
+            (_, _, Some(lateral)) => Some([lateral, vec![values.clone()]].concat()),
+            _ => {
+                kind = Kind::Normal;
+                None
+            }
+        };
+        if let Some(columns) = columns {
+            values = (0..columns[0].len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
+            shape = vec![points[0], points[1], columns.len()];
+        }
+    } else if let Some(traction) = beside.traction(values.len())? {
+        mean_traction = Some(traction);
     }
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
-    Ok(Found { shape, values, kind, lengths, unit, record, load, scan })
+    Ok(Found { shape, values, kind, mean_traction, lengths, unit, record, load, scan })
+}
+
+/// The fields beside the displacement of a surface, in its group and of its load.
+struct Beside<'a> {
+    reader: &'a Reader,
+    group: &'a str,
+    load: Option<usize>,
+    points: [usize; 2],
+}
+
+impl Beside<'_> {
+    /// A field of all points, if the file has it.
+    fn field(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
+        let path = format!("{}/{name}", self.group);
+        let [nx, ny] = self.points;
+        if !self.reader.contains(&path) {
+            return Ok(None);
+        }
+        let values = match self.load {
+            Some(load) => self.reader.slab(&path, load),
+            None => self.reader.values(&path),
+        };
+        let values: Vec<f64> = values.map_err(|error| error.to_string())?;
+        match values.len() {
+            found if found == nx * ny => Ok(Some(values)),
+            found => Err(format!("{path} has {found} points; it must have {nx} x {ny}, those of the displacement")),
+        }
+    }
+
+    /// The lateral components of a vector, x of a line, if the file has them.
+    fn lateral(&self, names: [&str; 2]) -> Result<Option<Vec<Vec<f64>>>, String> {
+        let names = if self.points[1] == 1 { &names[..1] } else { &names[..] };
+        names.iter().map(|name| self.field(name)).collect()
+    }
+
+    /// The mean traction that belongs to a pressure.
+    fn mean_traction(&self, pressure: &[f64]) -> Result<[f64; 3], String> {
+        let [mut x, mut y] = [0.0; 2];
+        if let Some(shears) = self.lateral(["shear_x", "shear_y"])? {
+            [x, y] = [0, 1].map(|axis| shears.get(axis).map_or(0.0, |shear| mean(shear)));
+        } else if let (Some(load), true) = (self.load, self.reader.contains(MEAN_SHEAR[0])) {
+            let of_loads = |path: &str| self.reader.values::<f64>(path).map_err(|error| error.to_string());
+            [x, y] = [of_loads(MEAN_SHEAR[0])?, of_loads(MEAN_SHEAR[1])?]
+                .map(|shears| shears.get(load).copied().unwrap_or(f64::NAN));
+        }
+        Ok([x, y, -mean(pressure)])
+    }
+
+    /// The mean of the tractions beside a displacement of `count` values, if the file has them.
+    fn traction(&self, count: usize) -> Result<Option<[f64; 3]>, String> {
+        let path = format!("{}/traction", self.group);
+        let components = count / (self.points[0] * self.points[1]).max(1);
+        if !self.reader.contains(&path) || !(2..=3).contains(&components) {
+            return Ok(None);
+        }
+        let values: Vec<f64> = self.reader.values(&path).map_err(|error| error.to_string())?;
+        if values.len() != count {
+            return Err(format!("{path} has {} values; it must have {count}, as the displacement", values.len()));
+        }
+        let mean = |c: usize| mean(&values.iter().skip(c).step_by(components).copied().collect::<Vec<f64>>());
+        Ok(Some(if components == 2 { [mean(0), 0.0, mean(1)] } else { [mean(0), mean(1), mean(2)] }))
+    }
+}
+
+fn mean(field: &[f64]) -> f64 {
+    field.iter().sum::<f64>() / field.len() as f64
 }

@@ -13,6 +13,8 @@ use crate::failure::Failure;
 
 /// The positions of the values.
 pub(super) struct Planes<'a> {
+    /// The mean traction on the surface, by component.
+    pub(super) mean_traction: &'a [f64],
     pub(super) grid: &'a Grid,
     pub(super) rows: &'a Rows,
     pub(super) below: &'a [Plane],
@@ -123,6 +125,9 @@ fn archive<'a>(
         archive_components(quantity, grid.is_line()).iter().map(|&component| names[component]).collect()
     };
     let vector = Dimension::labels("component", &labels(Quantity::Displacement, &AXES), "component of a vector");
+    let long_name = "mean traction on the surface, which is the mean of these stresses at every depth";
+    let variable = Variable { dimensions: &[&vector], units: "stress", long_name };
+    archive.write("/fields/mean_traction", &variable, planes.mean_traction)?;
     let tensor = Dimension::labels("tensor", &labels(Quantity::Stress, &TENSOR), "component of a symmetric tensor");
     for &quantity in quantities {
         let last = match quantity {

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use gfmd_contact::{Boundary, Contact, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
 use gfmd_files::Reader;
+use gfmd_green::Body;
 use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
-use gfmd_response::FullResponse;
 use ndarray::{Array2, ArrayView2};
 
 use super::conductance::Conducting;
@@ -74,6 +74,7 @@ pub(crate) fn check(
     let mut file = Checked {
         reader,
         surface,
+        body,
         lift: base.as_ref().map(|base| &base.lift),
         scales,
         tolerance,
@@ -117,7 +118,7 @@ fn recompute(
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
         file.compare_all(["pressure"], loads, comparison, certify)
     } else if args.components == Unknown::All {
-        let contact = FullContact::on(FullResponse::new(surface.grid, body), heights).map_err(refuse)?;
+        let contact = FullContact::new(body, &surface.grid, heights).map_err(refuse)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
         file.compare_all(["pressure"], loads, comparison, certify)
     } else if let Some(lower) = lower {
@@ -133,11 +134,9 @@ fn recompute(
         };
         file.compare_all(["pressure", "lower_pressure"], loads, comparison, certify)
     } else if args.law.law == Kind::HardWall {
-        let contact = match surface.boundary {
-            Boundary::Periodic => Contact::on(args.components.response(surface.grid, body), heights),
-            Boundary::Free => Contact::bounded(Boundary::Free, body, &surface.grid, heights),
-        };
-        let contact = prepared.harden(contact.map_err(refuse)?)?;
+        let contact =
+            args.components.wall(surface.boundary, &surface.share, body, &surface.grid, heights).map_err(refuse)?;
+        let contact = prepared.harden(contact)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| {
             let state = contact.certify(pressure, load)?;
             let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
@@ -167,6 +166,7 @@ fn unstiff<S>(state: S) -> (S, Option<Stiffness>) {
 struct Checked<'a> {
     reader: &'a Reader,
     surface: &'a Surface,
+    body: &'a Body,
     /// What a base that moves adds to the displacement.
     lift: Option<&'a Array2<f64>>,
     scales: Scales,
@@ -218,7 +218,7 @@ impl Checked<'_> {
         stiffness: Option<Stiffness>,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { reader, surface, ref scales, tolerance, recording, .. } = *self;
+        let Self { reader, surface, body, ref scales, tolerance, recording, .. } = *self;
         let displacement = match self.lift {
             Some(lift) => (&state.displacement_z() + lift).into_iter().collect(),
             None => state.displacement_z().iter().copied().collect(),
@@ -244,9 +244,10 @@ impl Checked<'_> {
         for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
             comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
         }
-        let record = LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid);
+        let record =
+            LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid, body);
         let is_solved = record.converged;
-        let mut record = record.stiff(stiffness.filter(|_| is_solved));
+        let mut record = record.stiff(stiffness.filter(|_| is_solved).ok_or("not recomputed"));
         if recording.statistics || recording.flow {
             // From the fields of the file: a number that rounding moves to another bin would be a difference.
             let stored = |name: &str, made: ArrayView2<f64>| {

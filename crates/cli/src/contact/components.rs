@@ -1,9 +1,10 @@
 use clap::ValueEnum;
-use gfmd_contact::Boundary;
-use gfmd_field::Grid;
+use gfmd_contact::{Boundary, Contact, Refusal};
+use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_law::Kind;
 use gfmd_response::NormalResponse;
+use ndarray::ArrayRef2;
 use serde::Serialize;
 
 /// The components of the surface displacement that are unknown.
@@ -39,6 +40,26 @@ impl Unknown {
         match self {
             Self::Normal | Self::All => NormalResponse::new(grid, body),
             Self::Held => NormalResponse::held_sideways(grid, body),
+        }
+    }
+
+    /// The contact of `body` with `heights` behind a hard wall, of the rows of a [`Share`], in units of its own size: the one that
+    /// the program, its check and the Python package solve. Free boundaries have one process.
+    ///
+    /// # Errors
+    /// Heights or a body that cannot be in contact.
+    pub fn wall(
+        self,
+        boundary: Boundary,
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+    ) -> Result<Contact, Refusal> {
+        match (self, boundary) {
+            (Self::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
+            (_, Boundary::Periodic) => Contact::over(share, body, grid, heights),
+            (_, Boundary::Free) => Contact::bounded(boundary, body, grid, heights),
         }
     }
 

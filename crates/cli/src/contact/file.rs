@@ -313,7 +313,7 @@ impl<'a> ContactFile<'a> {
             let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
             let path = format!("/loads/{name}");
             archive.write(&path, &Variable { dimensions: &[&load], units, long_name }, &values)?;
-            if let Some(reason) = Undefined::of_column(loads, name) {
+            if let Some(reason) = Undefined::of_column(loads.iter().map(|load| &load.undefined), name) {
                 archive.attribute(&path, "undefined", &*reason)?;
             }
         }

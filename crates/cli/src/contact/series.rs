@@ -18,7 +18,7 @@ use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
 use crate::figures::{Face, Scene, Shown, rough};
-use crate::load::{LoadRecord, Recorded, Stiff};
+use crate::load::{LoadRecord, NoStiffness, Recorded, Stiff, UNSOLVED};
 use crate::progress::Progress;
 use crate::resume::{Kept, Part};
 use crate::session::Session;
@@ -54,7 +54,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         config: String,
     ) -> Result<Option<Failure>, Failure> {
         let Self {
-            prepared: Prepared { surface, base, lower, hardness, conducting, controls, output, .. },
+            prepared: Prepared { surface, body, base, lower, hardness, conducting, controls, output, .. },
             contact,
             args,
             first,
@@ -122,7 +122,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             };
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             let stiffness = self.stiffness(index, &state, stopped.is_some());
-            let mut record = record.bounded(surface.boundary, &surface.grid).stiff(stiffness);
+            let mut record = record.bounded(surface.boundary, &surface.grid, body).stiff(stiffness);
             if args.statistics {
                 if let Some(warning) = conducting.measure(&state.repulsion(), &mut record)? {
                     session.warn("conductance", format!("load {index}: {warning}"));
@@ -228,14 +228,18 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     }
 
     /// The stiffness of a load that converged.
-    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Option<Stiffness> {
+    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Result<Stiffness, &'static str> {
         if stopped {
-            return None;
+            return Err(UNSOLVED);
         }
-        self.contact.stiffness_of(state).unwrap_or_else(|(reached, why)| {
-            self.session.warn("stiffness", format!("load {index}: {why}"));
-            Some(reached)
-        })
+        match self.contact.stiffness_of(state) {
+            Ok(stiffness) => Ok(stiffness),
+            Err(NoStiffness::Undefined(reason)) => Err(reason),
+            Err(NoStiffness::Inexact(reached, why)) => {
+                self.session.warn("stiffness", format!("load {index}: {why}"));
+                Ok(reached)
+            }
+        }
     }
 
     /// Measures what `--statistics` asks for and, of a load that is not kept, computes the flow.

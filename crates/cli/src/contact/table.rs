@@ -93,7 +93,7 @@ impl fmt::Display for Report {
         let names: BTreeSet<&str> =
             self.loads.iter().flat_map(|load| load.undefined.iter()).map(|(name, _)| name).collect();
         for name in names {
-            let reason = Undefined::of_column(&self.loads, name).unwrap_or_default();
+            let reason = Undefined::of_column(self.loads.iter().map(|load| &load.undefined), name).unwrap_or_default();
             writeln!(f, "no {name}: {reason}")?;
         }
         list_files(f, self.vtk.as_deref(), &[])?;

@@ -112,6 +112,25 @@ impl Args {
         }
     }
 
+    /// Refuses a base that moves below a patch: its effect on the surface is that of a periodic cell.
+    pub(super) fn check_base(&self) -> Result<(), Failure> {
+        let moved = self.moved_base().into_iter().find(|(is_given, _)| *is_given);
+        match (self.boundary, moved) {
+            (Boundary::Free, Some((_, flag))) => {
+                Err(Failure::value("--boundary", self.boundary, format!("periodic with {flag}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The flags of a base that moves, and whether they are given.
+    fn moved_base(&self) -> [(bool, &'static str); 2] {
+        [
+            (self.base.base_displacement.is_some(), "--base-displacement"),
+            (self.base.base_traction.is_some(), "--base-traction"),
+        ]
+    }
+
     /// What goes together here.
     pub(super) fn together(&self) -> Together<'_> {
         Together {
@@ -133,11 +152,7 @@ impl Args {
 
     /// Refuses flags that are given and do not go with `other`, beside a base that moves.
     fn given<const N: usize>(&self, flags: [(bool, &str); N], other: &str) -> Result<(), Failure> {
-        let moved = [
-            (self.base.base_displacement.is_some(), "--base-displacement"),
-            (self.base.base_traction.is_some(), "--base-traction"),
-        ];
-        match moved.into_iter().chain(flags).find(|(is_given, _)| *is_given) {
+        match self.moved_base().into_iter().chain(flags).find(|(is_given, _)| *is_given) {
             Some((_, flag)) => Err(Failure::value(flag, "given", format!("left out with {other}"))),
             None => Ok(()),
         }

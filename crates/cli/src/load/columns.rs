@@ -69,8 +69,8 @@ pub const STIFFNESS: &[Column<LoadRecord>] = &[
     Column::new(
         "stiffness",
         "stress/length",
-        "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; infinite \
-         in full contact if the mean level is fixed, NaN with a law and for a profile with free boundaries on a half-space",
+        "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; NaN \
+         where it is infinite (full contact with a fixed mean level) or not computed: the attribute undefined says why",
         |r| r.stiffness,
     ),
     Column::new(

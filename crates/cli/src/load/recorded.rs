@@ -11,32 +11,48 @@ use super::{LawRecord, ResidualRecord};
 
 /// A contact whose states are recorded with their stiffness.
 pub trait Stiff: Equilibrium {
-    /// The stiffness of a state at rest, if it is known, or as far as its solve came.
+    /// The stiffness of a state at rest.
     ///
     /// # Errors
-    /// The reason why the stiffness is less exact than it should be, beside it.
-    fn stiffness_of(&self, _: &Self::State) -> Result<Option<Stiffness>, (Stiffness, String)> {
-        Ok(None)
-    }
+    /// The reason why there is none, or why it is less exact than it should be.
+    fn stiffness_of(&self, state: &Self::State) -> Result<Stiffness, NoStiffness>;
+}
+
+/// The reasons why a contact has no stiffness, or not the one that it should have.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoStiffness {
+    /// It is not computed.
+    Undefined(&'static str),
+    /// It is less exact than it should be: as far as its solve came, and the remark.
+    Inexact(Stiffness, String),
 }
 
 impl Stiff for Contact {
-    fn stiffness_of(&self, state: &Solution) -> Result<Option<Stiffness>, (Stiffness, String)> {
-        self.stiffness(state).map(Some).map_err(|(reached, why)| {
+    fn stiffness_of(&self, state: &Solution) -> Result<Stiffness, NoStiffness> {
+        self.stiffness(state).map_err(|(reached, why)| {
             let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
-            (reached, text)
+            NoStiffness::Inexact(reached, text)
         })
     }
 }
 
-impl Stiff for SteepContact {}
+/// Contacts whose stiffness is not computed, each with its reason.
+macro_rules! without_stiffness {
+    ($($contact:ident: $reason:literal),+) => {
+        $(impl Stiff for $contact {
+            fn stiffness_of(&self, _: &Self::State) -> Result<Stiffness, NoStiffness> {
+                Err(NoStiffness::Undefined($reason))
+            }
+        })+
+    };
+}
 
-impl Stiff for Interface {}
-
-impl Stiff for SqueezedContact {}
-
-/// The discrete problem has a stiffness of its own in the Nyquist modes of an even grid, which is not computed.
-impl Stiff for FullContact {}
+without_stiffness! {
+    SteepContact: "not computed with finite slopes: the points in contact move sideways with the load",
+    Interface: "not computed with a law across the gap: it acts on all points, not on those in contact alone",
+    SqueezedContact: "not computed of a slab between two surfaces, which has two contacts",
+    FullContact: "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own"
+}
 
 /// A state that can be recorded as a load.
 pub trait Recorded: Fields {

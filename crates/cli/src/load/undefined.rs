@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::LoadRecord;
-
 /// The columns of a load that have no value (null in JSON, NaN in HDF5), by name, each with its reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -34,20 +32,27 @@ impl Undefined {
 
     /// The reason for one column of several loads: the attribute `undefined` of its dataset. A reason that does not hold
     /// for all loads begins with their indices.
-    pub fn of_column(loads: &[LoadRecord], column: &str) -> Option<String> {
+    pub fn of_column<'a>(loads: impl IntoIterator<Item = &'a Self>, column: &str) -> Option<String> {
+        Self::of_rows(loads, column, ["load", "loads"])
+    }
+
+    /// As [`of_column`](Self::of_column), for rows that have a `name`, in singular and plural.
+    pub fn of_rows<'a>(rows: impl IntoIterator<Item = &'a Self>, column: &str, name: [&str; 2]) -> Option<String> {
         let mut reasons: Vec<(&str, Vec<usize>)> = Vec::new();
-        for (index, load) in loads.iter().enumerate() {
-            let Some(reason) = load.undefined.0.get(column) else { continue };
+        let mut count_of_rows = 0;
+        for (index, row) in rows.into_iter().enumerate() {
+            count_of_rows += 1;
+            let Some(reason) = row.0.get(column) else { continue };
             match reasons.iter_mut().find(|(known, _)| known == reason) {
                 Some((_, indices)) => indices.push(index),
                 None => reasons.push((reason, vec![index])),
             }
         }
         let text = |(reason, indices): &(&str, Vec<usize>)| match indices.len() {
-            all if all == loads.len() => (*reason).to_owned(),
+            all if all == count_of_rows => (*reason).to_owned(),
             count => {
                 let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
-                format!("{} {}: {reason}", if count == 1 { "load" } else { "loads" }, indices.join(", "))
+                format!("{} {}: {reason}", name[usize::from(count > 1)], indices.join(", "))
             }
         };
         (!reasons.is_empty()).then(|| reasons.iter().map(text).collect::<Vec<_>>().join("; "))

@@ -174,7 +174,7 @@ impl StateCheck<'_> {
                 self.displacement(waypoint, &state, comparison)?;
                 let record =
                     state.record(&self.prepared.scales(), &problem.reading(&state), &Step::default(), args.tol);
-                self.scalars(&record, comparison, stored);
+                self.scalars(record, comparison, stored);
                 Ok(())
             }
             Action::Law(law) if !self.prepared.moves_sideways(args) => {
@@ -198,7 +198,7 @@ impl StateCheck<'_> {
                 }
                 let reading = interface.reading(&state);
                 let record = state.record(&self.prepared.scales(), &reading, &Step::default(), args.tol);
-                self.scalars(&record, comparison, stored);
+                self.scalars(record, comparison, stored);
                 Ok(())
             }
             action => self.tractions(waypoint, &gap, action, comparison, stored),
@@ -213,10 +213,12 @@ impl StateCheck<'_> {
     }
 
     /// Compares the scalars that follow from a state.
-    fn scalars(&self, record: &StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
+    fn scalars(&self, record: StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
+        let record = if self.prepared.has_level() { record } else { record.without_level() };
         let of_state = scalars(self.prepared.is_plastic(), false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
         for scalar in of_state {
-            let (path, stored, found) = (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(record));
+            let (path, stored, found) =
+                (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(&record));
             match scalar.name {
                 // The displacement outside of a patch is that by the pressure, to the residual.
                 "residual" if self.is_law_on_patch() => {

@@ -40,20 +40,25 @@ pub(super) fn draw(
             Panel { x, y: Axis::linear(area), series: legs(&|step| (lateral(step), share(step))), ..Panel::default() },
         ]
     } else {
-        vec![
-            Panel {
-                x: Axis::linear(&format!("approach / {unit}")),
-                y: Axis::linear(reduced),
-                series: legs(&|step| (step.displacement, step.p_star)),
-                ..Panel::default()
-            },
+        let approach = Panel {
+            x: Axis::linear(&format!("approach / {unit}")),
+            y: Axis::linear(reduced),
+            series: legs(&|step| (step.displacement, step.p_star)),
+            ..Panel::default()
+        };
+        let mut panels = vec![
+            approach,
             Panel {
                 x: Axis::linear(reduced),
                 y: Axis::linear("contact area"),
                 series: legs(&|step| (step.p_star, step.area_fraction)),
                 ..Panel::default()
             },
-        ]
+        ];
+        if report.steps.iter().all(|step| step.undefined.has("displacement")) {
+            panels.remove(0);
+        }
+        panels
     };
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "path"))?);

@@ -1,7 +1,6 @@
 //! The HDF5 file of a path.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
@@ -12,6 +11,7 @@ use super::{Args, Prepared, StepRecord};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
+use crate::load::Undefined;
 use crate::session::Session;
 
 /// The file of a path: the fields are written waypoint by waypoint, the scalars at the end.
@@ -100,12 +100,9 @@ impl<'a> PathFile<'a> {
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
             let path = format!("/path/{}", scalar.name);
             self.archive.write(&path, &variable, &values)?;
-            let reasons: BTreeSet<&str> = (steps.iter().flat_map(|step| step.undefined.iter()))
-                .filter_map(|(name, reason)| (name == scalar.name).then_some(reason))
-                .collect();
-            if !reasons.is_empty() {
-                let reasons: Vec<&str> = reasons.into_iter().collect();
-                self.archive.attribute(&path, "undefined", &*reasons.join("; "))?;
+            let reasons = steps.iter().map(|step| &step.undefined);
+            if let Some(reason) = Undefined::of_rows(reasons, scalar.name, ["step", "steps"]) {
+                self.archive.attribute(&path, "undefined", &*reason)?;
             }
         }
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut self.archive))?;

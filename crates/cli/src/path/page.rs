@@ -109,10 +109,14 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
             };
             vec![panel(&x, "shear / (*E*\\* *g*)", pairs(&lateral, &shears)), panel(&x, label, pairs(&lateral, share))]
         }
-        false => vec![
-            panel(&format!("approach / {unit}"), reduced, pairs(&approach, &p_star)),
-            panel(reduced, "contact area", pairs(&p_star, &area)),
-        ],
+        false => {
+            let area = panel(reduced, "contact area", pairs(&p_star, &area));
+            // The displacement may have no level.
+            match approach.iter().any(|approach| approach.is_finite()) {
+                true => vec![panel(&format!("approach / {unit}"), reduced, pairs(&approach, &p_star)), area],
+                false => vec![area],
+            }
+        }
     };
     let caption = html! { "The path, leg by leg; each point is an equilibrium." };
     if computed > 1 {

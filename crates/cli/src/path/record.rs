@@ -7,7 +7,7 @@ use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::load::Undefined;
+use crate::load::{NO_LEVEL, Undefined, WITHOUT_LEVEL};
 
 /// One step of a path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -42,11 +42,19 @@ pub struct StepRecord {
     pub converged: bool,
     pub residual: ResidualRecord,
     pub seconds: f64,
+    /// The reasons why columns have no value.
     #[serde(default, skip_serializing_if = "Undefined::is_empty")]
     pub undefined: Undefined,
 }
 
 impl StepRecord {
+    /// The record without the numbers that depend on the level of the displacement, which a surface without one does not have.
+    pub(super) fn without_level(mut self) -> Self {
+        (self.displacement, self.elastic_energy) = (f64::NAN, f64::NAN);
+        WITHOUT_LEVEL.iter().for_each(|name| self.undefined.insert(name, NO_LEVEL));
+        self
+    }
+
     /// The record as TOML, which holds every number to the last bit, and NaN.
     pub(super) fn to_toml(&self) -> Result<String, Failure> {
         let table = toml::Table::try_from(self);

@@ -1,5 +1,6 @@
 //! The printed report of a path.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -10,6 +11,7 @@ use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
 use crate::law::Adhesion;
+use crate::load::Undefined;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
@@ -219,6 +221,13 @@ impl fmt::Display for Report {
             }
         }
         writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
+        let names: BTreeSet<&str> =
+            self.steps.iter().flat_map(|step| step.undefined.iter()).map(|(name, _)| name).collect();
+        for name in names {
+            let reasons = self.steps.iter().map(|step| &step.undefined);
+            let reason = Undefined::of_rows(reasons, name, ["step", "steps"]).unwrap_or_default();
+            writeln!(f, "no {name}: {reason}")?;
+        }
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -83,15 +83,18 @@ impl Persson {
 
     /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy for each
     /// area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011). Length.
+    ///
+    /// The sum is an integral over the variance V of the pressure, in which waves of equal wavenumber are added one by one: a
+    /// depends on V, and V grows by k² |h̃|² with each wave. So the gap depends on the spectrum alone, however few its waves are.
     pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
-        let rule: Vec<(f64, f64)> = unit_rule(12).collect();
+        let separation = Separation { mean_pressure, energy_factor, rule: unit_rule(12).collect() };
+        let rules = [2, 6].map(|count| unit_rule(count).collect::<Vec<_>>());
         let mut longer = 0.0;
         let mut sum = 0.0;
         for shell in &self.shells {
-            // The waves of the shell itself spread the pressure that each of them meets: half of them, on average.
-            let variance = longer + 0.5 * shell.variance();
-            longer += shell.variance();
-            let separated = separated(mean_pressure, variance, energy_factor, &rule);
+            let variances = [longer, longer + shell.variance()];
+            longer = variances[1];
+            let separated = separation.mean_over(variances, &rules);
             sum += 0.5 * shell.stiffness * shell.mean_square_height * separated;
         }
         sum
@@ -104,28 +107,66 @@ impl Shell {
     }
 }
 
-/// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from `mean_pressure` to infinity, with a = erf(p/√(2V)); 1/stress.
-fn separated(mean_pressure: f64, variance: f64, energy_factor: f64, rule: &[(f64, f64)]) -> f64 {
-    let unit = (2.0 * variance).sqrt();
-    let start = (mean_pressure / unit).ln();
-    // In x = ln(p/√(2V)); beyond p = 6.5 √(2V) the rest is below 1e-18.
-    let end = 6.5_f64.ln();
-    if start >= end {
-        return 0.0;
+/// The mean gap over the elastic energy in full contact, for waves that meet one variance of the pressure.
+struct Separation {
+    mean_pressure: f64,
+    energy_factor: f64,
+    /// A rule of quadrature on (0, 1).
+    rule: Vec<(f64, f64)>,
+}
+
+/// p/√(2V) beyond which nothing is separated: the rest is below 1e-18.
+const FAR: f64 = 6.5;
+
+/// The ratio of the deviations of the pressure at the ends of a shell below which two points of quadrature do.
+const NARROW: f64 = 1.05;
+
+impl Separation {
+    /// The mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. The rules of quadrature are that of a
+    /// narrow interval, and that of a wide one.
+    fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2]) -> f64 {
+        // dV = 2 r dr with r = √V, from where anything is separated.
+        let least = self.mean_pressure / (2.0_f64.sqrt() * FAR);
+        let ends = [low.sqrt().max(least), high.sqrt()];
+        if ends[0] >= ends[1] {
+            // Nothing is separated, or the waves add less than the last digit.
+            return if high.sqrt() > least { self.at(high) } else { 0.0 };
+        }
+        let ratio = ends[1] / ends[0];
+        let rule = if ratio < NARROW { &rules[0] } else { &rules[1] };
+        // The integrand is smooth in ln r.
+        let panels = ratio.log2().ceil().max(1.0);
+        let edge = |panel: f64| ends[0] * ratio.powf(panel / panels);
+        let integral: f64 = (0..panels as usize)
+            .flat_map(|panel| scaled(rule, [edge(panel as f64), edge(panel as f64 + 1.0)]))
+            .map(|(deviation, weight)| weight * 2.0 * deviation * self.at(deviation * deviation))
+            .sum();
+        integral / (high - low)
     }
-    // The integrand is constant for small p and falls beyond p = √(2V): panels of unit length.
-    let panels = (end - start).ceil().max(1.0);
-    let length = (end - start) / panels;
-    let sum: f64 = (0..panels as usize)
-        .flat_map(|panel| {
-            let low = start + panel as f64 * length;
-            scaled(rule, [low, low + length])
-        })
-        .map(|(x, weight)| {
-            let s = x.exp();
-            let area = libm::erf(s);
-            weight * (-s * s).exp() * (energy_factor + 3.0 * (1.0 - energy_factor) * area * area)
-        })
-        .sum();
-    2.0 / PI.sqrt() / unit * sum
+
+    /// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from the mean pressure to infinity, with a = erf(p/√(2V)); 1/stress.
+    fn at(&self, variance: f64) -> f64 {
+        let unit = (2.0 * variance).sqrt();
+        let start = (self.mean_pressure / unit).ln();
+        // In x = ln(p/√(2V)).
+        let end = FAR.ln();
+        if start >= end {
+            return 0.0;
+        }
+        // The integrand is constant for small p and falls beyond p = √(2V): panels of unit length.
+        let panels = (end - start).ceil().max(1.0);
+        let length = (end - start) / panels;
+        let sum: f64 = (0..panels as usize)
+            .flat_map(|panel| {
+                let low = start + panel as f64 * length;
+                scaled(&self.rule, [low, low + length])
+            })
+            .map(|(x, weight)| {
+                let s = x.exp();
+                let area = libm::erf(s);
+                weight * (-s * s).exp() * (self.energy_factor + 3.0 * (1.0 - self.energy_factor) * area * area)
+            })
+            .sum();
+        2.0 / PI.sqrt() / unit * sum
+    }
 }

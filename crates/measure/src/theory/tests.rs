@@ -221,9 +221,14 @@ fn the_mean_gap_does_the_work_of_the_pressure() {
             let step = 1000_f64.ln() / 3000.0;
             let q = 2.0 * (step * (f64::from(k) + 0.5)).exp();
             let (square, stiffness) = (1e-4 * step * q.powf(-1.6), 0.5 * q);
-            let area = libm::erf(mean / (2.0 * (longer + 0.5 * stiffness * stiffness * square)).sqrt());
-            longer += stiffness * stiffness * square;
-            sum += 0.5 * stiffness * square * (0.45 * area + 0.55 * area.powi(3));
+            let variance = stiffness * stiffness * square;
+            // The waves of a step are added in fifty parts.
+            for part in 0..50 {
+                let met = longer + (f64::from(part) + 0.5) / 50.0 * variance;
+                let area = libm::erf(mean / (2.0 * met).sqrt());
+                sum += 0.5 * stiffness * square / 50.0 * (0.45 * area + 0.55 * area.powi(3));
+            }
+            longer += variance;
         }
         sum
     };
@@ -236,6 +241,38 @@ fn the_mean_gap_does_the_work_of_the_pressure() {
     let gaps = [1e-3, 1e-4, 1e-5, 1e-6].map(|part: f64| theory.mean_gap(part * deviation, 0.45));
     assert_relative_eq!(gaps[2] - gaps[1], gaps[3] - gaps[2], max_relative = 1e-3);
     assert_eq!(theory.mean_gap(20.0 * deviation, 0.45), 0.0);
+}
+
+/// The elastic energy of waves of one stiffness does not depend on how many they are: the mean gap is an integral over the
+/// variance, here by the rule of Simpson on 4000 intervals of its root, and on 400 of the logarithm of the pressure.
+#[test]
+fn the_mean_gap_of_waves_of_one_stiffness_is_an_integral_over_their_variance() {
+    const GAMMA: f64 = 0.45;
+    let simpson = |count: usize, [low, high]: [f64; 2], f: &dyn Fn(f64) -> f64| -> f64 {
+        let step = (high - low) / count as f64;
+        let weight = |i: usize| if i == 0 || i == count { 1.0 } else { [2.0, 4.0][i % 2] };
+        (0..=count).map(|i| weight(i) * f(low + step * i as f64)).sum::<f64>() * step / 3.0
+    };
+    // J(s) = ∫ from s (2/√π) e^(-x²) [γ + 3 (1 − γ) erf(x)²] dx/x, so that ū = ½ k ⟨h²⟩ mean over V of J(p/√(2V))/√(2V).
+    let integrand = |log: f64| {
+        let (x, area) = (log.exp(), libm::erf(log.exp()));
+        2.0 / std::f64::consts::PI.sqrt() * (-x * x).exp() * (GAMMA + 3.0 * (1.0 - GAMMA) * area * area)
+    };
+    let tail = |s: f64| if s < 7.0 { simpson(400, [s.ln(), 7_f64.ln()], &integrand) } else { 0.0 };
+    for (stiffness, square, pressure) in [(2.0, 1e-4, 1e-4), (2.0, 1e-4, 0.01), (0.5, 0.04, 0.2)] {
+        let variance: f64 = stiffness * stiffness * square;
+        // V = r², from r = 0, where nothing is separated at a pressure.
+        let mean_over_variance = simpson(4000, [1e-9, variance.sqrt()], &|r| {
+            let unit = 2_f64.sqrt() * r;
+            2.0 * r * tail(pressure / unit) / unit
+        }) / variance;
+        let wanted = 0.5 * stiffness * square * mean_over_variance;
+        for count in [1, 2, 7, 100] {
+            let wave = |k: u32| (1.1_f64.powi(k as i32), square / f64::from(count));
+            let theory = Persson::new((0..count).map(wave), |_| stiffness).unwrap();
+            assert_relative_eq!(theory.mean_gap(pressure, GAMMA), wanted, max_relative = 1e-5);
+        }
+    }
 }
 
 #[test]

@@ -103,6 +103,7 @@ class FieldsBelow(Record):
         von_mises: [depth, x, y], stress.
         energy_density: [depth, x, y], stress.
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
+        mean_traction: by component, stress: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every depth.
         n, length: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
@@ -119,6 +120,7 @@ class FieldsBelow(Record):
     von_mises: Array
     energy_density: Array
     levels: list[Record]
+    mean_traction: list[float]
     n: list[int]
     length: list[float]
     warnings: list[Record]
@@ -335,7 +337,7 @@ def _source(source: Union[Contact, Punch], folder: str) -> list[str]:
         np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
         elastic = flags(young=source.young, poisson=source.poisson, height=_command.height_flag(source.height))
         elastic += _command.other_flags(source, source.get("layer", ()))
-        return [f"--surface={given}", *flags(length=source.length[0]), *elastic]
+        return [f"--surface={given}", *flags(length=source.length[0], mean_traction=source.mean_traction), *elastic]
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 

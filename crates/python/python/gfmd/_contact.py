@@ -55,7 +55,8 @@ class Contact(Record):
         surface, body, law: those given.
         mean_pressure: mean pressure over the whole surface, stress; with a law, attraction included.
         p_star: mean pressure over E* times the rms gradient.
-        displacement, approach: rigid approach beyond first touch, length.
+        displacement, approach: rigid approach beyond first touch, length; as `elastic_energy` NaN for a profile with free boundaries
+            on a half-space, whose displacement is known up to a constant.
         area_fraction: points in contact (with a law: repelled) over all points.
         area_fraction_corrected: the same less the excess of the pixels along the perimeter.
         kappa, kappa_corrected: area_fraction, area_fraction_corrected over p_star.
@@ -65,8 +66,9 @@ class Contact(Record):
         mean_pressure_in_contact, pressure_deviation_in_contact: mean and standard deviation over the points in contact, stress.
         pressure_moment_2: mean square pressure over the whole surface, stress^2.
         elastic_energy: elastic energy per area, stress * length.
-        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN with a law, with all components, for a profile
-            with free boundaries, and in full contact if the mean level is fixed (half-space), where it is infinite.
+        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN, with its reason in
+            `undefined`, with a law, with all components, with finite slopes, with a lower surface, for a profile with free boundaries
+            on a half-space, and in full contact if the mean level is fixed (half-space), where it is infinite.
         stiffness_error: its relative error.
         iterations, transform_pairs: effort of the solve.
         converged: True if no residual exceeds the tolerance.
