@@ -2,6 +2,15 @@
 
 use super::{PlotError, Scale};
 
+/// The largest end of an axis.
+const LARGEST: f64 = 1e307;
+
+/// The shortest linear axis, and the lowest end of a logarithmic one.
+const SMALLEST: f64 = 1e-304;
+
+/// The shortest linear axis over its ends, of which its ticks still differ.
+const NARROWEST: f64 = 1e-13;
+
 /// An axis with its range and its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
@@ -18,12 +27,15 @@ impl Ticks {
     /// Chooses the ticks; `about` is the number of labels for which there is room.
     pub(super) fn new(scale: Scale, range: [f64; 2], about: f64) -> Result<Self, PlotError> {
         let [low, high] = range;
-        if !(low.is_finite() && high.is_finite() && low < high) {
+        // Beyond these sizes steps, powers of ten and distances are no numbers.
+        let largest = low.abs().max(high.abs());
+        let is_drawable = largest <= LARGEST && high - low >= SMALLEST && high - low > NARROWEST * largest;
+        if !(low.is_finite() && high.is_finite() && low < high && is_drawable) {
             return Err(PlotError::BadRange { range });
         }
         match scale {
             Scale::Linear => Ok(Self::linear(range, about)),
-            Scale::Log if low > 0.0 => Ok(Self::log(range, about)),
+            Scale::Log if low >= SMALLEST => Ok(Self::log(range, about)),
             Scale::Log => Err(PlotError::BadRange { range }),
         }
     }
@@ -128,7 +140,8 @@ pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<
     Some(match scale {
         Scale::Linear => {
             let room = if high > low { 0.06 * (high - low) } else { 0.1 * low.abs().max(1e-300) };
-            let room = if room > 0.0 && room > 1e-12 * high.abs() { room } else { 1.0 };
+            let largest = low.abs().max(high.abs());
+            let room = if room > 0.0 && room > 1e-12 * largest { room } else { (0.1 * largest).max(1.0) };
             [low - room, high + room]
         }
         Scale::Log => {

@@ -27,9 +27,10 @@ pub enum PlotError {
         /// Its place in the figure.
         place: String,
     },
-    /// The range of an axis is empty or reversed, or not positive on a logarithmic axis.
+    /// The range of an axis is empty or reversed, not positive on a logarithmic axis, or beyond the numbers that have ticks.
     #[error(
-        "the range of an axis is {} to {}; it must be finite and increasing, and above zero if logarithmic",
+        "the range of an axis is {:?} to {:?}; it must be increasing, with ends up to 1e307, longer than 1e-304 and than 1e-13 \
+         of its ends, and from 1e-304 on if logarithmic",
         range[0],
         range[1]
     )]

@@ -246,7 +246,7 @@ fn invalid_input_is_refused() {
     assert!(with(&|panel| panel.levels[0].range = [f64::INFINITY; 2]).contains("reference \"tolerance\""));
     assert!(with(&|panel| panel.series[0].points[0].range = Some([f64::NAN, 1.0])).contains("NaN"));
     assert_eq!(with(&|panel| panel.series.clear()), "nothing to plot: a panel has no points");
-    assert!(with(&|panel| panel.x.range = Some([1.0, 1.0])).starts_with("the range of an axis is 1 to 1;"));
+    assert!(with(&|panel| panel.x.range = Some([1.0, 1.0])).starts_with("the range of an axis is 1.0 to 1.0;"));
     assert!(matches!(Chart::new(vec![]).png(), Err(PlotError::Empty { .. })));
 
     let field = bumps(4, 4);
@@ -283,6 +283,77 @@ fn degenerate_data_are_drawn() {
         Map::new(&field, [6, 6], [1.0, 1.0], "height").png().unwrap();
         pressure_map(&field, [6, 6]).png().unwrap();
     }
+}
+
+/// Numbers of any size are drawn or refused in words, without a panic, and no coordinate is written that is no number.
+#[test]
+fn numbers_of_any_size_are_drawn_or_refused() {
+    let extremes = [
+        0.0,
+        1.0,
+        1.0 + f64::EPSILON,
+        -1.0,
+        1e15,
+        1e20 * (1.0 + 1e-13),
+        1e20,
+        1e-15,
+        -1e-100,
+        1e300,
+        -1e300,
+        1e307,
+        1e308,
+        -1e308,
+        f64::MAX,
+        f64::MIN,
+        f64::MIN_POSITIVE,
+        5e-324,
+        -5e-324,
+        f64::INFINITY,
+        f64::NAN,
+    ];
+    let (mut drawn, mut refused) = (0, 0);
+    let mut judge = |outcome: Result<String, PlotError>, what: &dyn Fn() -> String| match outcome {
+        Ok(svg) => {
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{}", what());
+            drawn += 1;
+        }
+        Err(error) => {
+            assert!(!error.to_string().contains('\n') && error.to_string().len() < 1000, "{error}");
+            refused += 1;
+        }
+    };
+    for a in extremes {
+        for b in extremes {
+            for (x, y) in [
+                (Axis::linear("x"), Axis::linear("y")),
+                (Axis::log("x"), Axis::log("y")),
+                (Axis::linear("x").over([a, b]), Axis::log("y").over([b, a])),
+            ] {
+                let panel = Panel {
+                    x,
+                    y,
+                    series: vec![
+                        Series::points("p", 0, vec![Point::within(a, b, [b, a]), Point::new(b, a)]),
+                        Series { mark: Mark::Filled(Side::Zero), ..Series::line("l", 1, [(1.0, a), (2.0, b)]) },
+                    ],
+                    levels: vec![Level::band([a, b], "band")],
+                    ..Panel::default()
+                };
+                let chart = Chart::new(vec![panel.clone(), Panel { title: "b".into(), ..panel.clone() }]);
+                judge(chart.svg(), &|| format!("chart {a:e} {b:e}"));
+                judge(Chart::stacked(vec![panel.clone(), panel]).svg(), &|| format!("stacked {a:e} {b:e}"));
+            }
+            let values = [a, b, a, 1.0, 0.5, b];
+            for scale in [Scale::Linear, Scale::Log] {
+                let map = Map { scale, ..Map::new(&values, [3, 2], [1.0, 1.0], "map") };
+                judge(map.svg(), &|| format!("map {a:e} {b:e}"));
+                let below = Map { below: Some(Below::pale(a, "none")), range: Some([a, b]), ..map.clone() };
+                judge(below.svg(), &|| format!("map of a range {a:e} {b:e}"));
+                judge(Map { size: [a, b], ..map }.svg(), &|| format!("map of a size {a:e} {b:e}"));
+            }
+        }
+    }
+    assert!(drawn > 500 && refused > 500, "{drawn} {refused}");
 }
 
 /// Two figures in one page must not share ids; labels stay as they are.
