@@ -345,6 +345,9 @@ impl Default for FitConfig {
     }
 }
 
+/// The most discretisations of a sweep. A configuration may come from a file of anyone.
+const MOST_POINTS: usize = 10_000;
+
 impl Config {
     /// Number of realisations at a point of n points along one axis, if the largest grid has `largest`.
     pub(crate) fn realisations(&self, at: &Discretisation, n: usize, largest: usize) -> u64 {
@@ -401,6 +404,15 @@ impl Config {
     /// A combination that is no grid; no combination at all.
     pub(crate) fn discretisations(&self) -> Result<Vec<(Discretisation, usize)>, SweepError> {
         let PointsConfig { design, eps_t_inv, eps_f_inv, eps_c_inv, centre, largest_n } = &self.points;
+        let [t, f, c] = [eps_t_inv, eps_f_inv, eps_c_inv].map(Vec::len);
+        let count = match design {
+            Design::Grid => t.saturating_mul(f).saturating_mul(c),
+            Design::Star => (1 + t + f + c).saturating_mul(self.fit.references.len().max(1)),
+        };
+        if count > MOST_POINTS {
+            let allowed = format!("at most {MOST_POINTS} combinations of the three numbers");
+            return Err(SweepError::Field { field: "points", found: count.to_string(), allowed });
+        }
         let mut all: Vec<[f64; 3]> = Vec::new();
         match design {
             Design::Grid => {

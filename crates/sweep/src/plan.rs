@@ -62,6 +62,9 @@ pub struct Plan {
 /// Distance between the first seeds of two groups of realisations.
 const SEEDS_PER_GROUP: u64 = 1_000_000;
 
+/// The most runs of a sweep, so that a plan alone does not fill the memory.
+const MOST_RUNS: u64 = 10_000_000;
+
 /// The work of one load in transform pairs. Between 22 and 34 pairs were measured, for any size; the passes over memory
 /// between them take about as long as the transforms, hence the factor 2.
 const PAIRS: f64 = 2.0 * 30.0;
@@ -101,6 +104,10 @@ impl Plan {
                 let realisations = surfaces.get(point).copied().unwrap_or(by_rule);
                 if realisations > SEEDS_PER_GROUP {
                     let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
+                    return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
+                }
+                if realisations > MOST_RUNS - runs.len() as u64 {
+                    let allowed = format!("small enough for {MOST_RUNS} runs in all");
                     return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));
                 }
                 points.push(Point { hurst, discretisation, grid, first_seed });
@@ -170,6 +177,32 @@ mod tests {
             let same_modes = (p.eps_t_inv, a.realisation) == (q.eps_t_inv, b.realisation);
             assert_eq!(a.seed == b.seed, same_modes, "{a:?} {b:?}");
         }
+    }
+
+    #[test]
+    fn plans_that_fill_the_memory_are_refused() {
+        let config = Preset::Smoke.config();
+        let lists: Vec<f64> = (0..1000).map(|k| 1.0 + f64::from(k)).collect();
+        let points = crate::PointsConfig {
+            design: crate::Design::Grid,
+            eps_t_inv: lists.clone(),
+            eps_f_inv: lists.clone(),
+            eps_c_inv: lists,
+            ..config.points.clone()
+        };
+        let message = Plan::new(Config { points, ..config.clone() }).unwrap_err().to_string();
+        assert!(message.contains("points") && message.contains("1000000000"), "{message}");
+        let points = crate::PointsConfig {
+            design: crate::Design::Grid,
+            eps_t_inv: vec![1.0, 2.0],
+            eps_f_inv: (4..14).map(f64::from).collect(),
+            eps_c_inv: vec![2.0],
+            ..config.points.clone()
+        };
+        let statistics =
+            StatisticsConfig { realisations: 1_000_000, nested: false, equal_area: false, ..config.statistics.clone() };
+        let message = Plan::new(Config { points, statistics, ..config }).unwrap_err().to_string();
+        assert!(message.contains("10000000 runs in all"), "{message}");
     }
 
     #[test]
