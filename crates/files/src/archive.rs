@@ -92,6 +92,9 @@ impl<'a> Archive<'a> {
     ) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         let dataset = self.new_dataset::<T>(path, variable, None)?;
+        if !self.output.has_values() {
+            return Ok(());
+        }
         let shape = variable.shape();
         let written = match shape.len() {
             0 => dataset.write_scalar(&values[0]),
@@ -110,6 +113,9 @@ impl<'a> Archive<'a> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
         self.check_length(path, variable, texts.len())?;
         let dataset = self.new_dataset::<VarLenUnicode>(path, variable, None)?;
+        if !self.output.has_values() {
+            return Ok(());
+        }
         let written =
             if variable.dimensions.is_empty() { dataset.write_scalar(&texts[0]) } else { dataset.write_raw(&texts) };
         self.flushed(path, &dataset, written)
@@ -128,6 +134,9 @@ impl<'a> Archive<'a> {
         let expected: usize = shape.iter().skip(1).product();
         if shape.is_empty() || index >= shape[0] || values.len() != expected {
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
+        }
+        if !self.output.has_values() {
+            return Ok(());
         }
         let (mut first, mut lengths) = (vec![0; shape.len()], shape);
         (first[0], lengths[0]) = (index, 1);
@@ -162,6 +171,9 @@ impl<'a> Archive<'a> {
             let index = index.unwrap_or(first);
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
+        if !self.output.has_values() {
+            return Ok(());
+        }
         let box_of = |entry: Option<usize>, row, column| entry.into_iter().chain([row, column]).collect::<Vec<_>>();
         let (first, lengths) = (box_of(index, first, 0), box_of(index.map(|_| 1), count, columns));
         let written = chunks::write(&dataset, &first, &lengths, values);
@@ -193,9 +205,11 @@ impl<'a> Archive<'a> {
             scale.write_references(self.file()?).map_err(|error| FileError::write(&part, scale.path(), &error))?;
         }
         self.file()?.flush().map_err(|error| self.failed("(checksum)", &error))?;
-        let sum = Hdf5::open(&part).and_then(|file| content::checksum(&file));
-        let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
-        self.attribute("/", content::NAME, sum.map_err(unreadable)?)?;
+        if self.output.has_values() {
+            let sum = Hdf5::open(&part).and_then(|file| content::checksum(&file));
+            let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
+            self.attribute("/", content::NAME, sum.map_err(unreadable)?)?;
+        }
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());
             if let Err(error) = closed {

@@ -12,6 +12,7 @@ use crate::FileError;
 pub struct Output {
     path: PathBuf,
     lock: File,
+    has_values: bool,
 }
 
 impl Output {
@@ -34,7 +35,7 @@ impl Output {
                 .open(&lock_path)
                 .map_err(|source| FileError::Io { action: "create", path: lock_path.clone(), source })?;
             match lock.try_lock() {
-                Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock }),
+                Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock, has_values: true }),
                 Ok(()) => continue,
                 Err(TryLockError::WouldBlock) => break,
                 Err(TryLockError::Error(source)) => {
@@ -52,6 +53,18 @@ impl Output {
     /// A claim that another process holds; paths at which there can be no file.
     pub fn claim_beside(path: &Path, suffix: &str) -> Result<Self, FileError> {
         Self::claim(beside(&target(path)?, suffix))
+    }
+
+    /// The same target for the layout of a file alone: an [`Archive`](crate::Archive) then has all names, shapes, units, attributes and
+    /// coordinates, but no values and no checksum.
+    #[must_use]
+    pub fn layout(mut self) -> Self {
+        self.has_values = false;
+        self
+    }
+
+    pub(crate) fn has_values(&self) -> bool {
+        self.has_values
     }
 
     /// The path of the target.

@@ -6,8 +6,10 @@ use std::path::Path;
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
-use hdf5_reader::{Attribute, Dataset, Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
+use hdf5_reader::{Attribute, Dataset, Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, StringSize};
 use ndarray::ArrayD;
+
+use crate::archive;
 
 use number::Stored;
 
@@ -122,6 +124,28 @@ impl Hdf5 {
             Err(_) => self.file.group(path).and_then(|group| group.attribute(name)),
         };
         found.map_err(text)
+    }
+
+    /// The attributes of the group or dataset at `path` that are single numbers, or texts of any length, by name.
+    pub(crate) fn attributes(&self, path: &str) -> Result<Vec<(String, archive::Attribute)>, String> {
+        let all = match self.file.dataset(path) {
+            Ok(dataset) => dataset.attributes(),
+            Err(_) => self.file.group(path).and_then(|group| group.attributes()).map_err(text)?,
+        };
+        let mut found = Vec::new();
+        for one in all.into_iter().filter(|one| one.shape.is_empty()) {
+            let value = match &one.datatype {
+                kind @ Datatype::FloatingPoint { .. } => f64::decode(&one.raw_data, kind).map(Into::into),
+                kind @ Datatype::FixedPoint { signed: true, .. } => i64::decode(&one.raw_data, kind).map(Into::into),
+                kind @ Datatype::FixedPoint { .. } => u64::decode(&one.raw_data, kind).map(Into::into),
+                // Texts of fixed length are the marks of dimension scales.
+                Datatype::String { size: StringSize::Fixed(_), .. } => continue,
+                _ => one.read_string().map(Into::into),
+            };
+            found.push((one.name.clone(), value.map_err(text)?));
+        }
+        found.sort_by(|(one, _), (other, _)| one.cmp(other));
+        Ok(found)
     }
 
     /// The dataset at `path`.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{FileError, content};
+use super::{Attribute, FileError, content};
 use crate::stored::{Hdf5, Number};
 
 /// An HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file is an error.
@@ -30,8 +30,16 @@ impl Reader {
     /// A file that cannot be read to its end.
     pub fn is_intact(&self) -> Result<Option<bool>, FileError> {
         let Ok(stated) = self.text("/", content::NAME) else { return Ok(None) };
-        let found = content::checksum(&self.file).map_err(|reason| self.failed("(all)", reason))?;
-        Ok(Some(found == stated))
+        Ok(Some(self.content_sha256()? == stated))
+    }
+
+    /// The checksum of the content as it is: the names, shapes and values of all variables, and all attributes that are single numbers or
+    /// texts, but for that of the root which has the checksum.
+    ///
+    /// # Errors
+    /// A file that cannot be read to its end.
+    pub fn content_sha256(&self) -> Result<String, FileError> {
+        content::checksum(&self.file).map_err(|reason| self.failed("(all)", reason))
     }
 
     /// The path of the file.
@@ -74,6 +82,20 @@ impl Reader {
     pub fn texts(&self, path: &str) -> Result<Vec<String>, FileError> {
         self.check(path)?;
         self.file.texts(path).map_err(|reason| self.failed(path, reason))
+    }
+
+    /// The attributes of the group or variable at `path` that are single numbers or texts, in the order of their names. Those that mark and
+    /// link dimensions are left out.
+    ///
+    /// # Errors
+    /// A path at which there is nothing, or attributes that cannot be read.
+    pub fn attributes(&self, path: &str) -> Result<Vec<(String, Attribute)>, FileError> {
+        self.file.attributes(path).map_err(|reason| self.failed(&attribute(path, "*"), reason))
+    }
+
+    /// True if the variable at `path` has the coordinates of a dimension.
+    pub fn is_coordinate(&self, path: &str) -> bool {
+        self.contains(path) && self.text(path, "CLASS").is_ok_and(|class| class == "DIMENSION_SCALE")
     }
 
     /// A text attribute of the group or variable at `path`; `/` is the root.
