@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use gfmd_cli::check::{Kind, configuration};
 use gfmd_cli::contact::{Chosen, ContactFile};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::load::{LoadRecord, Recording};
@@ -111,10 +112,11 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
     quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
 }
 
-/// A table of TOML as JSON.
+/// The configuration of a result of `contact` as JSON: only keys and types that such results have.
 #[pyfunction]
-pub(crate) fn toml_to_json(py: Python<'_>, text: &str) -> PyResult<String> {
-    let table: toml::Table = text.parse().map_err(|error| refused(py, &error))?;
+pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
+    let read = quick(py, || configuration(&Reader::open(path)?, Kind::Contact))?;
+    let table = read.map_err(|failure| failed(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))
 }
 

@@ -19,7 +19,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::contact::{Problem, State, adhesion, check_law, conductance, solvers};
     #[pymodule_export]
-    use crate::files::{json_to_toml, read_array, read_text, save, toml_to_json};
+    use crate::files::{json_to_toml, read_array, read_config, read_text, save};
     #[pymodule_export]
     use crate::surface::{composite, detrend, fill, periodise, read, self_affine, statistics};
 

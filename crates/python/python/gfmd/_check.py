@@ -50,7 +50,8 @@ def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int
                 return found
         except (TypeError, ValueError, OverflowError):
             pass
-    limits = f"between {least} and {most}" if most < 2**63 - 1 else f"at least {least}"
+    is_large = isinstance(value, int) and value > most
+    limits = f"between {least} and {most}" if most < 2**63 - 1 or is_large else f"at least {least}"
     raise InputError(f"{name} is {shown(value)}; it must be a whole number, {limits}")
 
 

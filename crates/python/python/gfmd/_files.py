@@ -94,12 +94,20 @@ def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
     return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, "description"))
 
 
-def _lower(name: str) -> list[Record]:
+def _array(name: str, dataset: str, shape: tuple[int, ...]) -> Array:
+    """An array of a file, which has this shape."""
+    found = _gfmd.read_array(name, dataset)
+    if found.shape != shape:
+        raise InputError(f"{name}: {dataset} has the shape {list(found.shape)}; it must be {list(shape)}")
+    return found
+
+
+def _lower(name: str, loads: tuple[int]) -> list[Record]:
     """The contacts of the lower face in a file."""
     keys = ["mean_pressure", "displacement", "area_fraction", "area_fraction_corrected", "contact_nodes", "boundary_links"]
     keys += ["mean_gap", "max_pressure", "mean_pressure_in_contact"]
-    columns = {key: _gfmd.read_array(name, f"/loads/lower_{key}") for key in keys}
-    residuals = {part: _gfmd.read_array(name, f"/loads/lower_residual_{part}") for part in _RESIDUALS}
+    columns = {key: _array(name, f"/loads/lower_{key}", loads) for key in keys}
+    residuals = {part: _array(name, f"/loads/lower_residual_{part}", loads) for part in _RESIDUALS}
 
     def one(index: int) -> Record:
         residual = Residual({part: float(values[index]) for part, values in residuals.items()})
@@ -129,11 +137,12 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         True
     """
     name = _check.path("path", path)
-    config = json.loads(_gfmd.toml_to_json(_gfmd.read_text(name, "/", "config")))
-    hardness = config.get("hardness")
-    hardness = _check.frozen(_gfmd.read_array(name, "/surface/hardness")) if isinstance(hardness, str) else hardness and float(hardness)
+    # Of keys and types that results have; a file may come from anyone.
+    config = json.loads(_gfmd.read_config(name))
     length = [] if "second_surface" in config else config.get("length", [])
     surface = _stored(name, "/surface", length)
+    hardness = config.get("hardness")
+    hardness = _check.frozen(_array(name, "/surface/hardness", surface.heights.shape)) if isinstance(hardness, str) else hardness and float(hardness)
     between = "lower_surface" in config or "lower_seed" in config
     lower = _stored(name, "/lower", length) if between else None
     finite_slope = bool(config.get("finite_slope", False))
@@ -142,7 +151,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     below = {name: config[name] for name in ("base", "base_young", "base_poisson", "second_body") if name in config}
     young, height = None if e_star is not None else config.get("young"), None if height == "inf" else height
     body = Body(young, config.get("poisson", 0.0), e_star=e_star, height=height, layers=config.get("layer", ()), **below)
-    law = Law(config.get("law", "hard-wall"), {name: float(value) for name, value in config.get("param", [])})
+    law = Law(config.get("law", "hard-wall"), {key: float("nan" if value is None else value) for key, value in config.get("param", [])})
     names = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "kappa", "kappa_corrected"]
     names += ["contact_nodes", "boundary_links", "mean_gap", "max_pressure", "mean_pressure_in_contact", "pressure_deviation_in_contact"]
     names += ["pressure_moment_2", "elastic_energy", "stiffness", "stiffness_error", "iterations", "transform_pairs", "converged", "residual", "seconds"]
@@ -157,18 +166,23 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     components = str(config.get("components", "normal"))
     parts = [*_RESIDUALS, *(["saturation"] if hardness is not None else [])]
     parts += ["lateral_traction"] * (components == "all") + ["lateral_displacement"] * finite_slope
-    residuals = {part: _gfmd.read_array(name, f"/loads/residual_{part}") for part in parts}
-    columns = {key: _gfmd.read_array(name, f"/loads/{key}") for key in names if key not in ("residual", "mean_shear", *_STIFFNESS)}
+    pressures = _gfmd.read_array(name, "/loads/mean_pressure")
+    if pressures.ndim != 1:
+        raise InputError(f"{name}: /loads/mean_pressure has the shape {list(pressures.shape)}; it must be [loads]")
+    loads = pressures.shape
+    shape = (*loads, *surface.heights.shape)
+    residuals = {part: _array(name, f"/loads/residual_{part}", loads) for part in parts}
+    columns = {key: _array(name, f"/loads/{key}", loads) for key in names if key not in ("residual", "mean_shear", *_STIFFNESS)}
     if finite_slope:
-        columns["mean_shear"] = np.stack([_gfmd.read_array(name, f"/loads/mean_shear_{axis}") for axis in "xy"], axis=1)
+        columns["mean_shear"] = np.stack([_array(name, f"/loads/mean_shear_{axis}", loads) for axis in "xy"], axis=1)
     for key in _STIFFNESS:
         try:
-            column = _gfmd.read_array(name, f"/loads/{key}")
+            column = _array(name, f"/loads/{key}", loads)
         except InputError:  # a file of an earlier version
             column = np.full_like(columns["mean_pressure"], np.nan)
         # Infinite in full contact: no number, as in JSON.
         columns[key] = np.where(np.isinf(column), np.nan, column)
-    fields = [_gfmd.read_array(name, f"/fields/{field}") for field in ("pressure", "displacement_z", "gap")]
+    fields = [_array(name, f"/fields/{field}", shape) for field in ("pressure", "displacement_z", "gap")]
 
     def scalar(key: str, index: int) -> Any:
         if key == "residual":
@@ -177,13 +191,13 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
             return columns[key][index].tolist()
         return _number(key, float(columns[key][index]))
 
-    faces = _lower(name) if between else []
+    faces = _lower(name, loads) if between else []
     lateral = LATERAL[: 1 if surface.n[1] == 1 else 2] if components == "all" or finite_slope else ()
     further = (*(() if hardness is None else ("plastic_depth",)), *lateral, *(LOWER if between else ()))
-    others = {field: _gfmd.read_array(name, f"/fields/{field}") for field in further}
+    others = {field: _array(name, f"/fields/{field}", shape) for field in further}
     if law.name != "hard-wall":
         try:
-            others[REPULSION] = _gfmd.read_array(name, f"/fields/{REPULSION}")
+            others[REPULSION] = _array(name, f"/fields/{REPULSION}", shape)
         except InputError:  # a law without a wall, or a file of an earlier version
             pass
     told = (str(config.get("solver", "auto")), float(config.get("tol", 1e-8)), str(config.get("boundary", "periodic")))
@@ -194,7 +208,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         pressure, displacement, gap = (np.ascontiguousarray(field[index]) for field in fields)
         values = {**{key: scalar(key, index) for key in names}, **({"lower": faces[index]} if between else {})}
         own = {field: np.ascontiguousarray(column[index]) for field, column in others.items()}
-        load = (control, float(asked[index])) if index < len(asked) else None
+        load = (control, float(asked[index])) if index < len(asked) and asked[index] is not None else None
         return Contact(values, (surface, body, law), (pressure, displacement, gap), settings._replace(load=load), None, own)
 
     contacts = [contact(index) for index in range(len(fields[0])) if np.isfinite(columns["mean_pressure"][index])]

@@ -21,13 +21,13 @@ __all__ = [
     "program",
     "read",
     "read_array",
+    "read_config",
     "read_text",
     "run",
     "save",
     "self_affine",
     "solvers",
     "statistics",
-    "toml_to_json",
 ]
 VERSION: str
 GIT_COMMIT: str
@@ -110,5 +110,5 @@ def save(
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...
-def toml_to_json(text: str) -> str: ...
+def read_config(path: str) -> str: ...
 def json_to_toml(text: str) -> str: ...

@@ -406,7 +406,7 @@ def self_affine(
         hurst: Hurst exponent, 0 to 1.
         rms_gradient: root mean square of the full gradient, 0.1 by default; or
         rms_height: root mean square of the heights, length.
-        seed: name of the realisation: one seed gives one surface on any grid.
+        seed: name of the realisation, below 2**63: one seed gives one surface on any grid.
         size: lengths of the cell, L or (Lx, Ly); 1 by default.
         unit: the unit of heights and lengths, such as "m"; only told, never converted.
         eps_t_inv: cell over longest wavelength, at least 1; 2 by default.
@@ -443,7 +443,7 @@ def self_affine(
         eps_c_inv=optional("eps_c_inv", eps_c_inv),
         rms_gradient=0.1 if rms_gradient is None else number("rms_gradient", rms_gradient),
         rms_height=optional("rms_height", rms_height),
-        seed=integer("seed", seed, 0, 2**64 - 1),
+        seed=integer("seed", seed, 0, 2**63 - 1),
         dim=integer("dim", dim, 2, 3),
         method=word("method", method),
         roll_off=optional("roll_off", roll_off),
