@@ -2,8 +2,11 @@
 //! and compares number for number.
 
 mod comparison;
+mod config;
+mod pair;
 mod rerun;
 mod surface;
+pub mod trust;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -18,9 +21,12 @@ use crate::{body, contact, kappa_sweep, path, punch};
 
 pub(crate) use comparison::Comparison;
 pub use comparison::Difference;
+pub(crate) use comparison::printable;
+pub(crate) use config::Configuration;
+pub(crate) use pair::{Against, Pair, layout};
 use rerun::Rerun;
-pub(crate) use rerun::{all, parsed, words};
-pub(crate) use surface::{beside_fields, flags_again, stored_fields, stored_surface};
+pub(crate) use rerun::{Folder, parsed};
+pub(crate) use surface::{beside_fields, flags_again, regenerated, stored_fields, stored_surface, stored_unit};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -117,6 +123,9 @@ pub struct Report {
     pub differences: Vec<Difference>,
 }
 
+/// The number of differences that the message of a failure names.
+const LISTED: usize = 20;
+
 /// Runs the command.
 ///
 /// # Errors
@@ -133,10 +142,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let input_of = |name| input(&reader, kind, name);
     let (input, second_input) = (input_of("file")?, input_of("second_file")?);
     for Input { file, .. } in input.iter().chain(&second_input).filter(|input| input.state == InputState::Changed) {
-        comparison.differ("input", format!("{file} has another checksum than the input of the run"));
+        comparison.differ("input", format!("{} has another checksum than the input of the run", printable(file)));
     }
-    if intact == Some(false) {
-        comparison.differ("content_sha256", "the content is not that which was written".into());
+    match intact {
+        Some(true) => {}
+        Some(false) => comparison.differ("content_sha256", "the content is not that which was written".into()),
+        None => comparison.differ("content_sha256", "it is missing; every version writes it".into()),
     }
     let recomputed = recompute(args, kind, &reader, &mut comparison, session);
     match recomputed {
@@ -161,8 +172,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         differences: comparison.into_differences(),
     };
     let failure = (!report.differences.is_empty()).then(|| {
-        let names: Vec<&str> = report.differences.iter().map(|difference| difference.name.as_str()).collect();
-        Failure::Computation(format!("{} differs in {}", file.display(), names.join(", ")))
+        let names = report.differences.iter().map(|difference| difference.name.as_str());
+        let names = names.take(LISTED).collect::<Vec<_>>().join(", ");
+        let rest = report.differences.len().saturating_sub(LISTED);
+        let rest = if rest == 0 { String::new() } else { format!(" and {rest} others") };
+        Failure::Computation(format!("{} differs in {names}{rest}", file.display()))
     });
     Ok(Outcome { report, failure })
 }
@@ -174,23 +188,35 @@ fn recompute(
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
-    let config = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    if kind == Kind::KappaSweep {
+        return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
+    }
+    let config = Configuration::read(kind, &text)?;
     match kind {
         Kind::Contact => contact::check(reader, &config, comparison, session)?,
         Kind::Path => path::check(reader, &config, comparison, session)?,
-        Kind::Punch => punch::check(reader, &config, comparison)?,
-        Kind::KappaSweep => kappa_sweep::check(reader, &config, args.rerun, args.sample, comparison, session)?,
-        Kind::Body => {}
+        Kind::Punch => punch::check(reader, &config, comparison, session)?,
+        Kind::Body | Kind::KappaSweep => {}
     }
-    let rerun = Rerun { reader, config: &config, session };
+    let rerun = Rerun { reader, kind, config: &config, session };
     match kind {
         // The fields below a surface have no certificate but that they can be computed again.
-        Kind::Body => rerun.compare(kind.name(), comparison, body::again),
-        Kind::Contact if args.rerun => rerun.compare(kind.name(), comparison, contact::again),
-        Kind::Path if args.rerun => rerun.compare(kind.name(), comparison, path::again),
-        Kind::Punch if args.rerun => rerun.compare(kind.name(), comparison, punch::again),
+        Kind::Body => rerun.compare(comparison, body::again),
+        Kind::Contact if args.rerun => rerun.compare(comparison, contact::again),
+        Kind::Path if args.rerun => rerun.compare(comparison, path::again),
+        Kind::Punch if args.rerun => rerun.compare(comparison, punch::again),
         _ => Ok(()),
     }
+}
+
+/// The configuration of a result of a `kind`, of keys and types that such results have.
+///
+/// # Errors
+/// A file that cannot be read; a key that is none of such results, a value of another type.
+pub fn configuration(reader: &Reader, kind: Kind) -> Result<toml::Table, Failure> {
+    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    Configuration::read(kind, &text).map(Configuration::into_table)
 }
 
 /// The input file that a result names in an attribute, if any.
@@ -200,10 +226,14 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
         return Ok(None);
     };
     let path = Path::new(&file);
-    let state = match path.exists() {
-        false => InputState::Missing,
-        true if Checksum::of_file(path)? == sha256 => InputState::Unchanged,
-        true => InputState::Changed,
+    let state = match std::fs::metadata(path) {
+        Err(_) => InputState::Missing,
+        // It may be a device or a pipe, which has no end.
+        Ok(about) if !about.is_file() => {
+            return Err(Failure::Input(format!("{group}@{name} is {file:?}; it must be a regular file")));
+        }
+        Ok(_) if Checksum::of_file(path)? == sha256 => InputState::Unchanged,
+        Ok(_) => InputState::Changed,
     };
     Ok(Some(Input { file, sha256, state }))
 }
@@ -215,7 +245,7 @@ impl fmt::Display for Report {
         let words = match intact {
             Some(true) => "holds",
             Some(false) => "DOES NOT HOLD: the file is damaged, or was changed",
-            None => "is absent: the file was written by an older version",
+            None => "IS MISSING: every version writes it",
         };
         writeln!(f, "checksum of the content {words}")?;
         for Input { file, state, .. } in input.iter().chain(second_input) {
@@ -224,7 +254,7 @@ impl fmt::Display for Report {
                 InputState::Changed => "HAS CHANGED since the run",
                 InputState::Missing => "is not there",
             };
-            writeln!(f, "input {file} {words}")?;
+            writeln!(f, "input {} {words}", printable(file))?;
         }
         let how = if *rerun { "recomputed and run again" } else { "recomputed from the stored inputs" };
         writeln!(f, "{compared} numbers {how}: {differing} differ, {rounded} in their last digits only")?;

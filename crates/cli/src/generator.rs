@@ -15,6 +15,9 @@ use crate::choice::{by_name, parse_choice};
 use crate::failure::{Failure, check_size};
 use crate::memory::{Held, Processes};
 
+/// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
+pub const LARGEST_SEED: u64 = i64::MAX as u64;
+
 /// The default number of points along one side.
 const POINTS: usize = 256;
 
@@ -59,8 +62,8 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<f64>,
-    /// Number of the realisation; seed and cell determine the surface on any grid
-    #[arg(long, default_value_t = 1)]
+    /// Number of the realisation, below 2^63; seed and cell determine the surface on any grid
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     pub seed: u64,
     /// 3: a surface; 2: a profile, for plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]

@@ -6,7 +6,7 @@ use gfmd_surface::Periodisation;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::generator::GeneratorArgs;
+use crate::generator::{GeneratorArgs, LARGEST_SEED};
 use crate::session::Session;
 use crate::source::{Detrend, SourceArgs, Surface};
 
@@ -18,8 +18,8 @@ pub struct LowerArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_surface: Option<String>,
-    /// Seed of a generated surface below the slab, with the spectrum of the upper one
-    #[arg(long, value_name = "N")]
+    /// Seed of a generated surface below the slab, below 2^63, with the spectrum of the upper one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_seed: Option<u64>,
 }

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_files::{Output, Reader};
+use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
 use crate::check::Kind;
@@ -65,6 +65,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if intact == Some(false) {
         let text = format!("{} is damaged, or was changed; gfmd check says where", file.display());
         return Err(Failure::Computation(text));
+    }
+    let schema = reader.number("/", "schema_version").unwrap_or(f64::NAN);
+    if schema != f64::from(SCHEMA_VERSION) {
+        let text = format!("{}: schema_version is {schema}; it must be {SCHEMA_VERSION}", file.display());
+        return Err(Failure::Input(text));
     }
     let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
     let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;

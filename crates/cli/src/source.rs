@@ -439,7 +439,7 @@ pub fn composed(
 }
 
 /// The name of a file without that of a dataset in it.
-fn file_of(surface: &str) -> &str {
+pub(crate) fn file_of(surface: &str) -> &str {
     split_dataset(surface).map_or(surface, |(file, _)| file)
 }
 

@@ -7,6 +7,11 @@ use serde::Serialize;
 /// The largest difference, relative to the scale of a variable, that another processor may make by rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// A text of a file in one line, without characters that steer a terminal.
+pub(crate) fn printable(text: &str) -> String {
+    text.escape_debug().to_string()
+}
+
 /// A variable that differs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Difference {
@@ -51,9 +56,9 @@ impl Comparison {
                 continue;
             }
             let rank = if distance.is_nan() { f64::INFINITY } else { distance };
-            let (worst, difference) = self.differences.entry(name.into()).or_insert_with(|| {
-                let difference =
-                    Difference { name: name.into(), values: 0, stored: f64::NAN, recomputed: f64::NAN, remark: None };
+            let name = printable(name);
+            let (worst, difference) = self.differences.entry(name.clone()).or_insert_with(|| {
+                let difference = Difference { name, values: 0, stored: f64::NAN, recomputed: f64::NAN, remark: None };
                 (f64::NEG_INFINITY, difference)
             });
             difference.values += 1;
@@ -69,6 +74,11 @@ impl Comparison {
         self.values(name, &[stored], &[recomputed], floor);
     }
 
+    /// Counts a value that is equal, and no number.
+    pub(crate) fn count(&mut self) {
+        self.compared += 1;
+    }
+
     /// Compares a residual with the largest value that it may have.
     pub(crate) fn at_most(&mut self, name: &str, found: f64, allowed: f64) {
         self.compared += 1;
@@ -80,8 +90,9 @@ impl Comparison {
     /// Notes a difference in words.
     pub(crate) fn differ(&mut self, name: &str, remark: String) {
         let (stored, recomputed) = (f64::NAN, f64::NAN);
-        let difference = Difference { name: name.into(), values: 1, stored, recomputed, remark: Some(remark) };
-        self.differences.insert(name.into(), (f64::INFINITY, difference));
+        let name = printable(name);
+        let difference = Difference { name: name.clone(), values: 1, stored, recomputed, remark: Some(remark) };
+        self.differences.insert(name, (f64::INFINITY, difference));
     }
 
     /// The numbers of values compared, rounded and differing.
@@ -111,6 +122,8 @@ mod tests {
         comparison.number("small", 1e-12, 0.0, 0.0);
         comparison.number("residual", 1e-12, 0.0, 1e-3);
         comparison.at_most("certificate", f64::NAN, 1e-8);
+        comparison.differ("evil\n\u{1b}[2J\u{202e}", String::new());
+        assert!(comparison.differences.remove("evil\\n\\u{1b}[2J\\u{202e}").is_some());
         let names: Vec<&str> = comparison.differences.keys().map(String::as_str).collect();
         assert_eq!(names, ["certificate", "field", "length", "nan", "small"]);
         let (_, field) = &comparison.differences["field"];

@@ -1,48 +1,13 @@
 //! A run that is repeated from the configuration in its file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
 use gfmd_files::Reader;
 
-use super::Comparison;
+use super::{Against, Comparison, Configuration, Kind, Pair};
 use crate::failure::Failure;
 use crate::session::Session;
-
-/// Scalars that differ between identical runs.
-const VOLATILE: [&str; 1] = ["seconds"];
-
-/// The flags of a configuration, in the order of the file. Keys in `except` are left out.
-///
-/// # Errors
-/// A configuration that is not TOML.
-pub(crate) fn words(config: &str, except: &[&str]) -> Result<Vec<String>, Failure> {
-    let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
-    let mut words = Vec::new();
-    for (key, value) in table.iter().filter(|(key, _)| !except.contains(&key.as_str())) {
-        let flag = format!("--{}", key.replace('_', "-"));
-        match value {
-            toml::Value::Boolean(true) => words.push(flag),
-            toml::Value::Boolean(false) => {}
-            // The values of a repeated flag: NAME=VALUE pairs, or lists of numbers.
-            toml::Value::Array(lists) if lists.first().is_some_and(toml::Value::is_array) => {
-                for list in lists.iter().filter_map(toml::Value::as_array) {
-                    let between = if list.first().is_some_and(toml::Value::is_str) { "=" } else { "," };
-                    words.push(format!("{flag}={}", list.iter().map(text).collect::<Vec<_>>().join(between)));
-                }
-            }
-            toml::Value::Array(values) => {
-                words.push(format!("{flag}={}", values.iter().map(text).collect::<Vec<_>>().join(",")));
-            }
-            value => words.push(format!("{flag}={}", text(value))),
-        }
-    }
-    Ok(words)
-}
-
-fn text(value: &toml::Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), Into::into)
-}
 
 /// Parses the flags of a command.
 ///
@@ -69,7 +34,8 @@ pub(crate) fn parsed<A: Args + FromArgMatches>(words: &[String]) -> Result<A, Fa
 /// A file whose run is repeated.
 pub(crate) struct Rerun<'a> {
     pub(crate) reader: &'a Reader,
-    pub(crate) config: &'a str,
+    pub(crate) kind: Kind,
+    pub(crate) config: &'a Configuration,
     pub(crate) session: &'a Session,
 }
 
@@ -80,77 +46,30 @@ impl Rerun<'_> {
     /// A run that cannot be repeated.
     pub(crate) fn compare(
         &self,
-        command: &str,
         comparison: &mut Comparison,
-        again: fn(&Reader, &str, &Path, &Session) -> Result<bool, Failure>,
+        again: fn(&Reader, &Configuration, &Path, &Session) -> Result<bool, Failure>,
     ) -> Result<(), Failure> {
-        let failed = |error: std::io::Error| Failure::Computation(format!("cannot make a folder: {error}"));
-        let folder = tempfile::tempdir().map_err(failed)?;
-        let out = folder.path().join(format!("{command}.h5"));
+        let folder = Folder::new()?;
+        let out = folder.file();
         if !again(self.reader, self.config, &out, self.session)? {
             return Ok(());
         }
         let second = Reader::open(&out)?;
-        all(self.reader, &second, "", comparison)
+        Pair { kind: self.kind, first: self.reader, second: &second, against: Against::Run }.compare(comparison)
     }
 }
 
-/// Compares the variables of two files, group by group.
-pub(crate) fn all(first: &Reader, second: &Reader, group: &str, comparison: &mut Comparison) -> Result<(), Failure> {
-    let names = |reader: &Reader| reader.names(if group.is_empty() { "/" } else { group });
-    let (stored, found) = (names(first), names(second));
-    for name in stored.iter().chain(found.iter().filter(|name| !stored.contains(name))) {
-        let path = format!("{group}/{name}");
-        match (first.contains(&path), second.contains(&path)) {
-            (false, false) => all(first, second, &path, comparison)?,
-            (true, true) if VOLATILE.contains(&name.as_str()) => {}
-            (true, true) => variable(first, second, &path, comparison)?,
-            (true, false) => comparison.differ(&path, "it is not in the file of the second run".into()),
-            (false, true) => comparison.differ(&path, "it is only in the file of the second run".into()),
-        }
-    }
-    Ok(())
-}
+/// A folder for a file that is only compared. It is removed when the value is dropped.
+pub(crate) struct Folder(tempfile::TempDir);
 
-fn variable(first: &Reader, second: &Reader, path: &str, comparison: &mut Comparison) -> Result<(), Failure> {
-    let (a, b) = (first.shape(path)?, second.shape(path)?);
-    if a != b {
-        comparison.differ(path, format!("its shape is {a:?}; recomputed is {b:?}"));
-        return Ok(());
+impl Folder {
+    pub(crate) fn new() -> Result<Self, Failure> {
+        let made = tempfile::tempdir();
+        made.map(Self).map_err(|error| Failure::Computation(format!("cannot make a folder: {error}")))
     }
-    match (first.values::<f64>(path), second.values::<f64>(path)) {
-        (Ok(stored), Ok(found)) => comparison.values(path, &stored, &found, 0.0),
-        _ => {
-            if first.texts(path)? != second.texts(path)? {
-                comparison.differ(path, "its text differs".into());
-            }
-        }
-    }
-    Ok(())
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_configuration_becomes_flags() {
-        let config = "young = 1.0\np_star = [0.01, -0.5]\nflip = true\ndetrend = \"none\"\nquiet = false\nheight = inf\n\
-                      param = [[\"gamma\", 1e-4], [\"range\", 0.003]]\n";
-        let found = words(config, &["young"]).unwrap();
-        let expected = [
-            "--p-star=0.01,-0.5",
-            "--flip",
-            "--detrend=none",
-            "--height=inf",
-            "--param=gamma=0.0001",
-            "--param=range=0.003",
-        ];
-        let mut sorted = found.clone();
-        sorted.sort();
-        let mut wanted: Vec<String> = expected.map(Into::into).into();
-        wanted.sort();
-        assert_eq!(sorted, wanted);
-        assert!(words("young = ", &[]).is_err());
+    /// The path of the file.
+    pub(crate) fn file(&self) -> PathBuf {
+        self.0.path().join("second.h5")
     }
 }

@@ -11,10 +11,14 @@ use gfmd_response::FullResponse;
 use ndarray::{Array2, ArrayView2};
 
 use super::conductance::Conducting;
+use super::file::{Chosen, ContactFile};
 use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
 use super::{Args, Prepared, Unknown};
 use crate::base::MovedBase;
-use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
+use crate::check::{
+    Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
+    stored_fields, stored_surface, stored_unit,
+};
 use crate::failure::Failure;
 use crate::load::{LoadRecord, Recorded, Recording, columns};
 use crate::session::Session;
@@ -27,18 +31,23 @@ const OF_THE_SOLVE: [&str; 6] =
 /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
 pub(crate) fn check(
     reader: &Reader,
-    config: &str,
+    config: &Configuration,
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_fields(reader));
-    flags.extend(words(config, &beside_fields(reader))?);
+    flags.extend(stored_fields(reader, config)?);
+    flags.extend(config.words(&beside_fields(reader)));
     let args: Args = parsed(&flags)?;
-    let prepared = Prepared::new(&args, session)?;
-    let Prepared { surface, body, base, lower, law, controls, .. } = &prepared;
+    regenerated(reader, config, comparison, session)?;
+    let mut prepared = Prepared::new(&args, session)?;
+    // As it is spelt there.
+    prepared.surface.unit = stored_unit(reader, "/surface");
+    if let Some(lower) = &mut prepared.lower {
+        lower.unit = stored_unit(reader, "/lower");
+    }
+    let Prepared { surface, body, base, lower, controls, .. } = &prepared;
     let heights = &*MovedBase::under(base.as_ref(), &surface.heights);
-    let refuse = |error: Refusal| Failure::input("/surface/height", error);
     let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient: surface.rms_gradient() };
     let count = reader.shape("/loads/mean_pressure")?.first().copied().unwrap_or(0);
     if count != controls.len() {
@@ -56,6 +65,10 @@ pub(crate) fn check(
         );
         return Ok(());
     }
+    if let Some(base) = base {
+        let lift: Vec<f64> = base.lift.iter().copied().collect();
+        comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
+    }
     let tolerance = args.solver.tol;
     let recording = args.recording(surface);
     let mut file = Checked {
@@ -68,7 +81,37 @@ pub(crate) fn check(
         conducting: &prepared.conducting,
         not_calibrated: not_calibrated(&args, surface),
         measured: Vec::new(),
+        records: Vec::new(),
     };
+    recompute(&prepared, &args, heights, loads, &mut file, comparison)?;
+    let Checked { measured, records, .. } = file;
+    layout(ResultKind::Contact, reader, comparison, |output| {
+        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
+        let provenance = session.provenance(String::new());
+        let count = controls.len();
+        let mut file = ContactFile::create(Some(output), &provenance, surface, count, recording, chosen)?;
+        base.as_ref().map_or(Ok(()), |base| file.write_base(base, surface))?;
+        lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
+        file.write_hardness(prepared.hardness.as_ref(), surface)?;
+        if recording.statistics {
+            file.write_statistics(surface, &measured)?;
+        }
+        let path = file.finish(&records, count, None)?;
+        path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
+    })
+}
+
+/// Recomputes the loads of a file by the kind of their contact.
+fn recompute(
+    prepared: &Prepared,
+    args: &Args,
+    heights: &Array2<f64>,
+    loads: &[Load],
+    file: &mut Checked,
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
+    let Prepared { surface, body, lower, law, .. } = prepared;
+    let refuse = |error: Refusal| Failure::input("/surface/height", error);
     if args.finite_slope {
         let contact = SteepContact::new(body, &surface.grid, heights).map_err(refuse)?;
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
@@ -78,7 +121,7 @@ pub(crate) fn check(
         let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
         file.compare_all(["pressure"], loads, comparison, certify)
     } else if let Some(lower) = lower {
-        if let Ok(stated) = reader.text("/lower", "height_sha256")
+        if let Ok(stated) = file.reader.text("/lower", "height_sha256")
             && lower.checksum() != stated
         {
             comparison.differ("/lower/height", "its checksum does not hold".into());
@@ -134,6 +177,8 @@ struct Checked<'a> {
     not_calibrated: Option<String>,
     /// The statistics of the loads so far, from the fields of the file.
     measured: Vec<Measured>,
+    /// The records of the loads.
+    records: Vec<LoadRecord>,
 }
 
 impl Checked<'_> {
@@ -223,6 +268,10 @@ impl Checked<'_> {
             columns(recording).iter().filter(|column| !OF_THE_SOLVE.contains(&column.name))
         {
             let path = format!("/loads/{name}");
+            // The layout tells what is missing.
+            if !reader.contains(&path) {
+                continue;
+            }
             let stored: Vec<f64> = reader.values(&path)?;
             // Residuals are small beside 1, and rounding makes them.
             let is_residual = name.trim_start_matches("lower_").starts_with("residual_")
@@ -245,6 +294,7 @@ impl Checked<'_> {
         if let Load::Approach(asked) = load {
             comparison.number("/loads/displacement", asked, record.displacement, 0.0);
         }
+        self.records.push(record);
         Ok(())
     }
 
@@ -262,8 +312,8 @@ impl Checked<'_> {
 }
 
 /// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let words = flags_again(reader, config, out)?;
-    super::run(&parsed::<Args>(&words)?, session)?;
+pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let args: Args = parsed(&flags_again(reader, config)?)?;
+    super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

@@ -9,7 +9,7 @@ use gfmd_sweep::{Analysis, Config, Example, Plan, Pressed, Study, run_one};
 use ndarray::Array2;
 
 use super::file;
-use crate::check::{Comparison, all};
+use crate::check::{Against, Comparison, Folder, Kind, Pair};
 use crate::failure::Failure;
 use crate::load::SCALARS;
 use crate::session::Session;
@@ -54,11 +54,11 @@ pub(crate) fn check(
     let analysis = Analysis::new(&plan, &runs)?;
     let example = example(reader, &plan, rerun, comparison)?;
     let study = Study { plan, runs, analysis, example };
-    let failed = |error: std::io::Error| Failure::Computation(format!("cannot make a folder: {error}"));
-    let folder = tempfile::tempdir().map_err(failed)?;
-    let output = Output::claim(folder.path().join("sweep.h5"))?;
+    let folder = Folder::new()?;
+    let output = Output::claim(folder.file())?;
     let path = file::write(&output, &study, &session.provenance(String::new()), f64::NAN)?;
-    all(reader, &Reader::open(path)?, "", comparison)?;
+    let second = Reader::open(path)?;
+    Pair { kind: Kind::KappaSweep, first: reader, second: &second, against: Against::Values }.compare(comparison)?;
     if rerun {
         again(&study, sample, comparison, session)?;
     }

@@ -9,9 +9,13 @@ use ndarray::Array2;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::file::PathFile;
 use super::record::{Recorded, StepRecord, scalars};
 use super::{Action, Args, Prepared};
-use crate::check::{Comparison, beside_fields, flags_again, parsed, stored_fields, stored_surface, words};
+use crate::check::{
+    Comparison, Configuration, Kind, beside_fields, flags_again, layout, parsed, regenerated, stored_fields,
+    stored_surface, stored_unit,
+};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::source::Surface;
@@ -35,16 +39,25 @@ const OF_THE_STATE: [&str; 12] = [
 /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
 pub(crate) fn check(
     reader: &Reader,
-    config: &str,
+    config: &Configuration,
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
     let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_fields(reader));
-    flags.extend(words(config, &beside_fields(reader))?);
+    flags.extend(stored_fields(reader, config)?);
+    flags.extend(config.words(&beside_fields(reader)));
     let args: Args = parsed(&flags)?;
-    let prepared = Prepared::new(&args, session)?;
-    let columns = scalars(prepared.is_plastic(), false).map(|scalar| {
+    regenerated(reader, config, comparison, session)?;
+    let mut prepared = Prepared::new(&args, session)?;
+    // As it is spelt there.
+    prepared.surface.unit = stored_unit(reader, "/surface");
+    layout(Kind::Path, reader, comparison, |output| {
+        let file = PathFile::create(output, &prepared, &args, prepared.moves_sideways(&args), session)?;
+        file.finish(&[], prepared.drives.len(), None)
+    })?;
+    let present =
+        scalars(prepared.is_plastic(), false).filter(|scalar| reader.contains(&format!("/path/{}", scalar.name)));
+    let columns = present.map(|scalar| {
         let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
         Ok((scalar.name, values))
     });
@@ -55,6 +68,7 @@ pub(crate) fn check(
     };
     let check = StateCheck { reader, args: &args, prepared: &prepared };
     for (step, drive) in prepared.drives.iter().enumerate() {
+        check.columns(step, &stored, comparison);
         if stored("converged", step) != 1.0 {
             continue;
         }
@@ -87,6 +101,39 @@ impl StateCheck<'_> {
     /// The unit of stress, E* times the rms gradient.
     fn stress(&self) -> f64 {
         self.prepared.body.contact_modulus() * self.prepared.surface.rms_gradient()
+    }
+
+    /// Compares the scalars of a step that follow from others, of this step and of the one before.
+    fn columns(&self, step: usize, stored: &dyn Fn(&str, usize) -> f64, comparison: &mut Comparison) {
+        let now = |name: &str| stored(name, step);
+        let [residual, pressure] = ["residual", "mean_pressure"].map(now);
+        // A step that was not made has no numbers.
+        if pressure.is_nan() && residual.is_nan() && now("converged").is_nan() {
+            return;
+        }
+        let converged = f64::from(u8::from(residual <= self.args.tol));
+        comparison.number("/path/converged", now("converged"), converged, 0.0);
+        comparison.number("/path/p_star", now("p_star"), pressure / self.stress(), 0.0);
+        // Without further solves the loss is the balance of the work, by the trapezoidal rule, and the energy.
+        let has_energy = matches!(self.prepared.action, Action::Law(_)) && !now("interface_energy").is_nan();
+        if step == 0 || !has_energy || now("extra_solves") != 0.0 || now("converged") != 1.0 {
+            return;
+        }
+        let before = |name: &str| stored(name, step - 1);
+        let [mut work, mut spread, mut floor] = [0.0_f64; 3];
+        for (force, way) in
+            [("mean_pressure", "displacement"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
+        {
+            let moved = now(way) - before(way);
+            work += 0.5 * (now(force) + before(force)) * moved;
+            spread += 0.5 * ((now(force) - before(force)) * moved).abs();
+            floor += 0.5 * (now(force).abs() + before(force).abs()) * now(way).abs().max(before(way).abs());
+        }
+        let energy = |at: &dyn Fn(&str) -> f64| at("elastic_energy") + at("interface_energy");
+        let missing = work - (energy(&now) - energy(&before));
+        floor = floor.max(energy(&now).abs()).max(energy(&before).abs());
+        comparison.number("/path/dissipated", now("dissipated"), missing, floor);
+        comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
     }
 
     fn is_law_on_patch(&self) -> bool {
@@ -214,6 +261,10 @@ impl StateCheck<'_> {
         comparison.number("/path/mean_pressure", stored("mean_pressure"), pressure.mean().unwrap_or(f64::NAN), 0.0);
         comparison.number("/path/mean_gap", stored("mean_gap"), gap.mean().unwrap_or(f64::NAN), height);
         let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
+        let approaches =
+            surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
+        let approach = approaches.sum::<f64>() / points as f64;
+        comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.tol);
         if let Action::Friction(limit) = action {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
@@ -249,8 +300,8 @@ fn flat(field: &Array2<f64>) -> Vec<f64> {
 }
 
 /// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let words = flags_again(reader, config, out)?;
-    super::run(&parsed::<Args>(&words)?, session)?;
+pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let args: Args = parsed(&flags_again(reader, config)?)?;
+    super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

@@ -8,7 +8,7 @@ use ndarray::Array3;
 
 use super::report::scalars;
 use super::{Args, Prepared, by_point};
-use crate::check::{Comparison, parsed, words};
+use crate::check::{Comparison, Configuration, Kind, layout, parsed};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -16,9 +16,14 @@ use crate::session::Session;
 const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];
 
 /// Recomputes displacement, residual and scalars from the stored traction.
-pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) -> Result<(), Failure> {
+pub(crate) fn check(
+    reader: &Reader,
+    config: &Configuration,
+    comparison: &mut Comparison,
+    session: &Session,
+) -> Result<(), Failure> {
     // The file holds the coarsest grid.
-    let args: Args = parsed(&flags(reader, config, &["refine"])?)?;
+    let args: Args = parsed(&flags(reader, config, &["refine"]))?;
     let prepared = Prepared::new(&args)?;
     let grid = &prepared.grids[0];
     let problem = prepared.problem(&args, grid)?;
@@ -44,26 +49,24 @@ pub(crate) fn check(reader: &Reader, config: &str, comparison: &mut Comparison) 
             comparison.at_most("residual", report.residual, args.tol);
         }
     }
-    Ok(())
+    layout(Kind::Punch, reader, comparison, |output| prepared.write(output, &args, session, &report, &solution))
 }
 
 /// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &str, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let mut words = flags(reader, config, &[])?;
-    words.push(format!("--out={}", out.display()));
-    super::run(&parsed::<Args>(&words)?, session)?;
+pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let args: Args = parsed(&flags(reader, config, &[]))?;
+    super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }
 
 /// The flags of the run. The points under the punch and the traction beside it are taken from the file, where they stand as they
 /// were used.
-fn flags(reader: &Reader, config: &str, except: &[&str]) -> Result<Vec<String>, Failure> {
-    let mut flags = words(config, &[&["compare", "mask", "traction"], except].concat())?;
-    let table: toml::Table = config.parse().map_err(|error| Failure::input("config of the file", error))?;
+fn flags(reader: &Reader, config: &Configuration, except: &[&str]) -> Vec<String> {
+    let mut flags = config.words(except);
     for (key, dataset) in [("mask", "/fields/under_punch"), ("traction", "/fields/traction")] {
-        if table.contains_key(key) {
+        if config.has(key) {
             flags.push(format!("--{key}={}:{dataset}", reader.path().display()));
         }
     }
-    Ok(flags)
+    flags
 }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::page::{Common, Fact, Page, render};
 use super::write::{given, of, quoted, text};
-use crate::check::{Kind, words};
+use crate::check::{Configuration, Kind};
 use crate::elastic::RecordedBodyArgs;
 use crate::lower::{self, LowerArgs};
 
@@ -31,7 +31,7 @@ pub(super) fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Optio
     }
     let checksum = match intact {
         Some(true) => "The checksum of the content holds.",
-        _ => "The file has no checksum of its content: an older version wrote it.",
+        _ => "The file has no checksum of its content, which every version writes: it was changed.",
     };
     let (version, commit) = (root("version"), root("git_commit"));
     let whole: String = reader.text("/", "config").unwrap_or_default();
@@ -61,8 +61,9 @@ fn repeat(reader: &Reader, kind: Kind, config: &str, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
     let again = match kind {
         Kind::KappaSweep => Some("gfmd kappa-sweep --config sweep.toml --out again.h5".to_owned()),
-        _ => words(config, &[]).ok().map(|words| {
-            let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+        // Of a configuration that check refuses no command is made.
+        _ => Configuration::read(kind, config).ok().map(|config| {
+            let words: Vec<String> = config.told().iter().map(|word| quoted(word)).collect();
             format!("gfmd {} {} --out again.h5", kind.name(), words.join(" "))
         }),
     };

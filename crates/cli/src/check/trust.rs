@@ -1,0 +1,283 @@
+//! What `check` verifies of each part of a result: the table by which it decides, and from which docs/trust.md is made.
+
+use std::fmt::Write as _;
+
+use super::Kind;
+
+/// The ways in which a part of a result is verified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Every change beyond rounding is noticed under a right checksum.
+    Verified,
+    /// Some changes are noticed under a right checksum.
+    InPart,
+    /// Only the checksum notices a change.
+    Checksum,
+}
+
+impl Way {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Verified => "verified",
+            Self::InPart => "in part",
+            Self::Checksum => "checksum only",
+        }
+    }
+}
+
+/// Parts of a result, and how they are verified.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Variables as `/group/name`, attributes as `/group@name` or `/group/name@name`; `*` stands for any letters.
+    pub parts: &'static [&'static str],
+    /// Without `--rerun`.
+    pub plain: Way,
+    /// With `--rerun`.
+    pub rerun: Way,
+    /// By what.
+    pub by: &'static str,
+}
+
+const fn row(parts: &'static [&'static str], plain: Way, rerun: Way, by: &'static str) -> Row {
+    Row { parts, plain, rerun, by }
+}
+
+use Way::{Checksum, InPart, Verified};
+
+/// Rows of all kinds.
+const ALL: &[Row] = &[
+    row(&["@schema_version"], Verified, Verified, "it is that of the program"),
+    row(&["@content_sha256"], Verified, Verified, "the whole content"),
+    row(&["@config"], InPart, InPart, "keys and types; the values that enter what is verified below"),
+    row(
+        &[
+            "@program",
+            "@version",
+            "@git_commit",
+            "@command",
+            "@created",
+            "@machine",
+            "@threads",
+            "@warnings",
+            "@seconds",
+        ],
+        Checksum,
+        Checksum,
+        "",
+    ),
+    row(&["/*@undefined"], Checksum, Verified, "the second run"),
+    row(&["/*@units", "/*@long_name"], Verified, Verified, "the layout that the configuration gives"),
+];
+
+/// Rows of the surface of a contact or a path.
+const SURFACE: &[Row] = &[
+    row(&["/surface/height"], Verified, Verified, "height_sha256, the fields, the generator if it made them"),
+    row(
+        &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@length_*"],
+        Verified,
+        Verified,
+        "the heights and the configuration",
+    ),
+    row(&["/surface@description"], InPart, InPart, "the generator, if it made the heights"),
+    row(
+        &["/surface@file", "/surface@file_sha256", "/surface@second_file", "/surface@second_file_sha256"],
+        InPart,
+        InPart,
+        "the file, if it is there",
+    ),
+    row(&["/surface/hardness"], InPart, InPart, "the loads, where the hardness is reached"),
+    row(&["/surface@*"], Checksum, Checksum, ""),
+];
+
+/// Rows of the record of a search, and of one that failed.
+const SEARCH: &[Row] =
+    &[row(&["/history/*", "/history@*", "/not_converged/*", "/not_converged@*"], Checksum, Verified, "the second run")];
+
+const CONTACT: &[Row] = &[
+    row(&["/loads/seconds"], Checksum, Checksum, ""),
+    row(
+        &[
+            "/loads/iterations",
+            "/loads/transform_pairs",
+            "/loads/passed_instability",
+            "/loads/lowest_curvature",
+            "/loads/residual_lateral_traction",
+            "/flow_threshold/*",
+            "/flow_threshold*@*",
+        ],
+        Checksum,
+        Verified,
+        "the second run",
+    ),
+    row(
+        &["/loads/residual_*", "/loads/lower_residual_*", "/loads/stiffness_error", "/loads/flow_residual"],
+        InPart,
+        Verified,
+        "the fields of the load, to 1e-3; their bounds",
+    ),
+    row(&["/loads/*"], Verified, Verified, "the fields of the load; without fields the second run alone"),
+    row(&["/fields/*"], Verified, Verified, "the pressure, with a law also the gap, on surface and body"),
+    row(&["/patches/*", "/distributions/*", "/spectra/*"], Verified, Verified, "the fields of the loads"),
+    row(&["/base/displacement", "/base/traction", "/base/lift"], Verified, Verified, "the body over this base"),
+    row(&["/base/*"], Verified, Verified, "the layout that the configuration gives"),
+    row(&["/lower/height", "/lower@height_sha256"], Verified, Verified, "each other, the generator if it made them"),
+    row(&["/lower@rms_gradient", "/lower@boundary", "/lower@length_*"], Verified, Verified, "the heights"),
+    row(&["/lower/*"], Verified, Verified, "the layout that the configuration gives"),
+    row(&["/lower@description"], InPart, InPart, "the generator, if it made the heights"),
+    row(&["/lower@*"], Checksum, Checksum, ""),
+];
+
+const PATH: &[Row] = &[
+    row(
+        &["/path/converged", "/path/p_star", "/path/lateral_*"],
+        Verified,
+        Verified,
+        "the residual and the tolerance; the mean pressure; the waypoints of the configuration",
+    ),
+    row(
+        &["/path/iterations", "/path/transform_pairs", "/path/passed_instability", "/path/lowest_curvature"],
+        Checksum,
+        Verified,
+        "the second run",
+    ),
+    row(
+        &["/path/dissipated", "/path/dissipated_error", "/path/extra_solves"],
+        InPart,
+        Verified,
+        "the balance of work and energy, in steps of laws with an energy that were not divided",
+    ),
+    row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
+    row(&["/path/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
+    row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
+];
+
+const PUNCH: &[Row] = &[
+    row(&["/punch/seconds"], Checksum, Checksum, ""),
+    row(&["/punch/iterations", "/punch/transform_pairs"], Checksum, Verified, "the second run"),
+    row(&["/punch/residual"], InPart, Verified, "the traction, to 1e-3; its bound"),
+    row(&["/punch/*"], Verified, Verified, "the traction"),
+    row(&["/fields/under_punch"], InPart, InPart, "the configuration; with --mask it is an input"),
+    row(&["/fields/*"], Verified, Verified, "the traction, on the body"),
+];
+
+const BODY: &[Row] = &[
+    row(&["/input@*"], InPart, InPart, "the file, if it is there"),
+    row(&["/fields/*", "/fields@slice"], Verified, Verified, "a second run, if the input is there; else nothing"),
+];
+
+const SWEEP: &[Row] = &[
+    row(
+        &["/runs/iterations", "/runs/transform_pairs", "/runs/seconds"],
+        Checksum,
+        InPart,
+        "the runs that are repeated",
+    ),
+    row(
+        &["/runs/kappa", "/runs/kappa_corrected", "/runs/area_fraction", "/runs/p_star"],
+        Verified,
+        Verified,
+        "each other, points and fits",
+    ),
+    row(
+        &[
+            "/runs/run",
+            "/runs/point",
+            "/runs/realisation",
+            "/runs/p_star_asked",
+            "/runs/seed",
+            "/runs/hurst",
+            "/runs/eps_*",
+            "/runs/n",
+        ],
+        Verified,
+        Verified,
+        "the configuration",
+    ),
+    row(&["/runs/*"], InPart, InPart, "bounds of the residuals; the runs that are repeated"),
+    row(&["/points/*", "/fit/*", "/protocol/*", "/theory/*"], Verified, Verified, "the runs"),
+    row(
+        &["/example/height", "/example/pressure", "/example@seed"],
+        InPart,
+        Verified,
+        "its equilibrium; the second run",
+    ),
+    row(&["/example/*", "/example@*"], Verified, Verified, "the configuration"),
+];
+
+/// The rows of a kind; the first that fits a part is that of the part.
+pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
+    let own: &[&[Row]] = match kind {
+        Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
+        Kind::Path => &[SEARCH, PATH, ALL, SURFACE],
+        Kind::Punch => &[SEARCH, ALL, PUNCH],
+        Kind::Body => &[ALL, BODY],
+        Kind::KappaSweep => &[ALL, SWEEP],
+    };
+    own.iter().copied().flatten()
+}
+
+/// The row of a part of a result; `None` if no result of the kind has such a part.
+pub fn row_of(kind: Kind, part: &str) -> Option<&'static Row> {
+    rows(kind).find(|row| row.parts.iter().any(|pattern| fits(pattern, part)))
+}
+
+/// True if a part has the form of a pattern. Variables fit no pattern of attributes, and attributes none of variables.
+fn fits(pattern: &str, part: &str) -> bool {
+    pattern.contains('@') == part.contains('@') && matches(pattern, part)
+}
+
+fn matches(pattern: &str, text: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == text,
+        Some((before, after)) => text.strip_prefix(before).is_some_and(|rest| {
+            let ends = rest.char_indices().map(|(end, _)| end).chain([rest.len()]);
+            ends.into_iter().any(|end| matches(after, &rest[end..]))
+        }),
+    }
+}
+
+/// The page docs/trust.md.
+pub fn page() -> String {
+    let mut page = String::from(include_str!("trust.md"));
+    let table = |page: &mut String, title: &str, rows: &[Row]| {
+        let _ = write!(page, "\n## {title}\n\n| part | `check` | `check --rerun` | by |\n|---|---|---|---|\n");
+        for Row { parts, plain, rerun, by } in rows {
+            let parts = parts.iter().map(|part| format!("`{part}`")).collect::<Vec<_>>().join(", ");
+            let by = if by.is_empty() { "-" } else { by };
+            let _ = writeln!(page, "| {parts} | {} | {} | {by} |", plain.name(), rerun.name());
+        }
+    };
+    table(&mut page, "Every result", ALL);
+    table(&mut page, "Surface of `contact` and `path`", SURFACE);
+    table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
+    for (title, rows) in
+        [("`contact`", CONTACT), ("`path`", PATH), ("`punch`", PUNCH), ("`body`", BODY), ("`kappa-sweep`", SWEEP)]
+    {
+        table(&mut page, title, rows);
+    }
+    page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_row_that_fits_is_that_of_a_part() {
+        let plain = |kind, part| row_of(kind, part).map(|row| row.plain);
+        assert_eq!(plain(Kind::Contact, "/loads/seconds"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/loads/kappa"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "/loads/kappa@units"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "/history/energy@units"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/flow_threshold/x@units"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/lower/height@units"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "@created"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/surface@length_x"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "/surface@format"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/surface@a/b"), Some(Checksum));
+        assert_eq!(plain(Kind::Contact, "/surface/x"), None);
+        assert_eq!(plain(Kind::Contact, "/evil/x"), None);
+        assert_eq!(plain(Kind::Contact, "@evil"), None);
+        assert_eq!(plain(Kind::Punch, "/loads/kappa"), None);
+    }
+}
