@@ -126,6 +126,13 @@ fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     all
 }
 
+/// The files of a folder that were made, changed or removed since `before`.
+fn changed(before: &BTreeMap<PathBuf, Vec<u8>>, folder: &Path) -> Vec<PathBuf> {
+    let after = snapshot(folder);
+    let all = before.keys().chain(after.keys().filter(|path| !before.contains_key(*path)));
+    all.filter(|path| before.get(*path) != after.get(*path)).cloned().collect()
+}
+
 /// Files of every kind whose configuration has flags, by name.
 const FLAGGED: [(&str, &str); 4] = [
     ("contact.h5", "contact --n 16 --eps-f-inv 4 --p-star 0.05"),
@@ -206,7 +213,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
                     "{name} {key} = {value}: {status} {}",
                     ended.stderr
                 );
-                assert_eq!(before, snapshot(folder), "{name} {key} = {value}");
+                assert!(changed(&before, folder).is_empty(), "{name} {key} = {value}: {:?}", changed(&before, folder));
                 assert!(!ended.stderr.contains('\u{1b}'), "{}", ended.stderr);
                 ran += 1;
             }
@@ -214,7 +221,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
                 let page = tempfile::tempdir().unwrap();
                 let page = page.path().join("page.html");
                 run(folder, &["report", name, "--out", page.to_str().unwrap()]);
-                assert_eq!(before, snapshot(folder), "report of {name} with {key} = {value}");
+                assert!(changed(&before, folder).is_empty(), "report of {name}: {:?}", changed(&before, folder));
                 let text = std::fs::read_to_string(&page).unwrap_or_default();
                 assert!(!text.contains(">--plots="), "the page of {name} with {key} = {value} repeats the flag");
             }
