@@ -177,6 +177,7 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
             words.extend(["--quantities", "displacement,strain,stress,von-mises,energy-density"].map(str::to_owned));
         }
     }
+    words.extend(["--threads", "1"].map(str::to_owned));
     let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
     let told = String::from_utf8_lossy(&output.stderr);
     let text = String::from_utf8_lossy(&output.stdout);
