@@ -277,7 +277,13 @@ impl Checked<'_> {
             // Residuals are small beside 1, and rounding makes them.
             let is_residual = name.trim_start_matches("lower_").starts_with("residual_")
                 || ["stiffness_error", "flow_residual"].contains(name);
-            let floor = if is_residual { 1e-3 } else { 0.0 };
+            // Equal pressures deviate, and closed gaps gape, by rounding.
+            let floor = match *name {
+                _ if is_residual => 1e-3,
+                "pressure_deviation_in_contact" => record.max_pressure,
+                "mean_gap" | "lower_mean_gap" => surface.statistics.moments.rms_height(),
+                _ => 0.0,
+            };
             let stored = stored.get(index).copied().unwrap_or(f64::NAN);
             let is_law_on_patch = recording.with_law && surface.boundary == Boundary::Free;
             if is_law_on_patch && name.starts_with("residual_") && record.converged {

@@ -453,7 +453,7 @@ impl Case {
             lower = Some(heights);
             let _ = write!(text, " --lower-surface l{index}.npy");
         }
-        let can_move = !matches!(body.first.base, Base::HalfSpace(..)) || is_wild;
+        let can_move = !is_free && !matches!(body.first.base, Base::HalfSpace(..)) || is_wild;
         let moves = !is_path && (plain || is_wild) && !body.first.layers.is_empty() && can_move && dice.chance(0.4);
         let moved = moves.then(|| {
             let is_traction = body.first.base == Base::Free;

@@ -95,7 +95,7 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         words.extend(["--threads", "1"]);
         let output = gfmd(folder, &words);
         found.must(output.status.success(), || "the table: another status".into());
-        outlets::table(found, &String::from_utf8_lossy(&output.stdout), records);
+        outlets::table(found, &String::from_utf8_lossy(&output.stdout), records, case.is_path);
     }
     if case.threshold {
         outlets::threshold(found, case, folder, &report);

@@ -89,31 +89,25 @@ const HEADS: [(&str, &str); 11] = [
     ("area", "area_fraction"),
     ("corrected", "area_fraction_corrected"),
     ("kappa", "kappa"),
-    ("mean gap", "mean_gap"),
-    ("peak p", "max_pressure"),
+    ("mean-gap", "mean_gap"),
+    ("peak-p", "max_pressure"),
     ("stiffness", "stiffness"),
     ("steps", "iterations"),
     ("pairs", "transform_pairs"),
 ];
 
-/// The rows of the printed table, cell by cell below the heads.
-pub(crate) fn table(found: &mut Found, text: &str, records: &[Value]) {
-    let lines: Vec<&str> = text.lines().collect();
-    let Some(head) =
-        lines.iter().position(|line| line.contains("pressure") && line.contains("residual") && line.contains("steps"))
-    else {
-        return found.complain("no table".into());
-    };
-    let rows: Vec<&str> = lines[head + 1..].iter().copied().take(records.len()).collect();
-    found.must(rows.len() == records.len(), || "too few rows".into());
-    let mut from = 0;
-    for (name, key) in HEADS {
-        let Some(at) = lines[head][from..].find(name) else { continue };
-        let (start, end) = (from, from + at + name.len());
-        from = end;
-        for (k, (row, record)) in rows.iter().zip(records).enumerate() {
-            let cell = row.get(start..end).unwrap_or_default().trim();
-            let cell = cell.rsplit(' ').next().unwrap_or_default();
+/// The rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
+pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: bool) {
+    let lines: Vec<String> =
+        text.lines().map(|line| line.replace("mean gap", "mean-gap").replace("peak p", "peak-p")).collect();
+    let is_head = |line: &String| ["pressure", "steps", "residual"].iter().all(|name| line.contains(name));
+    let Some(head) = lines.iter().position(is_head) else { return found.complain("no table".into()) };
+    let heads: Vec<&str> = lines[head].split_whitespace().collect();
+    for (k, record) in records.iter().enumerate() {
+        let row: Vec<&str> = lines.get(head + 1 + k).map_or("", String::as_str).split_whitespace().collect();
+        for (name, key) in HEADS {
+            let Some(column) = heads.iter().position(|head| *head == name) else { continue };
+            let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
             let told = super::found::number(record, key);
             match cell.parse::<f64>() {
                 Ok(shown) if shown.is_finite() => {
@@ -183,6 +177,7 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
             words.extend(["--quantities", "displacement,strain,stress,von-mises,energy-density"].map(str::to_owned));
         }
     }
+    words.extend(["--threads", "1"].map(str::to_owned));
     let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
     let told = String::from_utf8_lossy(&output.stderr);
     let text = String::from_utf8_lossy(&output.stdout);
