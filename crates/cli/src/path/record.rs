@@ -175,6 +175,8 @@ impl Recorded for State {
     fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
         let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load, .. } = self.residual;
         StepRecord {
+            // Where no point touches the wall, rounding errors of the traction would count in the summary.
+            area_fraction: self.contact_fraction,
             interface_energy: Some(self.interface_energy).filter(|energy| !energy.is_nan()),
             lowest_curvature: self.lowest_curvature,
             ..StepRecord::new(
