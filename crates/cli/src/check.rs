@@ -226,14 +226,13 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
         return Ok(None);
     };
     let path = Path::new(&file);
-    let state = match std::fs::metadata(path) {
-        Err(_) => InputState::Missing,
-        // It may be a device or a pipe, which has no end.
-        Ok(about) if !about.is_file() => {
-            return Err(Failure::Input(format!("{group}@{name} is {file:?}; it must be a regular file")));
+    let state = match path.exists() {
+        false => InputState::Missing,
+        // What is no regular file may have no end.
+        true if Checksum::of_file(path).map_err(|error| Failure::Input(error.to_string()))? == sha256 => {
+            InputState::Unchanged
         }
-        Ok(_) if Checksum::of_file(path)? == sha256 => InputState::Unchanged,
-        Ok(_) => InputState::Changed,
+        true => InputState::Changed,
     };
     Ok(Some(Input { file, sha256, state }))
 }

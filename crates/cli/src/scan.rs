@@ -61,6 +61,8 @@ pub(crate) struct Prepared {
     pub(crate) grid: Grid,
     pub(crate) description: String,
     pub(crate) scan: Scan,
+    /// The SHA-256 of the bytes of the file that were read.
+    pub(crate) checksum: String,
 }
 
 /// Writes pairs as a map in their order; a key that occurs again has a number behind it.
@@ -152,7 +154,7 @@ impl SourceArgs {
         };
         let (heights, grid) =
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
-        Ok(Prepared { heights, grid, description, scan })
+        Ok(Prepared { heights, grid, description, scan, checksum: topography.sha256 })
     }
 }
 

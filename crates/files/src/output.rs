@@ -180,7 +180,7 @@ fn check_regular(path: &Path) -> Result<(), FileError> {
 }
 
 /// The kind of something that is no regular file, in words.
-fn kind(metadata: &fs::Metadata) -> &'static str {
+pub(crate) fn kind(metadata: &fs::Metadata) -> &'static str {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

@@ -103,6 +103,8 @@ pub struct Topography {
     pub notes: Vec<String>,
     /// Description of file and channel.
     pub source: String,
+    /// The SHA-256 of the bytes of the file from which the heights were read.
+    pub sha256: String,
 }
 
 /// The height maps in a file.
@@ -229,6 +231,7 @@ impl Topography {
             details: map.details,
             notes: map.notes,
             source,
+            sha256: file.checksum()?,
         })
     }
 }

@@ -1,7 +1,8 @@
 //! The displacement of a surface, from a file.
 
 use gfmd_field::Grid;
-use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
+use gfmd_files::input::MOST_BYTES;
+use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
 use crate::failure::Failure;
@@ -30,6 +31,8 @@ pub(super) struct Surface {
     pub(super) description: String,
     /// The scan that was pressed on the body, and what was done to it, if the heights came from a file.
     pub(super) scan: Option<String>,
+    /// The SHA-256 of the file that was read; `None` for waves.
+    pub(super) checksum: Option<String>,
 }
 
 /// The datasets in files of gfmd, in the order of preference.
@@ -46,6 +49,8 @@ struct Found {
     record: toml::Table,
     load: Option<usize>,
     scan: Option<String>,
+    /// The SHA-256 of the file.
+    checksum: String,
 }
 
 impl Surface {
@@ -92,6 +97,7 @@ impl Surface {
             unit: found.unit.unwrap_or_else(|| "length".into()),
             description,
             scan: found.scan,
+            checksum: Some(found.checksum),
         })
     }
 }
@@ -119,6 +125,7 @@ impl Surface {
             unit: "length".into(),
             description: format!("waves {}", words.join(" + ")),
             scan: None,
+            checksum: None,
         })
     }
 }
@@ -137,10 +144,12 @@ fn cell(length: &[f64], of_file: Option<[f64; 2]>, [nx, ny]: [usize; 2]) -> [f64
 }
 
 fn array(path: &str) -> Result<Found, String> {
-    let array = npy::read(path)?;
+    let words = |error: std::io::Error| error.to_string();
+    let bytes = Input::settled(path).and_then(|input| input.bytes(MOST_BYTES)).map_err(words)?;
+    let (array, checksum) = (npy::parse(&bytes)?, Checksum::of_bytes(&bytes));
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
-    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None, scan: None })
+    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None, scan: None, checksum })
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
@@ -195,5 +204,6 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     }
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
-    Ok(Found { shape, values, kind, lengths, unit, record, load, scan })
+    let checksum = reader.checksum().map_err(words)?;
+    Ok(Found { shape, values, kind, lengths, unit, record, load, scan, checksum })
 }
