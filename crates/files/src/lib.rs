@@ -30,6 +30,7 @@ mod error;
 mod fields;
 pub mod input;
 mod journal;
+pub mod legible;
 pub mod npy;
 mod output;
 mod stored;

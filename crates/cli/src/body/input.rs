@@ -2,6 +2,7 @@
 
 use gfmd_field::Grid;
 use gfmd_files::input::MOST_BYTES;
+use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
@@ -149,7 +150,35 @@ fn array(path: &str) -> Result<Found, String> {
     let (array, checksum) = (npy::parse(&bytes)?, Checksum::of_bytes(&bytes));
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
-    Ok(Found { shape, values, kind, lengths: None, unit: None, record: toml::Table::new(), load: None, scan: None, checksum })
+    Ok(Found {
+        shape,
+        values,
+        kind,
+        lengths: None,
+        unit: None,
+        record: toml::Table::new(),
+        load: None,
+        scan: None,
+        checksum,
+    })
+}
+
+/// Refuses a displacement in another unit than the coordinates beside it: strains would be wrong by the ratio.
+fn check_units(reader: &Reader, dataset: &str, has_y: bool) -> Result<(), String> {
+    let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
+    let unit = |path: &str| {
+        let found = reader.text(path, "units").or_else(|_| reader.text(path, "unit")).unwrap_or_default();
+        let is_any = ["", "1", "length"].contains(&found.as_str());
+        if is_any { "none".into() } else { line(&found) }
+    };
+    let found = unit(dataset);
+    let axes = if has_y { &["x", "y"][..] } else { &["x"][..] };
+    match axes.iter().map(|axis| (axis, unit(&format!("{group}/{axis}")))).find(|(_, along)| *along != found) {
+        Some((axis, along)) => {
+            Err(format!("the unit of {dataset} is {found} and that of {axis} is {along}; they must be the same"))
+        }
+        None => Ok(()),
+    }
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
@@ -161,7 +190,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
         given => given,
     };
     let mut shape = reader.shape(dataset).map_err(words)?;
-    let unit = reader.text(dataset, "units").ok();
+    let unit = reader.text(dataset, "units").ok().map(|unit| line(&unit));
     let record: toml::Table = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
     let normal = dataset.ends_with("displacement_z");
     let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
@@ -189,6 +218,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
+    if lengths.is_some() {
+        check_units(&reader, dataset, points[1] > 1)?;
+    }
     let kind = if normal && !is_held && !is_steep { Kind::Normal } else { Kind::Full };
     if is_held || is_steep {
         let names = ["/fields/displacement_x", "/fields/displacement_y"];
@@ -203,7 +235,8 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
         shape = vec![points[0], points[1], 1 + lateral.len()];
     }
     // Only the heights of a file have a format.
-    let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
+    let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description"));
+    let scan = scan.ok().map(|scan| line(&scan));
     let checksum = reader.checksum().map_err(words)?;
     Ok(Found { shape, values, kind, lengths, unit, record, load, scan, checksum })
 }

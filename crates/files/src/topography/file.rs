@@ -74,6 +74,13 @@ impl File {
         self.bytes().map(Checksum::of_bytes)
     }
 
+    /// The reason why the file could not be decoded: that it was changed meanwhile, if it was, else `found`.
+    pub(super) fn cause(&self, found: String) -> String {
+        let parts_are_read = self.whole.get().is_none();
+        let changed = self.input.as_ref().filter(|_| parts_are_read).and_then(|input| input.check_unchanged().err());
+        changed.map_or(found, text)
+    }
+
     /// True if the file begins like one of HDF5, without a user block.
     pub(super) fn is_hdf5(&self) -> bool {
         self.starts_with(b"\x89HDF\r\n\x1a\n")
