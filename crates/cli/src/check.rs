@@ -12,6 +12,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
+use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
@@ -261,8 +262,9 @@ impl fmt::Display for Report {
             writeln!(f, "\n{:<34} {:>8} {:>24} {:>24}", "variable", "values", "stored", "recomputed")?;
         }
         for Difference { name, values, stored, recomputed, remark } in differences {
+            let name = line(name);
             match remark {
-                Some(remark) => writeln!(f, "{name:<34} {remark}")?,
+                Some(remark) => writeln!(f, "{name:<34} {}", line(remark))?,
                 None => writeln!(f, "{name:<34} {values:>8} {stored:>24.16e} {recomputed:>24.16e}")?,
             }
         }

@@ -5,6 +5,7 @@
 use std::fmt;
 
 use gfmd_field::Grid;
+use gfmd_files::legible::line;
 use gfmd_files::{Archive, Topography};
 use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
 use ndarray::Array2;
@@ -255,7 +256,7 @@ impl fmt::Display for Scan {
             writeln!(f, "note: {note}")?;
         }
         for (key, value) in self.details.iter().take(LISTED) {
-            let line = value.replace(char::is_control, " ");
+            let (key, line) = (line(key), line(value));
             let shown: String = line.chars().take(WIDEST).collect();
             writeln!(f, "{key}: {shown}{}", if line.chars().count() > WIDEST { " ..." } else { "" })?;
         }
