@@ -27,7 +27,7 @@ use crate::figures::parse_prefix;
 use crate::memory::{self, Held};
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
-use crate::source::origin;
+use crate::source::file_of;
 
 pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
@@ -255,7 +255,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         height: Some(body.total_height()).filter(|height| height.is_finite()),
         unit: &surface.unit,
     };
-    let origin = args.surface.as_deref().map(origin).transpose()?;
+    let origin = args.surface.as_deref().zip(surface.checksum.clone());
+    let origin = origin.map(|(file, checksum)| (file_of(file).to_owned(), checksum));
     let volume =
         output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, origin.as_ref()));
     let mut volume = volume.transpose()?;

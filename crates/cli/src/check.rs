@@ -12,6 +12,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
+use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
@@ -227,14 +228,13 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
         return Ok(None);
     };
     let path = Path::new(&file);
-    let state = match std::fs::metadata(path) {
-        Err(_) => InputState::Missing,
-        // It may be a device or a pipe, which has no end.
-        Ok(about) if !about.is_file() => {
-            return Err(Failure::Input(format!("{group}@{name} is {file:?}; it must be a regular file")));
+    let state = match path.exists() {
+        false => InputState::Missing,
+        // What is no regular file may have no end.
+        true if Checksum::of_file(path).map_err(|error| Failure::Input(error.to_string()))? == sha256 => {
+            InputState::Unchanged
         }
-        Ok(_) if Checksum::of_file(path)? == sha256 => InputState::Unchanged,
-        Ok(_) => InputState::Changed,
+        true => InputState::Changed,
     };
     Ok(Some(Input { file, sha256, state }))
 }
@@ -263,8 +263,9 @@ impl fmt::Display for Report {
             writeln!(f, "\n{:<34} {:>8} {:>24} {:>24}", "variable", "values", "stored", "recomputed")?;
         }
         for Difference { name, values, stored, recomputed, remark } in differences {
+            let name = line(name);
             match remark {
-                Some(remark) => writeln!(f, "{name:<34} {remark}")?,
+                Some(remark) => writeln!(f, "{name:<34} {}", line(remark))?,
                 None => writeln!(f, "{name:<34} {values:>8} {stored:>24.16e} {recomputed:>24.16e}")?,
             }
         }

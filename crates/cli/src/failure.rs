@@ -5,20 +5,21 @@ use std::ops::RangeInclusive;
 
 use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::FileError;
+use gfmd_files::legible::line;
 use gfmd_plot::PlotError;
 
-/// Reasons why a command fails. Each message is one line.
+/// Reasons why a command fails. Each message is one line, without characters that steer a terminal, also if it quotes a file.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// Unusable input. The message states the flag, field or file, the value found and the values allowed. Nothing was
     /// written.
-    #[error("{0}")]
+    #[error("{}", line(.0))]
     Input(String),
     /// A computation that failed. The message names the file that keeps the results so far.
-    #[error("{0}")]
+    #[error("{}", line(.0))]
     Computation(String),
     /// An interruption by the user. The message names the file that keeps the state.
-    #[error("{0}")]
+    #[error("{}", line(.0))]
     Interrupted(String),
 }
 

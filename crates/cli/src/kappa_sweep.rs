@@ -12,14 +12,14 @@ mod report;
 mod shards;
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
-use gfmd_files::{Output, target};
+use gfmd_files::{FileError, Output, target};
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, SweepError, run_shard};
 
 pub(crate) use check::check;
@@ -196,7 +196,7 @@ impl Sweep<'_> {
         let runs = self.plan.runs_of_shard(shard);
         self.check_memory(&runs)?;
         let output = Output::claim_beside(&self.args.out, &shards::suffix(shard));
-        let output = output.map_err(|error| Failure::input("--out", error))?;
+        let output = named(output)?;
         let (journal, finished) = Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
         let started = Instant::now();
         let keeper = Keeper::new(&self.plan, &runs, journal, finished, self.session);
@@ -204,8 +204,8 @@ impl Sweep<'_> {
         keeper.progress.finish();
         let journal = keeper.journal.path().to_path_buf();
         computed.map_err(|error| {
-            let kept = format!("; finished runs are in {}, --resume continues", journal.display());
-            Failure::from(error).with(&kept)
+            let words = format!("{}, --resume continues", journal.display());
+            Failure::from(error).with(&remark("finished runs", &journal, &words))
         })?;
         Ok(Outcome::Shard(ShardReport {
             shard: shard.to_string(),
@@ -253,7 +253,7 @@ impl Sweep<'_> {
     }
 
     fn claim(&self) -> Result<Output, Failure> {
-        Output::claim(&self.args.out).map_err(|error| Failure::input("--out", error))
+        named(Output::claim(&self.args.out))
     }
 
     /// Computes the runs that are not finished, and writes the result; `kept` names what is kept if that fails.
@@ -263,7 +263,8 @@ impl Sweep<'_> {
         let keeper = Keeper::new(plan, &self.all(), journal, finished, session);
         let study = Study::new(plan.clone(), &keeper);
         keeper.progress.finish();
-        let study = study.map_err(|error| Failure::from(error).with(&format!("; finished runs are in {kept}")))?;
+        let study =
+            study.map_err(|error| Failure::from(error).with(&remark("finished runs", keeper.journal.path(), kept)))?;
         let seconds = started.elapsed().as_secs_f64();
         for Extrapolation { hurst, p_star, area, fit, .. } in &study.analysis.extrapolations {
             let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
@@ -272,10 +273,24 @@ impl Sweep<'_> {
         // With a target, the configuration of the result has the numbers of surfaces that it came to.
         let text = config::text(&study.plan.config)?;
         let path = file::write(output, &study, &session.provenance(text), seconds)
-            .map_err(|error| error.with(&format!("; all runs are in {kept}")))?;
+            .map_err(|error| error.with(&remark("all runs", keeper.journal.path(), kept)))?;
         keeper.journal.remove();
         let plots = figures::draw(&args.out, &study)?;
         Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
+    }
+}
+
+/// An output that was claimed, beside which there can be a journal.
+fn named(claimed: Result<Output, FileError>) -> Result<Output, Failure> {
+    let output = claimed.and_then(|output| output.check_beside(&[".journal"]).map(|()| output));
+    output.map_err(|error| Failure::input("--out", error))
+}
+
+/// The remark on a failure: where the runs are, unless their journal was removed.
+fn remark(runs: &str, journal: &Path, place: &str) -> String {
+    match journal.exists() {
+        true => format!("; {runs} are in {place}"),
+        false => format!("; the journal {} is gone, and with it the {runs}", journal.display()),
     }
 }
 

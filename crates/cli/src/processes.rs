@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::io::{self, Write as _};
 use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use gfmd_mpi::{Launcher, World, start};
 use gfmd_vector::Ranks;
@@ -22,10 +24,14 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
         return Ok(None);
     }
-    let Some(world) = start().map_err(|error| Failure::input("GFMD_MPI", error))? else { return Ok(None) };
+    let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(PATIENCE, tell_of_waiting, || {
+        let Some(world) = start().map_err(|error| Failure::input("GFMD_MPI", error))? else { return Ok(None) };
+        let text: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        let all = texts(&world, &text.join(" "));
+        Ok(Some((world, all)))
+    });
+    let Some((world, all)) = joined? else { return Ok(None) };
     let world = Arc::new(world);
-    let text: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    let all = texts(&*world, &text.join(" "));
     if let Some(other) = all.iter().position(|other| *other != all[0]) {
         let found = format!(
             "process 0 was started with \"{}\", process {other} with \"{}\"; all must have the same arguments, or GFMD_MPI=none to \
@@ -37,6 +43,37 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
         std::process::exit(status.into());
     }
     Ok(Some(world))
+}
+
+/// The time after which a process says that it waits for others to join.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Does `work`, and calls `tell` on another thread if it takes longer than `patience`.
+fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: impl FnOnce() -> T) -> T {
+    let (over, waiting) = mpsc::channel::<()>();
+    std::thread::spawn(move || {
+        if waiting.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+            tell();
+        }
+    });
+    let result = work();
+    drop(over);
+    result
+}
+
+/// Says on stderr that this process waits for others, of which one may never come: one that runs another command, or has ended.
+/// The first process says so, and the second, if it is the first one that does not come.
+fn tell_of_waiting() {
+    if let Some(launcher) = Launcher::found().filter(|launcher| launcher.rank < 2) {
+        let _ = writeln!(io::stderr(), "{}", waiting(&launcher));
+    }
+}
+
+fn waiting(Launcher { name, rank, size, .. }: &Launcher) -> String {
+    format!(
+        "process {rank} of {size} that {name} has started waits for the others to join; all {size} must run this program with the \
+         same arguments, or GFMD_MPI=none lets each run alone"
+    )
 }
 
 /// True if this process prints: it is alone, or the first one.
@@ -120,6 +157,25 @@ mod tests {
     use gfmd_vector::Rehearsal;
 
     use super::*;
+
+    #[test]
+    fn a_process_that_waits_for_others_says_so() {
+        let told = |patience, work: Duration| {
+            let (sender, receiver) = mpsc::channel();
+            let result = watched(
+                patience,
+                move || sender.send(()).unwrap(),
+                || {
+                    std::thread::sleep(work);
+                    7
+                },
+            );
+            // The sender is dropped with the thread that watches.
+            (result, receiver.iter().count())
+        };
+        assert_eq!(told(Duration::from_millis(20), Duration::from_millis(400)), (7, 1));
+        assert_eq!(told(Duration::from_secs(600), Duration::ZERO), (7, 0));
+    }
 
     #[test]
     fn the_first_failure_is_that_of_all() {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use gfmd_files::legible;
 use gfmd_mpi::World;
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
@@ -186,7 +187,7 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
     if session.is_first() {
-        write(&if session.common.json { text + "\n" } else { report.to_string() })?;
+        write(&if session.common.json { text + "\n" } else { legible::lines(&report.to_string()) })?;
     }
     match crate::json::undefined(&numbers) {
         Some(key) => Err(Failure::Computation(format!(

@@ -11,6 +11,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
+use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
@@ -97,7 +98,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, kind, figures, remarks, out } = self;
         writeln!(f, "{}, a result of {}: a page with {figures} figures", file.display(), kind.name())?;
-        remarks.iter().try_for_each(|remark| writeln!(f, "note: {remark}"))?;
+        remarks.iter().try_for_each(|remark| writeln!(f, "note: {}", line(remark)))?;
         list_files(f, Some(out), &[])
     }
 }

@@ -119,6 +119,7 @@ impl<'a> Kept<'a> {
             cost: FIRST_COST,
             every,
         };
+        output.check_beside(&[".checkpoint.part", ".journal"]).map_err(|error| Failure::input("--out", error))?;
         let Some(found) = kept.paths().into_iter().find(|path| path.exists()) else { return Ok(kept) };
         if !resume {
             let reason = "what an unfinished run has kept; continue it with --resume, or delete it";
@@ -259,13 +260,16 @@ impl<'a> Kept<'a> {
     /// The remark on a failure: the parts that are kept, and how to continue.
     pub(crate) fn remark(&self) -> String {
         let parts = self.done - self.waiting.len();
-        match self.on_disk {
-            false => String::new(),
-            true => format!(
-                "; {parts} finished part{} and the state are kept beside {}, --resume continues",
-                if parts == 1 { "" } else { "s" },
-                self.output.path().display()
-            ),
+        if !self.on_disk {
+            return String::new();
+        }
+        let ([journal, state, running], path) = (self.paths(), self.output.path().display());
+        let plural = if parts == 1 { "" } else { "s" };
+        // A checkpoint comes before the first finished part.
+        if (journal.exists() && state.exists()) || (parts == 0 && running.exists()) {
+            format!("; {parts} finished part{plural} and the state are kept beside {path}, --resume continues")
+        } else {
+            format!("; the files beside {path} that kept {parts} finished part{plural} and the state are gone")
         }
     }
 
@@ -404,6 +408,25 @@ mod tests {
         for bad in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
             assert!(every(bad).unwrap_err().to_string().starts_with("--checkpoint is"), "{bad}");
         }
+    }
+
+    #[test]
+    fn what_was_removed_is_not_said_to_be_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("inner");
+        std::fs::create_dir(&inner).unwrap();
+        let output = Output::claim(inner.join("a.h5")).unwrap();
+        let mut kept = Kept::open(&output, "one".into(), 4, ResumeArgs { resume: false }, None).unwrap();
+        assert_eq!(kept.remark(), "");
+        kept.add(&Part { text: "0".into(), fields: vec![] });
+        kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
+        kept.flush().unwrap();
+        let remark = kept.remark();
+        assert!(remark.starts_with("; 1 finished part and the state are kept beside"), "{remark}");
+        std::fs::remove_dir_all(&inner).unwrap();
+        let remark = kept.remark();
+        assert!(remark.ends_with("that kept 1 finished part and the state are gone"), "{remark}");
+        assert!(!remark.contains("--resume"), "{remark}");
     }
 
     #[test]

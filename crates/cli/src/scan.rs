@@ -5,6 +5,7 @@
 use std::fmt;
 
 use gfmd_field::Grid;
+use gfmd_files::legible::line;
 use gfmd_files::{Archive, Topography};
 use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
 use ndarray::Array2;
@@ -61,6 +62,8 @@ pub(crate) struct Prepared {
     pub(crate) grid: Grid,
     pub(crate) description: String,
     pub(crate) scan: Scan,
+    /// The SHA-256 of the bytes of the file that were read.
+    pub(crate) checksum: String,
 }
 
 /// Writes pairs as a map in their order; a key that occurs again has a number behind it.
@@ -152,7 +155,7 @@ impl SourceArgs {
         };
         let (heights, grid) =
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
-        Ok(Prepared { heights, grid, description, scan })
+        Ok(Prepared { heights, grid, description, scan, checksum: topography.sha256 })
     }
 }
 
@@ -253,7 +256,7 @@ impl fmt::Display for Scan {
             writeln!(f, "note: {note}")?;
         }
         for (key, value) in self.details.iter().take(LISTED) {
-            let line = value.replace(char::is_control, " ");
+            let (key, line) = (line(key), line(value));
             let shown: String = line.chars().take(WIDEST).collect();
             writeln!(f, "{key}: {shown}{}", if line.chars().count() > WIDEST { " ..." } else { "" })?;
         }

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use gfmd_contact::{Contact, Refusal};
 use gfmd_field::{Grid, Share};
+use gfmd_files::legible::line;
 use gfmd_files::{Provenance, Warning, Warnings};
 use gfmd_mpi::World;
 use gfmd_vector::Ranks;
@@ -183,13 +184,14 @@ impl Session {
     /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that does
     /// not change (docs/interface.md).
     pub fn warn(&self, code: &'static str, text: impl fmt::Display) {
+        let text = line(&text.to_string());
         tracing::warn!("{text}");
-        self.note(code, text.to_string());
+        self.note(code, text);
     }
 
     /// As [`warn`](Self::warn), for a remark that the printed report itself contains.
     pub fn note(&self, code: &'static str, text: String) {
-        self.warnings.add(Warning { code, text });
+        self.warnings.add(Warning { code, text: line(&text) });
     }
 
     /// The report of a command as one JSON object, with the warnings of the run.

@@ -1,6 +1,5 @@
 //! The rigid surface of a contact: read from a file ([`crate::scan`]), or generated.
 
-use std::path::Path;
 use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
@@ -343,14 +342,14 @@ impl SourceArgs {
 
     /// All heights.
     fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
-        let (mut heights, mut grid, mut description, scan) = match &self.surface {
+        let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
             Some(file) => {
-                let Prepared { heights, grid, description, scan } = self.prepare(file, None)?;
-                (heights, grid, description, Some(scan))
+                let Prepared { heights, grid, description, scan, checksum } = self.prepare(file, None)?;
+                (heights, grid, description, Some(scan), Some((file_of(file).into(), checksum)))
             }
             None => {
                 let grid = self.generator.grid(&self.length)?;
-                (self.generator.heights(&grid)?, grid, self.generator.to_string(), None)
+                (self.generator.heights(&grid)?, grid, self.generator.to_string(), None, None)
             }
         };
         let second = match &self.second_surface {
@@ -363,7 +362,6 @@ impl SourceArgs {
             }
             None => None,
         };
-        let origin = self.surface.as_deref().map(origin).transpose()?;
         Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
     }
 
@@ -371,7 +369,7 @@ impl SourceArgs {
     fn second(&self, file: &str, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const FLAG: &str = "--second-surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.length);
-        let Prepared { heights, grid: there, scan, .. } = self.prepare(file, Some(cell))?;
+        let Prepared { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
         let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
         let sides = if grid.is_line() { 1 } else { 2 };
         if there.points() != grid.points() || !there.lengths().into_iter().zip(grid.lengths()).take(sides).all(close) {
@@ -387,7 +385,6 @@ impl SourceArgs {
             return Err(Failure::input(FLAG, format!("the unit of {file} is {found}; it must be {allowed}")));
         }
         let shift = [0, 1].map(|axis| self.shift.get(axis).copied().unwrap_or(0.0));
-        let (_, checksum) = origin(file)?;
         Ok((Second { second_surface: file.into(), shift, second_scan: scan, checksum }, heights))
     }
 
@@ -451,11 +448,4 @@ pub fn composed(
 /// The name of a file without that of a dataset in it.
 pub(crate) fn file_of(surface: &str) -> &str {
     split_dataset(surface).map_or(surface, |(file, _)| file)
-}
-
-/// The file of a surface, without the name of a dataset in it, and its checksum.
-pub(crate) fn origin(surface: &str) -> Result<(String, String), Failure> {
-    let file = file_of(surface);
-    let checksum = Checksum::of_file(Path::new(file)).map_err(|error| Failure::Input(error.to_string()))?;
-    Ok((file.into(), checksum))
 }

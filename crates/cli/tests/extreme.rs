@@ -490,6 +490,139 @@ fn names(folder: &Path) -> BTreeSet<std::ffi::OsString> {
     std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect()
 }
 
+/// Inputs are regular files, also those that a result names: a pipe without a writer and an endless device are refused at once.
+#[cfg(unix)]
+#[test]
+fn inputs_that_are_no_regular_files_are_refused() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let rough = ndarray::Array2::from_shape_fn((8, 8), |(i, j)| ((5 * i + 3 * j) % 7) as f64 * 1e-3);
+    ndarray_npy::write_npy(at("h.npy"), &rough).unwrap();
+    let made = limited(folder.path(), &words("contact --surface h.npy --length 1 --p-star 0.05 --out c.h5"));
+    assert_eq!(made.0, Some(0), "{}", made.2);
+    for name in ["pipe", "pipe.npy", "pipe.h5"] {
+        assert!(Command::new("mkfifo").arg(at(name)).status().unwrap().success());
+    }
+    for name in ["zero", "zero.npy", "zero.h5"] {
+        symlink("/dev/zero", at(name)).unwrap();
+    }
+    let refused = |line: &str, kind: &str| {
+        let (status, stdout, stderr) = limited(folder.path(), &words(line));
+        assert_eq!((status, stdout.as_str()), (Some(2), ""), "{line}: {stderr}");
+        assert!(stderr.contains(&format!("it is {kind}; it must be a regular file")), "{line}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
+    };
+    let lines = [
+        "contact --surface X --p-star 0.05",
+        "contact --surface X.npy --p-star 0.05",
+        "contact --surface h.npy --second-surface X --p-star 0.05",
+        "contact --surface h.npy --length 1 --p-star 0.05 --hardness X.npy",
+        "contact --surface h.npy --length 1 --p-star 0.05 --height 1 --base-displacement X.npy",
+        "contact --surface X.h5:/heights --p-star 0.05",
+        "surface --surface X",
+        "surface --surface X --list",
+        "kappa-sweep --config X",
+        "kappa-sweep --preset smoke --runs-of X --out s.h5",
+        "punch --n 8 --mask X.npy",
+        "punch --n 8 --compare X.npy",
+        "punch --n 8 --compare X.h5",
+        "body --surface X.npy --depths 0",
+        "body --surface X.h5 --depths 0",
+        "report X.h5 --out page.html",
+        "check X.h5",
+    ];
+    for line in lines {
+        refused(&line.replace('X', "pipe"), "a pipe");
+        refused(&line.replace('X', "zero"), "a device");
+    }
+    // The input that a result names is not the file any more that it was.
+    for (kind, replace) in [("a pipe", "pipe"), ("a device", "/dev/zero")] {
+        std::fs::remove_file(at("h.npy")).unwrap();
+        symlink(if kind == "a pipe" { at(replace) } else { replace.into() }, at("h.npy")).unwrap();
+        refused("check c.h5", kind);
+        refused("check c.h5 --rerun", kind);
+    }
+    // A configuration of a gigabyte and a half, of which nothing is on the disk.
+    std::fs::File::create(at("large.toml")).unwrap().set_len(3 << 29).unwrap();
+    let (status, _, stderr) = limited(folder.path(), &words("kappa-sweep --config large.toml"));
+    assert_eq!(status, Some(2), "{stderr}");
+    assert!(stderr.contains("it has 1610612736 bytes; it must have at most 1048576"), "{stderr}");
+}
+
+/// Names so long that a file beside the output cannot have one are refused before anything is computed.
+#[cfg(unix)]
+#[test]
+fn names_that_are_too_long_for_the_files_beside_them_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let before = names(folder.path());
+    for length in [200, 239, 240, 245, 247, 248, 250, 251, 255, 256] {
+        let out = format!("{}.h5", "n".repeat(length - 3));
+        for command in ["contact --n 8 --eps-f-inv 2 --p-star 0.05,0.06", "kappa-sweep --preset smoke --shard 1/2"] {
+            // Beside OUT: .checkpoint.part; .shard-1-of-2.journal.
+            let longest = if command.starts_with("contact") { 16 } else { 21 };
+            if length + longest <= 255 && command.starts_with("kappa") {
+                continue;
+            }
+            let words: Vec<String> = format!("{command} --out {out}").split_whitespace().map(str::to_owned).collect();
+            let (status, _, stderr) = limited(folder.path(), &words);
+            let expected = if length + longest <= 255 { 0 } else { 2 };
+            assert_eq!(status, Some(expected), "{length}, {command}: {stderr}");
+            if expected == 2 {
+                assert!(stderr.starts_with("error: --out") && stderr.lines().count() == 1, "{length}: {stderr}");
+                assert_eq!(names(folder.path()), before, "{length}: something was written");
+            } else {
+                std::fs::remove_file(folder.path().join(&out)).unwrap();
+            }
+        }
+    }
+}
+
+/// What a file says does not steer the terminal, as a table, a note, a warning or an error, which stays one line.
+#[test]
+fn texts_of_files_do_not_steer_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let hostile = "Z\u{1b}[31m\u{9b}2J\u{202e}\u{200b}\u{7}";
+    let steers = |text: &str| text.contains(|c: char| (c.is_control() && c != '\n') || "\u{202e}\u{200b}".contains(c));
+    let scan = |unit: &str| {
+        format!("# Channel: {hostile}\n# Width: 1 mm\n# Height: 1 mm\n# Value units: {unit}\n1 2 3\n4 5 7\n2 1 9\n")
+    };
+    std::fs::write(folder.path().join("scan.txt"), scan("mm")).unwrap();
+    std::fs::write(folder.path().join("bad.txt"), scan(hostile)).unwrap();
+    std::fs::write(folder.path().join("word.txt"), format!("1 2\n3 {hostile}\n")).unwrap();
+    std::fs::write(folder.path().join("bad.toml"), format!("[{hostile}]\na = \"\n")).unwrap();
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gfmd"));
+        let output = command.args(line.split(' ')).current_dir(folder.path()).output().unwrap();
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("text in UTF-8"));
+        assert!(!steers(&stdout) && !steers(&stderr), "{line}: {stdout:?} {stderr:?}");
+        (output.status.code(), stdout, stderr)
+    };
+    for line in [
+        "surface --surface scan.txt",
+        "surface --surface scan.txt --list",
+        "contact --surface scan.txt --p-star 0.05 --out c.h5",
+    ] {
+        let (status, stdout, stderr) = run(line);
+        assert_eq!(status, Some(0), "{stderr}");
+        assert!(line.starts_with("contact") || stdout.contains("Z\u{fffd}[31m"), "{line}: {stdout}");
+    }
+    run("check c.h5");
+    run("report c.h5");
+    let lines = [
+        "surface --surface bad.txt",
+        "surface --surface word.txt",
+        "kappa-sweep --config bad.toml",
+        "surface --surface scan.txt --channel 9",
+    ];
+    for line in lines {
+        let (status, _, stderr) = run(line);
+        assert_eq!((status, stderr.lines().count()), (Some(2), 1), "{line}: {stderr}");
+    }
+}
+
 /// A reader that closes the pipe early, closed standard streams, and arguments that are no text.
 #[cfg(unix)]
 #[test]

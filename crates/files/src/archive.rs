@@ -29,7 +29,7 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
 use crate::stored::Hdf5;
-use crate::{FileError, Output, Warnings};
+use crate::{FileError, Input, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
@@ -206,7 +206,8 @@ impl<'a> Archive<'a> {
         }
         self.file()?.flush().map_err(|error| self.failed("(checksum)", &error))?;
         if self.output.has_values() {
-            let sum = Hdf5::open(&part).and_then(|file| content::checksum(&file));
+            let input = Input::open(&part).map_err(|error| error.to_string());
+            let sum = input.and_then(|input| Hdf5::open(&input)).and_then(|file| content::checksum(&file));
             let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
             self.attribute("/", content::NAME, sum.map_err(unreadable)?)?;
         }

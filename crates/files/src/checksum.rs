@@ -1,13 +1,11 @@
 //! Checksums of files and arrays: SHA-256, as `sha256sum` prints it.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::FileError;
+use crate::{FileError, Input};
 
 /// A checksum of bytes that come piece by piece.
 #[derive(Clone, Default)]
@@ -17,18 +15,17 @@ impl Checksum {
     /// The SHA-256 of a file.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// A file that cannot be read, is not a regular one, or changes meanwhile.
     pub fn of_file(path: &Path) -> Result<String, FileError> {
-        let read = || -> io::Result<String> {
-            let (mut file, mut sum, mut piece) = (File::open(path)?, Self::default(), vec![0; 1 << 16]);
-            loop {
-                match file.read(&mut piece)? {
-                    0 => return Ok(sum.text()),
-                    length => sum.bytes(&piece[..length]),
-                }
-            }
-        };
-        read().map_err(|source| FileError::Io { action: "read", path: path.into(), source })
+        let sum = Input::settled(path).and_then(|input| input.checksum());
+        sum.map_err(|source| FileError::Io { action: "read", path: path.into(), source })
+    }
+
+    /// The SHA-256 of bytes.
+    pub fn of_bytes(bytes: &[u8]) -> String {
+        let mut sum = Self::default();
+        sum.bytes(bytes);
+        sum.text()
     }
 
     /// The SHA-256 of numbers, of eight bytes each, the least significant first.

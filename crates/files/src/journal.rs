@@ -14,6 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use crate::Input;
 use crate::output::{folder, is_same_file, sync_folder};
 use records::{Records, Unusable};
 
@@ -79,7 +80,7 @@ impl Journal {
     /// A journal of other work, or a damaged one; a file that cannot be read.
     pub fn look(path: &Path, head: &[u8]) -> Result<Self, JournalError> {
         let failed = |source| JournalError::Io { action: "open", path: path.into(), source };
-        Self::of(path, Records::look(File::open(path).map_err(failed)?, head))
+        Self::of(path, Records::look(Input::open(path).and_then(|input| input.handle()).map_err(failed)?, head))
     }
 
     fn of(path: &Path, records: Result<Records<File>, Unusable>) -> Result<Self, JournalError> {

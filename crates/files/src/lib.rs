@@ -2,6 +2,7 @@
 //!
 //! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
 //!   that name is valid until the new one is complete.
+//! - [`input`] opens files: regular ones only, without waiting, and seen to stay the same while they are read.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
 //! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes arrays of NumPy.
@@ -27,7 +28,9 @@ mod archive;
 mod checksum;
 mod error;
 mod fields;
+pub mod input;
 mod journal;
+pub mod legible;
 pub mod npy;
 mod output;
 mod stored;
@@ -44,6 +47,7 @@ pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::axes;
 pub use gfmd_field::contiguous;
+pub use input::Input;
 pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder, target};
 pub use stored::Number;

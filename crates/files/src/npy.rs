@@ -1,12 +1,12 @@
 //! Files of NumPy arrays (`.npy`).
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
 use ndarray::{ArrayD, ArrayViewD, IxDyn, ShapeBuilder};
 use ndarray_npy::WriteNpyExt;
 
+use crate::input::{self, MOST_BYTES};
 use crate::{FileError, Output};
 
 /// The first bytes of a file.
@@ -20,7 +20,7 @@ const MOST_DIMENSIONS: usize = 64;
 /// # Errors
 /// A file that cannot be read or does not contain real numbers. The message does not contain the path.
 pub fn read(path: impl AsRef<Path>) -> Result<ArrayD<f64>, String> {
-    parse(&fs::read(path).map_err(|error| error.to_string())?)
+    parse(&input::bytes(path, MOST_BYTES).map_err(|error| error.to_string())?)
 }
 
 /// Writes an array to the claimed path.
@@ -32,7 +32,10 @@ pub fn write(output: &Output, array: ArrayViewD<f64>) -> Result<(), FileError> {
 }
 
 /// Reads an array from the bytes of a file. Nothing is allocated before the bytes for it are seen to be there.
-pub(crate) fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
+///
+/// # Errors
+/// Bytes that are no array of real numbers.
+pub fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
     let header = Header::parse(bytes)?;
     let count = header.shape.iter().try_fold(1_usize, |count, &length| count.checked_mul(length));
     let data = &bytes[header.data.min(bytes.len())..];

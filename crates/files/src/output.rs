@@ -77,6 +77,24 @@ impl Output {
         self.beside(".part")
     }
 
+    /// Checks that there can be files of the names `NAME` + `suffix`: a work of hours must not fail because of them.
+    ///
+    /// # Errors
+    /// A name that is too long for the file system.
+    pub fn check_beside(&self, suffixes: &[&str]) -> Result<(), FileError> {
+        let too_long = |suffix: &&&str| {
+            fs::symlink_metadata(self.beside(suffix)).is_err_and(|error| error.kind() == io::ErrorKind::InvalidFilename)
+        };
+        let Some(suffix) = suffixes.iter().find(too_long) else { return Ok(()) };
+        let found = self.path.file_name().unwrap_or_default().len();
+        let reason = format!(
+            "the name has {found} bytes, and {} with {suffix}, the name of a file beside it, which is too long here; it must be \
+             shorter",
+            found + suffix.len()
+        );
+        Err(FileError::Target { path: self.path.clone(), reason })
+    }
+
     /// The path `NAME` + `suffix` beside the target, for further files under this claim.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         beside(&self.path, suffix)
@@ -180,7 +198,7 @@ fn check_regular(path: &Path) -> Result<(), FileError> {
 }
 
 /// The kind of something that is no regular file, in words.
-fn kind(metadata: &fs::Metadata) -> &'static str {
+pub(crate) fn kind(metadata: &fs::Metadata) -> &'static str {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

@@ -2,13 +2,16 @@
 
 mod number;
 
-use std::path::Path;
+use std::sync::Arc;
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
-use hdf5_reader::{Attribute, Dataset, Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, StringSize};
+use hdf5_reader::{
+    Attribute, Dataset, Datatype, FileStorage, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, StringSize,
+};
 use ndarray::ArrayD;
 
+use crate::Input;
 use crate::archive;
 
 use number::Stored;
@@ -35,10 +38,12 @@ pub(crate) struct Hdf5 {
 }
 
 impl Hdf5 {
-    /// Opens a file.
-    pub(crate) fn open(path: &Path) -> Result<Self, String> {
-        let length = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        Self::limited(length as usize, |options| Hdf5File::open_with_options(path, options))
+    /// A file that is open.
+    pub(crate) fn open(input: &Input) -> Result<Self, String> {
+        let file = input.handle().map_err(|error| error.to_string())?;
+        Self::limited(input.length() as usize, |options| {
+            Hdf5File::from_storage_with_options(Arc::new(FileStorage::from_file(file)?), options)
+        })
     }
 
     /// A file that stands in memory.

@@ -40,6 +40,7 @@ use ndarray::Array2;
 
 pub use x3p::X3p;
 
+use crate::legible::line;
 use file::File;
 use format::{Channel, Contents, Format, Map};
 use unit::Conversion;
@@ -91,7 +92,7 @@ pub struct Topography {
     pub unit: Option<String>,
     /// The name of the format.
     pub format: &'static str,
-    /// The name of the channel, if the file has it.
+    /// The name of the channel, if the file has it; names, units and notes are on one line and legible, whatever the file has.
     pub channel: Option<String>,
     /// The names of all height maps in the file; their numbers where they have no names.
     pub channels: Vec<String>,
@@ -103,6 +104,8 @@ pub struct Topography {
     pub notes: Vec<String>,
     /// Description of file and channel.
     pub source: String,
+    /// The SHA-256 of the bytes of the file from which the heights were read.
+    pub sha256: String,
 }
 
 /// The height maps in a file.
@@ -129,7 +132,7 @@ pub struct ListedChannel {
 
 /// Error of reading a topography: one line that starts with the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}: {reason}")]
+#[error("{}", line(&format!("{file}: {reason}")))]
 pub struct TopographyError {
     /// Name of the file as given by the caller.
     pub file: String,
@@ -155,7 +158,8 @@ impl Topography {
                 return Err(fail(format!("both {dataset} and the channel {channel} are named; only one must be")));
             }
         };
-        File::open(path).and_then(|file| Self::decode(&file, name, channel)).map_err(fail)
+        let decode = |file: File| Self::decode(&file, name, channel).map_err(|reason| file.cause(reason));
+        File::open(path).and_then(decode).map_err(fail)
     }
 
     /// Reads a channel of a file whose bytes are in memory; `name` is used in messages.
@@ -202,7 +206,7 @@ impl Topography {
         if nx.checked_mul(ny).is_none_or(|points| points > MOST_POINTS) {
             return Err(format!("the grid is {nx} x {ny} points; it must have at most {MOST_POINTS}"));
         }
-        let named = Some(channel.name).filter(|name| !name.is_empty());
+        let named = Some(line(&channel.name)).filter(|name| !name.is_empty());
         let mut map = (channel.read)()?;
         format.upright(&mut map);
         if map.heights.is_empty() {
@@ -227,8 +231,9 @@ impl Topography {
             channels: names,
             conversion,
             details: map.details,
-            notes: map.notes,
+            notes: map.notes.iter().map(|note| line(note)).collect(),
             source,
+            sha256: file.checksum()?,
         })
     }
 }
@@ -247,7 +252,7 @@ impl Listing {
         let names = names(&contents.channels);
         let listed = |(channel, name): (&Channel, String)| ListedChannel {
             name,
-            unit: channel.unit.as_deref().map(|unit| unit::canonical(unit).to_owned()),
+            unit: channel.unit.as_deref().map(|unit| line(unit::canonical(unit))),
             points: channel.points,
         };
         let channels = contents.channels.iter().zip(names).map(listed).collect();
@@ -259,7 +264,7 @@ impl Map {
     /// Converts the heights to the unit of the lengths. Returns the conversion in words, if there is one.
     fn convert(&mut self) -> Result<Option<String>, String> {
         let canonical = |unit: &mut Option<String>| {
-            *unit = unit.take().map(|unit| unit::canonical(&unit).to_owned()).filter(|unit| !unit.is_empty());
+            *unit = unit.take().map(|unit| line(unit::canonical(&unit))).filter(|unit| !unit.is_empty());
         };
         canonical(&mut self.length_unit);
         canonical(&mut self.height_unit);
@@ -308,7 +313,7 @@ fn open(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
 fn names(channels: &[Channel]) -> Vec<String> {
     let name = |(number, channel): (usize, &Channel)| match channel.name.as_str() {
         "" => number.to_string(),
-        name => name.to_owned(),
+        name => line(name),
     };
     channels.iter().enumerate().map(name).collect()
 }
@@ -326,10 +331,26 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
     let Some(asked) = asked else {
         return contents.default.ok_or_else(|| format!("no channel is named; it must be one of {}", listed()));
     };
+    let asked = &line(asked);
     let same = |name: &String| name.trim_start_matches('/') == asked.trim_start_matches('/');
-    let by_name = names.iter().position(|name| name == asked).or_else(|| names.iter().position(same));
+    let with = |has: &dyn Fn(&String) -> bool| -> Vec<usize> { (0..names.len()).filter(|k| has(&names[*k])).collect() };
+    let mut by_name = with(&|name| name == asked);
+    if by_name.is_empty() {
+        by_name = with(&same);
+    }
+    if let [_, _, ..] = by_name[..] {
+        let numbers: Vec<String> = by_name.iter().take(LISTED).map(usize::to_string).collect();
+        let (numbers, count) = (numbers.join(", "), by_name.len());
+        return Err(format!(
+            "{count} channels have the name {asked}; the channel must be one of the numbers {numbers}"
+        ));
+    }
     let by_number = || asked.parse().ok().filter(|&number: &usize| number < names.len());
-    by_name.or_else(by_number).ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
+    by_name
+        .first()
+        .copied()
+        .or_else(by_number)
+        .ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
 }
 
 /// The points along x and y of an array of one or two dimensions.

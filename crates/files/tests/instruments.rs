@@ -3,7 +3,7 @@
 #[path = "harness/made.rs"]
 mod made;
 
-use gfmd_files::Topography;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Topography, Variable};
 use made::{POINTS, UNDEFINED, height};
 use zip::CompressionMethod;
 
@@ -383,4 +383,243 @@ fn nanosurf_covers_the_range_of_the_channel() {
         "Dim2Min=+0.03125\r\nSaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n#!",
     ));
     assert_eq!(shifted.heights, map.heights.mapv(|height| height + 0.0625));
+}
+
+/// Writes heights 0, 1, ... in HDF5 with coordinates of 3 x 4 points in units; an empty unit stands for none.
+fn hdf5(units: [&str; 3]) -> Result<Topography, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("h.h5");
+    let [ux, uy, uz] = units.map(|unit| if unit.is_empty() { "length" } else { unit });
+    let output = Output::claim(&path).unwrap();
+    let mut archive = Archive::create(&output, &Provenance::default()).unwrap();
+    let x = Dimension::values("x", vec![0.0, 0.5, 1.0], ux, "position along x");
+    let y = Dimension::values("y", vec![1.0, 3.0, 5.0, 7.0], uy, "position along y");
+    let heights: Vec<f64> = (0..12).map(f64::from).collect();
+    archive.write("/heights", &Variable { dimensions: &[&x, &y], units: uz, long_name: "height" }, &heights).unwrap();
+    archive
+        .write("/line/heights", &Variable { dimensions: &[&x], units: uz, long_name: "height" }, &heights[..3])
+        .unwrap();
+    archive.finish().unwrap();
+    let line = Topography::read(path.to_str().unwrap(), Some("/line/heights")).map(|line| (line.lengths, line.heights));
+    let map = Topography::read(path.to_str().unwrap(), Some("/heights")).map_err(|error| error.reason)?;
+    // A profile has the units of x and of its heights.
+    let (lengths, heights) = line.map_err(|error| error.reason)?;
+    assert_eq!(lengths.map(|[x, _]| x), map.lengths.map(|[x, _]| x));
+    assert_eq!(heights[[2, 0]], map.heights[[0, 2]]);
+    Ok(map)
+}
+
+#[test]
+fn heights_and_both_coordinates_of_hdf5_have_units_of_their_own() {
+    // 1 nm is 1e-9 m and 1 µm is 1e-6 m.
+    let map = hdf5(["m", "µm", "nm"]).unwrap();
+    assert_eq!((map.lengths, map.unit.as_deref()), (Some([1.5, 8.0 / 1e6]), Some("m")));
+    assert!(map.heights.iter().zip(0..).all(|(height, k)| *height == f64::from(k) / 1e9), "{}", map.heights);
+    assert_eq!(map.conversion.as_deref(), Some("heights converted from nm to m, 1000000000 nm = 1 m"));
+    assert_eq!(map.notes, ["the length along y converted from µm to m, 1000000 µm = 1 m"]);
+    let plain = hdf5(["", "", ""]).unwrap();
+    assert_eq!((plain.lengths, plain.unit, plain.conversion), (Some([1.5, 8.0]), None, None));
+    for (units, says) in [
+        (["m", "", "m"], "the unit of x is m but y has no unit"),
+        (["", "m", "m"], "the unit of y is m but x has no unit"),
+        (["m", "m", ""], "the unit of the lengths is m but the heights have no unit"),
+        (["", "", "nm"], "the unit of the heights is nm but the lengths have no unit"),
+        (["m", "V", "nm"], "the unit is \"V\"; it must be one of m"),
+    ] {
+        let found = hdf5(units).unwrap_err();
+        assert!(found.starts_with(says), "{units:?}: {found}");
+    }
+}
+
+/// A file whose bytes at some places are others.
+fn patched(mut bytes: Vec<u8>, patches: &[(usize, &[u8])]) -> Vec<u8> {
+    patches.iter().for_each(|(at, patch)| bytes[*at..at + patch.len()].copy_from_slice(patch));
+    bytes
+}
+
+#[test]
+fn axes_of_netcdf_and_igor_have_units_of_their_own() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/holes.nc");
+    let netcdf = std::fs::read(path).unwrap();
+    let units: Vec<usize> = (0..netcdf.len()).filter(|at| netcdf[*at..].starts_with(b"um\0\0")).collect();
+    // The variables are y, x, heights.
+    let &[y, x, z] = &units[..] else { panic!("{units:?}") };
+    let whole = read(netcdf.clone());
+    let other = read(patched(netcdf.clone(), &[(y, b"mm")]));
+    let [[lx, ly], found] = [whole.lengths.unwrap(), other.lengths.unwrap()];
+    assert_eq!((found, other.unit.as_deref()), ([lx, ly * 1e3], Some("µm")));
+    assert_eq!(other.notes, ["the length along y converted from mm to µm, 1 mm = 1000 µm"]);
+    let says = |places: &[usize]| {
+        let patches: Vec<(usize, &[u8])> = places.iter().map(|at| (*at, &b"\0\0"[..])).collect();
+        refusal(patched(netcdf.clone(), &patches))
+    };
+    assert!(says(&[z]).starts_with("the unit of the lengths is µm but the heights have no unit"), "{}", says(&[z]));
+    assert!(
+        says(&[x, y]).starts_with("the unit of the heights is µm but the lengths have no unit"),
+        "{}",
+        says(&[x, y])
+    );
+    assert!(says(&[x]).starts_with("the unit of y is um but x has no unit"), "{}", says(&[x]));
+    assert!(says(&[y]).starts_with("the unit of x is um but y has no unit"), "{}", says(&[y]));
+
+    const Y: usize = 64 + 148 + 8;
+    let map = read(patched(made::ibw(false), &[(Y, b"mm")]));
+    assert_eq!(map.lengths.unwrap(), [2.5, 1.0 / 1e3]);
+    assert!(refusal(patched(made::ibw(false), &[(Y, b"\0")])).starts_with("the unit of x is m but y has no unit"));
+    const DATA: usize = 16 + 34;
+    let profile = |patches: &[(usize, &[u8])]| {
+        Topography::from_bytes("scan", patched(made::ibw_profile(), patches), None).map_err(|error| error.reason)
+    };
+    let said = [DATA, DATA + 4].map(|at| profile(&[(at, b"\0")]).unwrap_err());
+    assert!(said[0].starts_with("the unit of the lengths is m but the heights have no unit"), "{}", said[0]);
+    assert!(said[1].starts_with("the unit of the heights is m but the lengths have no unit"), "{}", said[1]);
+    // A spacing of 1 without a unit is what Igor writes where none was set.
+    let unset = profile(&[(DATA + 4, b"\0"), (16 + 48, &1_f64.to_be_bytes())]).unwrap();
+    assert_eq!((unset.lengths, unset.unit.as_deref()), (None, Some("m")));
+}
+
+#[test]
+fn columns_of_points_have_units_of_their_own() {
+    let list = |header: &str| {
+        let points = (0..12).map(|k| (f64::from(k / 4) * 0.5, k % 4 * 2, k));
+        let rows: String = points.map(|(x, y, z)| format!("{x};{y};{z}\n")).collect();
+        Topography::from_bytes("scan", format!("{header}\n{rows}").into_bytes(), None).map_err(|error| error.reason)
+    };
+    let map = list("x in µm;y in nm;z in nm").unwrap();
+    assert_eq!((map.lengths, map.unit.as_deref()), (Some([1.5, 8.0 / 1e3]), Some("µm")));
+    assert_eq!(map.heights[[2, 3]], 11.0 / 1e3);
+    for (header, says) in [
+        ("x in µm;y;z in nm", "the unit of x is µm but y has no unit"),
+        ("x;y;z in nm", "the unit of the heights is nm but the lengths have no unit"),
+        ("x in m;y in m;z", "the unit of the lengths is m but the heights have no unit"),
+    ] {
+        let found = list(header).unwrap_err();
+        assert!(found.starts_with(says), "{header}: {found}");
+    }
+    assert_eq!(list("x;y;z").unwrap().unit, None);
+    // Names of several words between blanks.
+    let profile = b"Length (mm) Depth (um)\n0 1\n1 2\n2 3\n3 5\n".to_vec();
+    let map = read(profile);
+    assert_eq!((map.lengths, map.unit.as_deref()), (Some([4.0, 1.0]), Some("mm")));
+    assert_eq!(map.heights[[3, 0]], 5.0 / 1e3);
+}
+
+#[test]
+fn sizes_and_scales_that_are_not_there_are_not_made_up() {
+    let x3p = |name: &str, change: &dyn Fn(String) -> String| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
+        let mut archive = zip::ZipArchive::new(std::fs::File::open(path).unwrap()).unwrap();
+        let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+        let mut entries = vec![];
+        for name in &names {
+            let mut bytes = vec![];
+            std::io::Read::read_to_end(&mut archive.by_name(name).unwrap(), &mut bytes).unwrap();
+            if name == "main.xml" {
+                bytes = change(String::from_utf8(bytes).unwrap()).into_bytes();
+            }
+            entries.push((name.as_str(), bytes));
+        }
+        let bytes = made::zipped(&entries, CompressionMethod::Deflated);
+        Topography::from_bytes("scan", bytes, None).map_err(|error| error.reason)
+    };
+    let without = |axis: &'static str| {
+        move |xml: String| {
+            let start = xml.find(&format!("<{axis}>")).unwrap();
+            let [from, to] = ["<Increment>", "</Increment>"].map(|tag| start + xml[start..].find(tag).unwrap());
+            format!("{}{}", &xml[..from], &xml[to + "</Increment>".len()..])
+        }
+    };
+    for axis in ["CX", "CY", "CZ"] {
+        let says = format!("main.xml has no Record1/Axes/{axis}/Increment; it must have one");
+        assert_eq!(x3p("int32.x3p", &without(axis)).unwrap_err(), says);
+    }
+    assert!(x3p("double.x3p", &|xml| xml).is_ok(), "floats are heights without an increment");
+
+    // Of both channels, of which the first is no height.
+    let missing = (0..2).fold(made::nanosurf(), |bytes, _| edited(bytes, "Dim1Unit=m", "Dim1Unix=m"));
+    assert!(refusal(missing).ends_with("has no Dim1Unit; it must have it"));
+    let gsf = |sizes: &str| {
+        let mut bytes = format!("Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\n{sizes}").into_bytes();
+        bytes.resize((bytes.len() / 4 + 1) * 4, 0);
+        bytes.extend([0; 16]);
+        Topography::from_bytes("scan", bytes, None).map_err(|error| error.reason)
+    };
+    assert_eq!(gsf("XReal = 3\nYReal = 4\n").unwrap().lengths, Some([3.0, 4.0]));
+    assert_eq!(gsf("").unwrap().lengths, None);
+    assert_eq!(gsf("XReal = 3\n").unwrap_err(), "only one of XReal and YReal is given; both or neither must be given");
+    let opd = |size: usize, from: &str, to: &str| edited(made::opd(size), from, to);
+    assert!(refusal(opd(2, "Mult\0", "Nult\0")).starts_with("the file has no block Mult"));
+    let square = read(opd(2, "Aspect", "Bspect"));
+    assert_eq!(square.notes, ["the file has no block Aspect; its pixels are taken to be square"]);
+}
+
+#[test]
+fn numbers_of_fortran_and_typography_are_read_and_others_refused_by_name() {
+    let text = |text: &str| Topography::from_bytes("scan", text.into(), None).map_err(|error| error.reason);
+    let heights = |found: &str| text(found).unwrap().heights;
+    // The first line is a line of numbers, not a header.
+    assert_eq!(heights("1.0-105 2.0D+00\n3 4\n"), ndarray::array![[1e-105, 3.0], [2.0, 4.0]]);
+    assert_eq!(heights("1.5d-3 -2.25+101\n3 4\n"), ndarray::array![[1.5e-3, 3.0], [-2.25e101, 4.0]]);
+    assert_eq!(heights("\u{2212}1 2\n3 \u{2212}4.5\n"), ndarray::array![[-1.0, 3.0], [2.0, -4.5]]);
+    assert_eq!(heights("\u{2212}1,5;2e\u{2212}3\n3;4\n"), ndarray::array![[-1.5, 3.0], [2e-3, 4.0]]);
+    for (word, line) in
+        [("1_0", "1_0 2"), ("1'000.5", "1'000.5 2"), ("１", "１ 2"), ("1.0Q+00", "1.0Q+00 2"), ("0.5*", "1 0.5*")]
+    {
+        let column = 1 + line.split(' ').position(|found| found == word).unwrap();
+        let says = format!("line 1, column {column} is {word:?}; it must be a number");
+        assert_eq!(text(&format!("{line}\n3 4\n")).unwrap_err(), says);
+    }
+    for header in
+        ["x y", "20.05.2024 12:30:11", "20.05.2024 1", "2024-01-15 Smith", "256x256 8bit", "1.5.2 -", "a 1_0", "1_0"]
+    {
+        assert_eq!(heights(&format!("{header}\n1 2\n3 4\n")), ndarray::array![[1.0, 3.0], [2.0, 4.0]], "{header}");
+    }
+}
+
+#[test]
+fn lines_of_text_end_with_any_mark() {
+    let text = |text: &str| Topography::from_bytes("scan", text.into(), None).map_err(|error| error.reason);
+    let expected = ndarray::array![[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]];
+    for end in ["\n", "\r\n", "\r"] {
+        for last in ["", end] {
+            let found =
+                text(&format!("# Width: 3 mm{end}# Height: 2 mm{end}# Value units: mm{end}1 2 3{end}4 5 6{last}"));
+            let found = found.unwrap();
+            assert_eq!((found.heights, found.lengths), (expected.clone(), Some([3.0, 2.0])), "{end:?}");
+        }
+        let says = text(&format!("1 2{end}{end}3 x{end}")).unwrap_err();
+        assert_eq!(says, "line 3, column 2 is \"x\"; it must be a number", "{end:?}");
+    }
+}
+
+#[test]
+fn two_channels_of_one_name_are_told_apart_by_their_numbers() {
+    let twice = patched(made::ibw(false), &[]);
+    let twice = edited(twice, "PhaseTrace\0", "HeightTrace");
+    let named = |channel| Topography::from_bytes("scan", twice.clone(), Some(channel));
+    let says = "2 channels have the name HeightTrace; the channel must be one of the numbers 0, 1";
+    assert_eq!(named("HeightTrace").unwrap_err().reason, says);
+    for number in ["0", "1"] {
+        assert_eq!(named(number).unwrap().channel.as_deref(), Some("HeightTrace"));
+    }
+}
+
+#[test]
+fn names_and_messages_do_not_steer_a_terminal() {
+    let hostile = "HeightT\u{1b}[\n\u{7}";
+    let bytes = edited(made::ibw(false), "HeightTrace", hostile);
+    let shown = "HeightT\u{fffd}[ \u{fffd}";
+    let map = read(bytes.clone());
+    assert_eq!((map.channel.as_deref(), map.source.as_str()), (Some(shown), &*format!("scan, channel {shown}")));
+    let listing = gfmd_files::Listing::from_bytes("scan", bytes.clone()).unwrap();
+    assert_eq!(listing.channels[0].name, shown);
+    for name in [shown, hostile] {
+        assert_eq!(Topography::from_bytes("scan", bytes.clone(), Some(name)).unwrap().channel.as_deref(), Some(shown));
+    }
+    let message = Topography::from_bytes("scan", bytes.clone(), Some("x\u{202e}\ny")).unwrap_err().to_string();
+    assert!(!message.contains(|c: char| c.is_control() || c == '\u{202e}'), "{message:?}");
+    // No channel is a height: the message names all.
+    let others = edited(edited(bytes, "HeightT", "NothinT"), "PhaseTrace", "P\nh\na\ns\ne\x1b");
+    let message = Topography::from_bytes("scan", others, None).unwrap_err().to_string();
+    assert!(message.contains("one must be a height") && !message.contains(char::is_control), "{message:?}");
 }

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use gfmd_cli::failure::Failure;
+use gfmd_files::legible::line;
 use pyo3::prelude::*;
 
 /// The exception that `gfmd._errors` makes of a message, by the name of its maker there.
@@ -13,7 +14,7 @@ fn raised(py: Python<'_>, maker: &str, text: &str) -> PyErr {
 
 /// Unusable input.
 pub(crate) fn refused(py: Python<'_>, error: &dyn Display) -> PyErr {
-    raised(py, "refused", &error.to_string())
+    raised(py, "refused", &line(&error.to_string()))
 }
 
 /// A failure without a state. A problem of which nothing can be computed was unusable input.

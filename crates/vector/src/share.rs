@@ -37,7 +37,9 @@ impl fmt::Display for TooManyRanks {
         let Self { ranks, most, unit } = self;
         write!(
             f,
-            "the grid is shared by {ranks} processes; it must be at most {most}, with {unit} rows or more for each"
+            "the grid is shared by {ranks} processes; it must be at most {most}: each has {unit} rows or a multiple of them, which \
+             are whole blocks of {LEAF} values of the sums, so that these have the bits of one process. Powers of two along y \
+             allow the most processes"
         )
     }
 }

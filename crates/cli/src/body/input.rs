@@ -1,7 +1,9 @@
 //! The displacement of a surface, from a file.
 
 use gfmd_field::Grid;
-use gfmd_files::{Reader, cell_lengths, npy, split_dataset};
+use gfmd_files::input::MOST_BYTES;
+use gfmd_files::legible::line;
+use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
 use crate::failure::Failure;
@@ -34,6 +36,8 @@ pub(super) struct Surface {
     pub(super) description: String,
     /// The scan that was pressed on the body, and what was done to it, if the heights came from a file.
     pub(super) scan: Option<String>,
+    /// The SHA-256 of the file that was read; `None` for waves.
+    pub(super) checksum: Option<String>,
 }
 
 /// The datasets in files of gfmd, in the order of preference.
@@ -54,6 +58,8 @@ struct Found {
     record: toml::Table,
     load: Option<usize>,
     scan: Option<String>,
+    /// The SHA-256 of the file.
+    checksum: String,
 }
 
 impl Surface {
@@ -101,6 +107,7 @@ impl Surface {
             unit: found.unit.unwrap_or_else(|| "length".into()),
             description,
             scan: found.scan,
+            checksum: Some(found.checksum),
         })
     }
 }
@@ -129,6 +136,7 @@ impl Surface {
             unit: "length".into(),
             description: format!("waves {}", words.join(" + ")),
             scan: None,
+            checksum: None,
         })
     }
 }
@@ -147,7 +155,9 @@ fn cell(length: &[f64], of_file: Option<[f64; 2]>, [nx, ny]: [usize; 2]) -> [f64
 }
 
 fn array(path: &str) -> Result<Found, String> {
-    let array = npy::read(path)?;
+    let words = |error: std::io::Error| error.to_string();
+    let bytes = Input::settled(path).and_then(|input| input.bytes(MOST_BYTES)).map_err(words)?;
+    let (array, checksum) = (npy::parse(&bytes)?, Checksum::of_bytes(&bytes));
     let shape = array.shape().to_vec();
     let (values, kind) = (array.into_iter().collect(), Kind::Full);
     Ok(Found {
@@ -160,7 +170,26 @@ fn array(path: &str) -> Result<Found, String> {
         record: toml::Table::new(),
         load: None,
         scan: None,
+        checksum,
     })
+}
+
+/// Refuses a displacement in another unit than the coordinates beside it: strains would be wrong by the ratio.
+fn check_units(reader: &Reader, dataset: &str, has_y: bool) -> Result<(), String> {
+    let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
+    let unit = |path: &str| {
+        let found = reader.text(path, "units").or_else(|_| reader.text(path, "unit")).unwrap_or_default();
+        let is_any = ["", "1", "length"].contains(&found.as_str());
+        if is_any { "none".into() } else { line(&found) }
+    };
+    let found = unit(dataset);
+    let axes = if has_y { &["x", "y"][..] } else { &["x"][..] };
+    match axes.iter().map(|axis| (axis, unit(&format!("{group}/{axis}")))).find(|(_, along)| *along != found) {
+        Some((axis, along)) => {
+            Err(format!("the unit of {dataset} is {found} and that of {axis} is {along}; they must be the same"))
+        }
+        None => Ok(()),
+    }
 }
 
 fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
@@ -172,7 +201,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
         given => given,
     };
     let mut shape = reader.shape(dataset).map_err(words)?;
-    let unit = reader.text(dataset, "units").ok();
+    let unit = reader.text(dataset, "units").ok().map(|unit| line(&unit));
     let record: toml::Table = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
     let normal = dataset.ends_with("displacement_z");
     let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
@@ -197,6 +226,9 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };
     let coordinate = |name: &str| reader.contains(name).then(|| reader.values(name).map_err(words));
     let lengths = cell_lengths(coordinate, dataset, points)?;
+    if lengths.is_some() {
+        check_units(&reader, dataset, points[1] > 1)?;
+    }
     let beside =
         Beside { reader: &reader, group: dataset.rsplit_once('/').map_or("", |(group, _)| group), load, points };
     let (mut kind, mut mean_traction) = (Kind::Full, None);
@@ -232,8 +264,10 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
         mean_traction = Some(traction);
     }
     // Only the heights of a file have a format.
-    let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description")).ok();
-    Ok(Found { shape, values, kind, mean_traction, lengths, unit, record, load, scan })
+    let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description"));
+    let scan = scan.ok().map(|scan| line(&scan));
+    let checksum = reader.checksum().map_err(words)?;
+    Ok(Found { shape, values, kind, mean_traction, lengths, unit, record, load, scan, checksum })
 }
 
 /// The fields beside the displacement of a surface, in its group and of its load.

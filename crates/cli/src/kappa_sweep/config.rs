@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// A file that cannot be read, is not TOML, or has an unknown or mistyped field.
 pub(super) fn read(path: &Path) -> Result<Config, Failure> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| Failure::input(&name.to_string(), error))?;
+    let text = gfmd_files::input::text(path).map_err(|error| Failure::input(&name.to_string(), error))?;
     toml::from_str(&text).map_err(|error: toml::de::Error| {
         let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
         let place = format!("{name}, line {}", 1 + before.matches('\n').count());

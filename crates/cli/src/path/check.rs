@@ -3,7 +3,7 @@
 use gfmd_contact::{Boundary, Drive, Fields, Load};
 use gfmd_files::Reader;
 use gfmd_interface::{Interface, Quasistatic, Step};
-use gfmd_law::{Kind, Limit};
+use gfmd_law::Limit;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::Path;
@@ -183,7 +183,7 @@ impl StateCheck<'_> {
                 let stored_pressure = self.field("pressure", waypoint)?;
                 let state = interface.certify(&gap, &stored_pressure, drive).map_err(refuse)?;
                 // Without attraction the file has the pressure of the wall.
-                let is_wall = args.law.law == Kind::HardWall;
+                let is_wall = args.law.law == gfmd_law::Kind::HardWall;
                 let pressure = if is_wall { state.repulsion() } else { state.pressure() };
                 let pressure: Vec<f64> = pressure.iter().copied().collect();
                 if self.is_law_on_patch() {

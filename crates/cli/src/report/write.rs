@@ -1,5 +1,6 @@
 //! Numbers as they stand in a page.
 
+use gfmd_files::legible;
 use maud::{Markup, html};
 
 /// A number with five significant digits, and a dash for one that has no meaning.
@@ -59,13 +60,10 @@ const LONGEST: usize = 20_000;
 
 /// A text of a file as a page may show it: without characters that control the display, and not too long.
 pub(crate) fn text(found: &str) -> String {
-    let controls = |c: char| {
-        (c.is_control() && c != '\n' && c != '\t')
-            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
-    };
-    let shown = |c: char| if controls(c) { '\u{fffd}' } else { c };
-    let mut text: String = found.chars().take(LONGEST).map(shown).collect();
-    let rest = found.chars().count().saturating_sub(LONGEST);
+    let end = found.char_indices().nth(LONGEST).map_or(found.len(), |(end, _)| end);
+    let (start, rest) = found.split_at(end);
+    let mut text = legible::lines(start);
+    let rest = rest.chars().count();
     if rest > 0 {
         text.push_str(&format!("… ({rest} more characters)"));
     }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use gfmd_contact::Visit;
-use gfmd_files::{Checksum, FileError};
+use gfmd_files::{Checksum, FileError, input};
 
 use crate::failure::Failure;
 
@@ -78,7 +78,7 @@ pub(crate) struct Stored {
 impl Stored {
     /// Reads a file of the run that `head` identifies; `None` if there is none.
     pub(super) fn read(path: &Path, head: &[u8]) -> Result<Option<Self>, Failure> {
-        let mut bytes = match std::fs::read(path) {
+        let mut bytes = match input::bytes(path, u64::MAX) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(FileError::Io { action: "read", path: path.into(), source }.into()),

@@ -3,23 +3,29 @@
 use std::path::{Path, PathBuf};
 
 use super::{Attribute, FileError, content};
+use crate::Input;
 use crate::stored::{Hdf5, Number};
 
 /// An HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file is an error.
 pub struct Reader {
     path: PathBuf,
+    input: Input,
     file: Hdf5,
 }
 
 impl Reader {
-    /// Opens a file.
+    /// Opens a regular file.
+    ///
+    /// # Errors
+    /// A file that cannot be opened, is no regular file, or not HDF5.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
-        if let Err(source) = std::fs::File::open(&path) {
-            return Err(FileError::Io { action: "open", path, source });
-        }
-        match Hdf5::open(&path) {
-            Ok(file) => Ok(Self { path, file }),
+        let input = match Input::settled(&path) {
+            Ok(input) => input,
+            Err(source) => return Err(FileError::Io { action: "open", path, source }),
+        };
+        match Hdf5::open(&input) {
+            Ok(file) => Ok(Self { path, input, file }),
             Err(reason) => Err(FileError::Open { reason, path }),
         }
     }
@@ -40,6 +46,15 @@ impl Reader {
     /// A file that cannot be read to its end.
     pub fn content_sha256(&self) -> Result<String, FileError> {
         content::checksum(&self.file).map_err(|reason| self.failed("(all)", reason))
+    }
+
+    /// The SHA-256 of the file that is open, also if another one has its name by now.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or was changed in place since it was opened.
+    pub fn checksum(&self) -> Result<String, FileError> {
+        let sum = self.input.checksum();
+        sum.map_err(|source| FileError::Io { action: "read", path: self.path.clone(), source })
     }
 
     /// The path of the file.

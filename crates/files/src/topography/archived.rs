@@ -2,13 +2,14 @@
 //!
 //! Every dataset of numbers with one or two dimensions is a channel under its path, except coordinates (dimension
 //! scales). Without a name, the only dataset of two dimensions is read, or `/surface`, `/surface/height`, `/heights`.
-//! Sizes come from evenly spaced coordinates `x` and `y` in the group of the dataset, the unit from its attribute `units`.
+//! Sizes come from evenly spaced coordinates `x` and `y` in the group of the dataset, units from the attributes `units` of each.
 //!
 //! In NetCDF-4, which is HDF5, SurfaceTopography writes the size as the attribute `length` of `x` and `y`, the unit as
 //! `unit`, and marks undefined points of `heights` in `mask`.
 
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
+use super::unit::Sides;
 use super::{shaped, two_dimensional};
 use crate::stored::Hdf5;
 
@@ -74,14 +75,17 @@ fn read(reader: &Hdf5, dataset: &str, points: [usize; 2]) -> Result<Map, String>
         });
     }
     let written = |axis: &str| reader.number(&format!("{group}/{axis}"), "length").ok();
-    let lengths = match (written("x"), written("y"), points[1]) {
+    let found = match (written("x"), written("y"), points[1]) {
         (Some(x), _, 1) => Some([x, 1.0]),
         (Some(x), Some(y), _) => Some([x, y]),
         _ => lengths(|name| reader.contains(name).then(|| reader.values(name)), dataset, points)?,
     };
-    let unit = unit(reader, dataset);
-    let length_unit = lengths.and(unit.clone());
-    Ok(Map { heights, lengths, length_unit, height_unit: unit, ..Map::default() })
+    let height_unit = unit(reader, dataset);
+    let Some(found) = found else { return Ok(Map { heights, height_unit, ..Map::default() }) };
+    let along = |axis: &str, length| (length, unit(reader, &format!("{group}/{axis}")));
+    let y = (points[1] > 1).then(|| along("y", found[1]));
+    let Sides { lengths, unit, notes } = Sides::of(along("x", found[0]), y)?;
+    Ok(Map { heights, lengths: Some(lengths), length_unit: unit, height_unit, notes, ..Map::default() })
 }
 
 /// The unit of a dataset; "length" and "1" stand for any consistent unit.

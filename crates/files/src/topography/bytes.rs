@@ -275,3 +275,17 @@ pub(super) fn positive(name: &str, value: f64) -> Result<f64, String> {
 pub(super) fn count(name: &str, value: impl TryInto<usize> + Copy + std::fmt::Display) -> Result<usize, String> {
     value.try_into().ok().filter(|&count| count > 0).ok_or_else(|| format!("{name} is {value}; it must be at least 1"))
 }
+
+/// The lines of a text, which end with LF, CR LF, or CR.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let (line, end) =
+            rest.split_at(rest.bytes().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len()));
+        rest = end.strip_prefix("\r\n").or_else(|| end.get(1..)).unwrap_or_default();
+        Some(line)
+    })
+}

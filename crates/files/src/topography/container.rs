@@ -142,6 +142,8 @@ impl Measurement {
                 [x, y, ..] => Some([x, y]),
                 [] => None,
             };
+            // The size of meta.yml is in its unit, whatever that of the heights in the data file.
+            map.length_unit = map.lengths.and(self.unit.clone());
         }
         if !has_unit && !scaled {
             map.length_unit.clone_from(&self.unit);

@@ -1,47 +1,35 @@
 //! The bytes of a file to read, on disk or in memory.
 
-use std::fs;
-use std::io::Read;
-use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use crate::input::MOST_BYTES;
 use crate::stored::Hdf5;
+use crate::{Checksum, Input};
 
 /// The number of bytes that tell the format.
 const HEAD: u64 = 1 << 16;
 
 /// A file or an entry of one. A file on disk is read when its bytes are needed, at most once.
 pub(super) struct File {
-    path: Option<PathBuf>,
+    input: Option<Input>,
     head: Vec<u8>,
     whole: OnceLock<Vec<u8>>,
 }
 
 impl File {
-    /// Opens a file on disk. A pipe is read to its end.
+    /// Opens a file on disk.
     ///
     /// # Errors
-    /// A file that cannot be opened, is a folder or a device.
+    /// A file that cannot be opened, or is no regular file.
     pub(super) fn open(path: &str) -> Result<Self, String> {
-        let text = |error: std::io::Error| error.to_string();
-        let mut file = fs::File::open(path).map_err(text)?;
-        let kind = file.metadata().map_err(text)?.file_type();
-        if kind.is_dir() || is_device(kind) {
-            let found = if kind.is_dir() { "a folder" } else { "a device" };
-            return Err(format!("the name is that of {found}; it must be that of a file"));
-        }
-        let mut head = Vec::new();
-        if !kind.is_file() {
-            file.read_to_end(&mut head).map_err(text)?;
-            return Ok(Self::from_bytes(head));
-        }
-        file.take(HEAD).read_to_end(&mut head).map_err(text)?;
-        Ok(Self { path: Some(path.into()), head, whole: OnceLock::new() })
+        let input = Input::settled(path).map_err(text)?;
+        let head = input.head(HEAD).map_err(text)?;
+        Ok(Self { input: Some(input), head, whole: OnceLock::new() })
     }
 
     /// A file whose bytes are in memory.
     pub(super) fn from_bytes(bytes: Vec<u8>) -> Self {
-        let file = Self { path: None, head: Vec::new(), whole: OnceLock::new() };
+        let file = Self { input: None, head: Vec::new(), whole: OnceLock::new() };
         file.whole.get_or_init(|| bytes);
         file
     }
@@ -60,8 +48,8 @@ impl File {
 
     /// All bytes.
     pub(super) fn bytes(&self) -> Result<&[u8], String> {
-        if let (None, Some(path)) = (self.whole.get(), &self.path) {
-            let whole = fs::read(path).map_err(|error| error.to_string())?;
+        if let (None, Some(input)) = (self.whole.get(), &self.input) {
+            let whole = input.bytes(MOST_BYTES).map_err(text)?;
             self.whole.get_or_init(|| whole);
         }
         Ok(self.whole.get().map_or(&self.head[..], |whole| whole))
@@ -69,10 +57,28 @@ impl File {
 
     /// Opens the file as HDF5.
     pub(super) fn hdf5(&self) -> Result<Hdf5, String> {
-        match &self.path {
-            Some(path) => Hdf5::open(path),
+        match &self.input {
+            Some(input) => Hdf5::open(input),
             None => Hdf5::from_bytes(self.bytes()?),
         }
+    }
+
+    /// The SHA-256 of the bytes that were read.
+    ///
+    /// # Errors
+    /// A file on disk that was changed in place since it was opened.
+    pub(super) fn checksum(&self) -> Result<String, String> {
+        if let (None, Some(input)) = (self.whole.get(), &self.input) {
+            return input.checksum().map_err(text);
+        }
+        self.bytes().map(Checksum::of_bytes)
+    }
+
+    /// The reason why the file could not be decoded: that it was changed meanwhile, if it was, else `found`.
+    pub(super) fn cause(&self, found: String) -> String {
+        let parts_are_read = self.whole.get().is_none();
+        let changed = self.input.as_ref().filter(|_| parts_are_read).and_then(|input| input.check_unchanged().err());
+        changed.map_or(found, text)
     }
 
     /// True if the file begins like one of HDF5, without a user block.
@@ -81,13 +87,6 @@ impl File {
     }
 }
 
-#[cfg(unix)]
-fn is_device(kind: fs::FileType) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    kind.is_char_device() || kind.is_block_device()
-}
-
-#[cfg(not(unix))]
-fn is_device(_: fs::FileType) -> bool {
-    false
+fn text(error: std::io::Error) -> String {
+    error.to_string()
 }

@@ -262,7 +262,12 @@ fn open_gsf(file: &File) -> Result<Contents<'_>, String> {
             positive(key, value).map(Some)
         }
     };
-    let lengths = length("XReal")?.zip(length("YReal")?).map(|(x, y)| [x, if points[1] == 1 { 1.0 } else { y }]);
+    let lengths = match (length("XReal")?, length("YReal")?) {
+        (Some(x), _) if points[1] == 1 => Some([x, 1.0]),
+        (Some(x), Some(y)) => Some([x, y]),
+        (None, None) => None,
+        _ => return Err("only one of XReal and YReal is given; both or neither must be given".into()),
+    };
     let mut unit = |key: &str| take(key).filter(|unit| !unit.is_empty());
     let (length_unit, height_unit) = (unit("XYUnits"), unit("ZUnits"));
     if let Some(unit) = height_unit.as_deref().filter(|unit| !is_length(unit)) {

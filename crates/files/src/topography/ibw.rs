@@ -10,7 +10,7 @@ use std::rc::Rc;
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, text};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
-use super::unit;
+use super::unit::{self, Sides};
 
 pub(super) const FORMAT: Format = Format { name: "Igor binary wave", sniff, open, first_line: FirstLine::Top };
 
@@ -220,7 +220,6 @@ impl<'a> Wave<'a> {
             let name = self.labels.get(index).cloned().unwrap_or_default();
             let unit = match self.labels.get(index) {
                 Some(name) if !self.note.is_empty() => asylum_unit(name, &self.note),
-                _ if self.data_unit.is_empty() => Some(self.units[0].clone()),
                 _ => Some(self.data_unit.clone()),
             };
             let Some(unit) = unit.filter(|unit| unit.is_empty() || unit::is_length(unit)) else {
@@ -246,17 +245,24 @@ impl<'a> Wave<'a> {
     ) -> Channel<'a> {
         let [nx, ny] = grid.points;
         let [dx, dy] = self.spacing.map(f64::abs);
-        let lengths = [dx * nx as f64, if ny == 1 { 1.0 } else { dy * ny as f64 }];
         let unit = Some(unit).filter(|unit| !unit.is_empty());
-        let length_unit = Some(self.units[0].clone()).filter(|unit| !unit.is_empty()).or_else(|| unit.clone());
+        let mut sides = self.units.iter().map(|unit| Some(unit.clone()).filter(|unit| !unit.is_empty()));
+        let mut side = |length: f64| (length, sides.next().flatten());
+        let x = side(dx * nx as f64);
+        let sides = Sides::of(x, (ny > 1).then(|| side(dy * ny as f64)));
         let mut notes = vec![];
         if !self.sound {
             notes.push("the checksum of the header is wrong".into());
         }
         let (height_unit, points) = (unit.clone(), grid.points);
         let read = move || {
+            let Sides { lengths, unit: length_unit, notes: converted } = sides?;
+            notes.extend(converted);
             let heights = grid.read(data, |height| height)?;
-            Ok(Map { heights, lengths: Some(lengths), length_unit, height_unit, details: details.to_vec(), notes })
+            // Igor gives every wave a spacing of 1 without a unit, which stands for none.
+            let is_set = length_unit.is_some() || [dx, if ny == 1 { 1.0 } else { dy }] != [1.0; 2];
+            let lengths = is_set.then_some(lengths);
+            Ok(Map { heights, lengths, length_unit, height_unit, details: details.to_vec(), notes })
         };
         Channel { name, unit, points, read: Box::new(read) }
     }

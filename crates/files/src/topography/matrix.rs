@@ -10,25 +10,26 @@
 //!
 //! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y. The
 //! encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a decimal point,
-//! or a decimal comma where commas do not separate. Lines before the first number are a header.
+//! or a decimal comma where commas do not separate; the exponent may be written as Fortran does (`1.0D+00`, `1.0-105`), and
+//! the sign as the minus of typography. Lines end with LF, CR LF, or CR. Lines before the first number are a header; one that
+//! looks like numbers and has as many words as the lines of numbers is refused.
 
 mod header;
+mod number;
 mod points;
 
 use std::borrow::Cow;
 
 use ndarray::Array2;
 
-use super::bytes::clip;
+use super::bytes::lines;
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
 
 use header::{Header, Sizes};
+use number::{looks_like, number};
 
 pub(super) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
-
-/// Words that denote a point without a height.
-const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
 
 /// The first bytes of UTF-16 with the lower byte first.
 const UTF_16: &[u8] = &[0xff, 0xfe];
@@ -75,7 +76,9 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
 fn parse(text: &str) -> Result<(Rows, Header), String> {
     let (mut header, mut rows) = (Header::default(), Rows::default());
     let mut refused = None;
-    for (line, content) in text.lines().enumerate().map(|(index, content)| (index + 1, content.trim())) {
+    // The first line above the numbers that looks like numbers, as the count of its words and the error of the first.
+    let mut doubtful = None;
+    for (line, content) in lines(text).enumerate().map(|(index, content)| (index + 1, content.trim())) {
         if let Some(comment) = content.strip_prefix(['#', '%']) {
             header.read(line, comment)?;
         } else if !content.is_empty() {
@@ -84,6 +87,9 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
                 // A line that starts with a number is meant as numbers.
                 Err(error) if rows.rows > 0 || starts_with_number(content) => return Err(error),
                 Err(error) => {
+                    if let Some(words) = looks_like_numbers(content) {
+                        doubtful.get_or_insert((words, error.clone()));
+                    }
                     refused.get_or_insert(error);
                     header.read(line, content)?;
                     header.columns = content.into();
@@ -92,9 +98,34 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
         }
     }
     match refused {
-        Some(error) if rows.rows == 0 => Err(error),
+        Some(error) if rows.rows == 0 => return Err(error),
+        _ => {}
+    }
+    match doubtful {
+        Some((words, error)) if words == rows.columns => Err(error),
         _ => Ok((rows, header)),
     }
+}
+
+/// The number of words of a line all of which look like numbers.
+fn looks_like_numbers(content: &str) -> Option<usize> {
+    let mut count = 0;
+    for word in words(content, separator(content)) {
+        if !looks_like(word) {
+            return None;
+        }
+        count += 1;
+    }
+    Some(count)
+}
+
+/// The words of a line. A separator at its end ends the last of them.
+fn words(content: &str, separator: char) -> impl Iterator<Item = &str> {
+    let content = if separator == ' ' { content } else { content.strip_suffix(separator).unwrap_or(content) };
+    content
+        .split(move |c: char| if separator == ' ' { c.is_whitespace() } else { c == separator })
+        .map(str::trim)
+        .filter(move |word| separator != ' ' || !word.is_empty())
 }
 
 /// True if the first word of a line is a number.
@@ -121,7 +152,8 @@ impl Rows {
             self.values.truncate(before);
         } else if self.rows == 1 {
             // As many numbers as the lines can have, so that the memory does not grow beyond them.
-            let lines = text.bytes().filter(|&byte| byte == b'\n').count() + 1;
+            let ends = |end: u8| text.bytes().filter(|&byte| byte == end).count();
+            let lines = ends(b'\n').max(ends(b'\r')) + 1;
             self.values.reserve_exact(lines.saturating_mul(self.columns).min(text.len() / 2 + 1));
         }
         pushed
@@ -176,16 +208,4 @@ fn separator(content: &str) -> char {
         Some(separator) => separator,
         None => ' ',
     }
-}
-
-/// Parses a number; NaN for a point without a height.
-fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
-    if word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str()) {
-        return Ok(f64::NAN);
-    }
-    let decimal_comma = || word.replacen(',', ".", 1).parse().ok().filter(|_| !word.contains('.'));
-    word.parse()
-        .ok()
-        .or_else(decimal_comma)
-        .ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
 }

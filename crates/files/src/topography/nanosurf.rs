@@ -118,8 +118,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         let scale = range / 256_f64.powi(grid.sample.size() as i32);
         // Integers are shifted before they are scaled, so that heights are rounded once less.
         let shift = if scale == 0.0 { 0.0 } else { offset / scale };
-        let length_unit = header.get(&section, "Dim0Unit").unwrap_or_else(|| unit.clone());
-        let other_unit = header.get(&section, "Dim1Unit").unwrap_or_else(|| unit.clone());
+        let (length_unit, other_unit) = (header.need(&section, "Dim0Unit")?, header.need(&section, "Dim1Unit")?);
         let (x, y): (f64, f64) = (header.number(&section, "Dim0Range")?, header.number(&section, "Dim1Range")?);
         let y = Conversion::between(&other_unit, &length_unit)?.map_or(y, |conversion| conversion.apply(y));
         let details = Rc::clone(&details);

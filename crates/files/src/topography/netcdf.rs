@@ -12,6 +12,7 @@ use super::bytes::{Bytes, Grid, Layout, Order, Sample, text};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
 use super::two_dimensional;
+use super::unit::Sides;
 
 pub(super) const FORMAT: Format = Format {
     name: "NetCDF",
@@ -159,18 +160,15 @@ impl<'a> Dataset<'a> {
         };
         let x = self.axis("x", nx)?;
         let y = if ny == 1 { None } else { self.axis("y", ny)? };
-        let lengths = match (&x, &y, ny) {
-            (Some(x), _, 1) => Some([x.length, 1.0]),
-            (Some(x), Some(y), _) => Some([x.length, y.length]),
+        let side = |axis: &AxisOf| (axis.length, axis.unit.clone());
+        let sides = match (&x, &y, ny) {
+            (Some(x), _, 1) => Some(Sides::of(side(x), None)?),
+            (Some(x), Some(y), _) => Some(Sides::of(side(x), Some(side(y)))?),
             _ => None,
         };
-        let length_unit = x.as_ref().and_then(|axis| axis.unit.clone());
-        let unit_of_y = y.as_ref().and_then(|axis| axis.unit.as_ref());
-        if let (Some(x), Some(y)) = (&length_unit, unit_of_y.filter(|unit| Some(*unit) != length_unit.as_ref())) {
-            return Err(format!("the unit of x is {x} and that of y is {y}; they must be the same"));
-        }
-        let height_unit = unit(&variable.attributes).or_else(|| length_unit.clone());
-        let length_unit = length_unit.or_else(|| height_unit.clone()).filter(|_| lengths.is_some());
+        let lengths = sides.as_ref().map(|sides| sides.lengths);
+        let Sides { unit: length_unit, notes, .. } = sides.unwrap_or_default();
+        let height_unit = unit(&variable.attributes);
         let mut details: Vec<(String, String)> = self
             .attributes
             .iter()
@@ -191,7 +189,7 @@ impl<'a> Dataset<'a> {
                     }
                 });
             }
-            Ok(Map { heights, lengths, length_unit, height_unit, details, notes: Vec::new() })
+            Ok(Map { heights, lengths, length_unit, height_unit, details, notes })
         };
         Ok(Channel { name: variable.name.clone(), unit, points: grid.points, read: Box::new(read) })
     }

@@ -138,7 +138,12 @@ fn channel<'a>(
     let grid = Grid { points, sample, order: Order::Little, layout: Layout::Columns, backwards: [false, true] };
     let data = bytes.take(grid.bytes()?)?;
     let wavelength = scale.wavelength.ok_or("the file has no block Wavelength; it must have one")?;
-    let factor = wavelength / scale.mult.unwrap_or(1.0);
+    let mult = match (scale.mult, sample) {
+        (Some(mult), _) => mult,
+        (None, Sample::F32) => 1.0,
+        (None, _) => return Err("the file has no block Mult; one with heights as integers must have it".into()),
+    };
+    let factor = wavelength / mult;
     if !factor.is_finite() || factor == 0.0 {
         return Err(format!("the wavelength over Mult is {factor} nm; it must be finite and not zero"));
     }
@@ -146,6 +151,8 @@ fn channel<'a>(
         let [nx, ny] = points.map(|n| n as f64);
         [nx * pixel, if ny == 1.0 { 1.0 } else { ny * pixel * scale.aspect.unwrap_or(1.0) }]
     });
+    let is_square = scale.aspect.is_none() && lengths.is_some() && points[1] > 1;
+    let notes = is_square.then(|| "the file has no block Aspect; its pixels are taken to be square".into());
     let details = Rc::clone(details);
     let read = move || {
         Ok(Map {
@@ -154,7 +161,7 @@ fn channel<'a>(
             length_unit: lengths.map(|_| "mm".into()),
             height_unit: Some("nm".into()),
             details: details.to_vec(),
-            notes: vec![],
+            notes: notes.into_iter().collect(),
         })
     };
     Ok(Channel { name, unit: Some("nm".into()), points, read: Box::new(read) })

@@ -5,7 +5,7 @@
 
 use ndarray::Array2;
 
-use super::bytes::{Bytes, Grid, Layout, Order, Sample, clip, positive, text};
+use super::bytes::{Bytes, Grid, Layout, Order, Sample, clip, lines, positive, text};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
 
@@ -117,7 +117,7 @@ fn open_text(bytes: &[u8]) -> Result<Channel<'_>, String> {
         return Err("the file has no line \"*\" between header and heights; it must have one".into());
     };
     let mut header = Header::default();
-    for line in text(head).lines().map(str::trim).filter(|line| !line.starts_with(';')) {
+    for line in lines(&text(head)).map(str::trim).filter(|line| !line.starts_with(';')) {
         let Some((key, value)) = line.split_once(['=', ' ', '\t']) else { continue };
         header.set(key.trim(), value.trim_start_matches(['=', ' ', '\t']).trim())?;
     }

@@ -6,8 +6,9 @@ use ndarray::{Array1, Array2, ShapeBuilder};
 use ndarray_npy::write_npy;
 use tempfile::TempDir;
 
+use super::file::File;
 use super::{Topography, TopographyError};
-use crate::{Archive, Dimension, Output, Provenance, Variable};
+use crate::{Archive, Checksum, Dimension, Output, Provenance, Variable};
 
 /// A temporary folder with one file, and the name of the file.
 fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
@@ -214,4 +215,44 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
     assert!(only.source.ends_with("h.h5, channel /surface/height"));
     assert!(read(":/surface/height").unwrap().source.ends_with("h.h5:/surface/height"));
     assert!(complete("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
+}
+
+/// The checksum is that of the bytes of the heights, whatever the name leads to by then; a file that is rewritten is refused.
+#[test]
+fn the_checksum_is_of_the_bytes_that_were_read() {
+    let text = |k: usize| format!("{k} 2\n3 4\n");
+    let (folder, name) = file("scan.txt", text(1).as_bytes());
+    let found = Topography::read(&name, None).unwrap();
+    assert_eq!(found.sha256, Checksum::of_file(name.as_ref()).unwrap());
+    let h5 = folder.path().join("h.h5");
+    let write = |path: &std::path::Path, first: f64| {
+        let output = Output::claim(path).unwrap();
+        let mut archive = Archive::create(&output, &Provenance::default()).unwrap();
+        let [x, y] = ["x", "y"].map(|axis| Dimension::index(axis, 2, "point"));
+        let heights = Variable { dimensions: &[&x, &y], units: "length", long_name: "height" };
+        archive.write("/heights", &heights, &[first, 2.0, 3.0, 4.0]).unwrap();
+        archive.finish().unwrap();
+    };
+    write(&h5, 1.0);
+    let h5 = h5.to_str().unwrap();
+    for name in [&*name, h5] {
+        let whole = std::fs::read(name).unwrap();
+        // Another file takes the name between the opening and the reading.
+        let open = File::open(name).unwrap();
+        if name == h5 {
+            write(name.as_ref(), 7.0);
+        } else {
+            let new = folder.path().join("new");
+            std::fs::write(&new, text(7)).unwrap();
+            std::fs::rename(&new, name).unwrap();
+        }
+        let read = Topography::decode(&open, name, None).unwrap();
+        assert_eq!((read.heights[[0, 0]], &read.sha256), (1.0, &Checksum::of_bytes(&whole)), "{name}");
+        assert_eq!(Topography::read(name, None).unwrap().heights[[0, 0]], 7.0);
+        // It is written over between the opening and the reading.
+        let open = File::open(name).unwrap();
+        std::fs::write(name, &whole).unwrap();
+        let refused = Topography::decode(&open, name, None).unwrap_err();
+        assert!(refused.starts_with("it changed while it was read"), "{name}: {refused}");
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Heights and spacings are in metres; the size is the number of points times the increment. Heights are increment times
 //! number plus offset; whole numbers have a sign (`I` 16 bits, `L` 32 bits), as in the openGPS library of the format's
-//! authors. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y axis
+//! authors; they must have an increment, and so must both axes, while floats without one are heights in metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y axis
 //! points up.
 
 mod write;
@@ -99,11 +99,16 @@ impl Header {
         if size("SizeZ")? != 1 {
             return Err(format!("SizeZ is {}; it must be 1, a height map", size("SizeZ")?));
         }
-        let spacing = ["CX", "CY"].map(|axis| {
+        // Without an increment the spacing is unknown; the axes are incremental ones, which must have it.
+        let spacing = |axis: &str| {
             let path = format!("Record1/Axes/{axis}/Increment");
-            number(&path, 1.0).and_then(|value| positive(&path, value))
-        });
-        let [dx, dy] = spacing;
+            needed(&path)?;
+            number(&path, f64::NAN).and_then(|value| positive(&path, value))
+        };
+        let spacing = [spacing("CX")?, if points[1] == 1 { 1.0 } else { spacing("CY")? }];
+        if matches!(sample, Sample::I16 | Sample::I32) {
+            needed("Record1/Axes/CZ/Increment")?;
+        }
         let details = DETAILS.iter().filter_map(|path| {
             let value = text(&format!("Record2/{path}")).filter(|value| !value.is_empty())?;
             Some((path.rsplit('/').next().unwrap_or(path).to_owned(), value))
@@ -114,7 +119,7 @@ impl Header {
         };
         Ok(Self {
             grid: Grid { points, sample, order: Order::Little, layout: Layout::Lines, backwards: [false; 2] },
-            spacing: [dx?, if points[1] == 1 { 1.0 } else { dy? }],
+            spacing,
             scale: [number("Record1/Axes/CZ/Increment", 1.0)?, number("Record1/Axes/CZ/Offset", 0.0)?],
             heights: link("PointDataLink", "MD5ChecksumPointData")
                 .ok_or("main.xml names no binary file of heights (Record3/DataLink/PointDataLink); it must name one")?,

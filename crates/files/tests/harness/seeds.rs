@@ -89,5 +89,7 @@ fn texts() -> Vec<Vec<u8>> {
         b"1,5;2;3\n4;5,25;6\n".to_vec(),
         b"1 2 3\n4 5 6\n7 8 9\n1e3 nan -2.5\n".to_vec(),
         b"0 0 1\n1 0 2\n2 0 3\n0 1 4\n1 1 5\n2 1 6\n".to_vec(),
+        b"1.0D+00 2 3\r\xe2\x88\x924 5.0-105 6\r7,5 8 9\r".to_vec(),
+        b"x in \xc2\xb5m;y in nm;z in nm\r\n0;0;1\r\n1;0;2\r\n0;9;4\r\n1;9;5\r\n".to_vec(),
     ]
 }

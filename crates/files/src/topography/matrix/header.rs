@@ -61,14 +61,19 @@ impl Header {
     }
 
     /// The units of length that the line above the numbers names for each of its columns, such as `x in µm, y in µm`.
-    pub(super) fn column_units(&self) -> Vec<Option<String>> {
+    /// Where blanks separate the names, which have blanks themselves, the units are those of the columns if they are as many.
+    pub(super) fn column_units(&self, columns: usize) -> Vec<Option<String>> {
         let separator = [';', '\t', ','].into_iter().find(|&separator| self.columns.contains(separator)).unwrap_or(' ');
         // The word "in" is no inch here.
         let unit = |column: &str| {
             let mut words = column.rsplit(|character: char| !character.is_alphabetic() && character != '~');
             words.find(|word| *word != "in" && is_length(word)).map(str::to_owned)
         };
-        self.columns.split(separator).map(unit).collect()
+        let mut units: Vec<_> = self.columns.split(separator).map(unit).collect();
+        if separator == ' ' && units.len() != columns {
+            units.retain(Option::is_some);
+        }
+        if separator == ' ' && units.len() != columns { Vec::new() } else { units }
     }
 
     /// The unit of the heights, and the sizes in this unit.

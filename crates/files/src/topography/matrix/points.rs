@@ -5,6 +5,7 @@ use ndarray::Array2;
 use super::Rows;
 use super::header::Header;
 use crate::topography::format::Map;
+use crate::topography::unit::Sides;
 
 /// The distance of a coordinate from its place on the lattice, in spacings, that counts as rounding.
 const OFF: f64 = 0.05;
@@ -23,33 +24,34 @@ const SPARSEST: usize = 4;
 /// # Errors
 /// Points that are not on a lattice, where the rows can hardly be a matrix.
 pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> {
-    let units = header.column_units();
-    let with_units = |mut map: Map, lateral: usize, height: usize| {
-        map.length_unit = units.get(lateral).cloned().flatten();
-        map.height_unit = units.get(height).cloned().flatten();
-        if map.length_unit.is_none() || map.height_unit.is_none() {
-            (map.length_unit, map.height_unit) = (None, None);
-        }
-        Some(map)
+    let units = header.column_units(rows.columns);
+    let unit = |column: usize| units.get(column).cloned().flatten();
+    // The columns of x, of y if there is one, and of the heights.
+    let with_units = |mut map: Map, [x, y]: [Option<usize>; 2], height: usize| {
+        let [along_x, along_y] = map.lengths.unwrap_or([1.0; 2]);
+        let sides = Sides::of((along_x, x.and_then(unit)), y.map(|y| (along_y, unit(y))))?;
+        (map.lengths, map.length_unit, map.notes) = (Some(sides.lengths), sides.unit, sides.notes);
+        map.height_unit = unit(height);
+        Ok(Some(map))
     };
     match rows.columns {
         _ if rows.rows < FEWEST => Ok(None),
         3 if header.has_validity => {
             let heights = rows.column(1).zip(rows.column(2)).map(|(z, valid)| if valid == 0.0 { f64::NAN } else { z });
-            profile(rows.column(0).collect(), heights).map(|map| with_units(map, 0, 1))
+            profile(rows.column(0).collect(), heights).and_then(|map| with_units(map, [Some(0), None], 1))
         }
         2 if is_monotonic(rows.column(0)) => {
-            profile(rows.column(0).collect(), rows.column(1)).map(|map| with_units(map, 0, 1))
+            profile(rows.column(0).collect(), rows.column(1)).and_then(|map| with_units(map, [Some(0), None], 1))
         }
         // Separators at the ends of the lines make empty columns.
         3 if is_monotonic(rows.column(0)) && rows.column(2).all(f64::is_nan) => {
-            profile(rows.column(0).collect(), rows.column(1)).map(|map| with_units(map, 0, 1))
+            profile(rows.column(0).collect(), rows.column(1)).and_then(|map| with_units(map, [Some(0), None], 1))
         }
         3 => match surface(rows) {
-            Some(map) => Ok(with_units(map, 0, 2)),
+            Some(map) => with_units(map, [Some(0), Some(1)], 2),
             // A number of the point in the first column.
             None if is_monotonic(rows.column(0)) && is_monotonic(rows.column(1)) => {
-                profile(rows.column(1).collect(), rows.column(2)).map(|map| with_units(map, 1, 2))
+                profile(rows.column(1).collect(), rows.column(2)).and_then(|map| with_units(map, [Some(1), None], 2))
             }
             None if rows.rows < MANY => Ok(None),
             None => Err(format!(
