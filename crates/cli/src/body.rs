@@ -349,13 +349,17 @@ impl Args {
         } {
             return if self.mean_traction.is_empty() { Ok(interior) } else { Err(self.known_traction(name)) };
         }
-        let interior = match kind {
+        let of_displacement = || match kind {
             Kind::Normal => Interior::frictionless(body, *grid, values),
             _ => Interior::new(body, *grid, values),
         };
-        let interior = interior.map_err(refuse)?;
+        let interior = of_displacement().map_err(refuse)?;
         match (mean_traction, &self.mean_traction[..]) {
-            (Some(mean), []) => interior.with_mean_traction(*mean).map_err(refuse),
+            (Some(mean), []) => match interior.with_mean_traction(*mean) {
+                // Flags give another body than that of the file: the displacement stays, and says its own traction.
+                Err(InteriorError::Contradiction { .. }) => of_displacement().map_err(refuse),
+                interior => interior.map_err(refuse),
+            },
             (Some(_), _) => Err(self.known_traction(name)),
             (None, []) => {
                 // Waves say what they are.

@@ -144,6 +144,7 @@ const BELOW: Keys = &[
     ("n", Form::Wholes),
     ("load", Form::Whole),
     ("length", Form::Numbers),
+    ("mean_traction", Form::Numbers),
     ("depths", Form::Numbers),
     ("slice", Form::Word),
     ("quantities", Form::Words),
