@@ -13,8 +13,8 @@ use super::file::PathFile;
 use super::record::{Recorded, StepRecord, scalars};
 use super::{Action, Args, Prepared};
 use crate::check::{
-    Comparison, Configuration, Kind, beside_fields, flags_again, layout, parsed, regenerated, stored_fields,
-    stored_surface, stored_unit,
+    Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
+    stored_fields, stored_surface, stored_unit,
 };
 use crate::failure::Failure;
 use crate::session::Session;
@@ -51,7 +51,7 @@ pub(crate) fn check(
     let mut prepared = Prepared::new(&args, session)?;
     // As it is spelt there.
     prepared.surface.unit = stored_unit(reader, "/surface");
-    layout(Kind::Path, reader, comparison, |output| {
+    layout(ResultKind::Path, reader, comparison, |output| {
         let file = PathFile::create(output, &prepared, &args, prepared.moves_sideways(&args), session)?;
         file.finish(&[], prepared.drives.len(), None)
     })?;
