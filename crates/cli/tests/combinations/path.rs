@@ -271,7 +271,12 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         let [s, t] = [last, step].map(|step| step["mean_shear"][axis].as_f64().unwrap_or(0.0));
         let moved = state.lateral[axis] - before.lateral[axis];
         work += 0.5 * (s + t) * moved;
-        open += 0.5 * ((t - s) * moved).abs();
+        // With friction the shear may have been anywhere within its limits.
+        let strongest = case.friction.map(|mu| mu * p.max(q)).or(case.shear_strength);
+        open += match strongest {
+            Some(strongest) => (strongest + 0.5 * (s + t).abs()) * moved.abs(),
+            None => 0.5 * ((t - s) * moved).abs(),
+        };
     }
     let energy = |step: &Value| {
         let interface = number(step, "interface_energy");
