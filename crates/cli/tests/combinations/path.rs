@@ -300,9 +300,7 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         found.near("dissipated", lost, expected, 1e-6 * expected + 1e-9 * number(step, "elastic_energy").abs());
     }
     let frictional = case.friction.is_some() || case.shear_strength.is_some();
-    if let (true, Some(traction), Some(here), Some(there)) =
-        (frictional, &state.traction, &state.displacement, &before.displacement)
-    {
+    if let (true, Some(here), Some(there)) = (frictional, &state.displacement, &before.displacement) {
         // Slip of the elastic surface over the rigid one, against the mean of the limits at both ends, if the step is not divided.
         if number(step, "increments") > 1.0 {
             return;
