@@ -304,7 +304,7 @@ fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
         .map(|_| {
             let m = [0, 1]
                 .map(|axis| if plane.n[axis] == 1 { 0.0 } else { dice.count(0, (plane.n[axis] / 3).min(3)) as f64 });
-            [m[0], m[1], dice.between(0.0, 6.28), dice.number()]
+            [m[0], m[1], dice.between(0.0, std::f64::consts::TAU), dice.number()]
         })
         .collect();
     (0..plane.len())

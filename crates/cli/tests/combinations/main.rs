@@ -90,7 +90,7 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         contact::check(found, case, &report, &file);
     }
     outlets::file(found, records, &file, group);
-    if case.index % 3 == 0 {
+    if case.index.is_multiple_of(3) {
         let mut words = bare;
         words.extend(["--threads", "1"]);
         let output = gfmd(folder, &words);

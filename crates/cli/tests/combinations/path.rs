@@ -271,7 +271,12 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         let [s, t] = [last, step].map(|step| step["mean_shear"][axis].as_f64().unwrap_or(0.0));
         let moved = state.lateral[axis] - before.lateral[axis];
         work += 0.5 * (s + t) * moved;
-        open += 0.5 * ((t - s) * moved).abs();
+        // With friction the shear may have been anywhere within its limits.
+        let strongest = case.friction.map(|mu| mu * p.max(q)).or(case.shear_strength);
+        open += match strongest {
+            Some(strongest) => (strongest + 0.5 * (s + t).abs()) * moved.abs(),
+            None => 0.5 * ((t - s) * moved).abs(),
+        };
     }
     let energy = |step: &Value| {
         let interface = number(step, "interface_energy");
@@ -295,9 +300,7 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         found.near("dissipated", lost, expected, 1e-6 * expected + 1e-9 * number(step, "elastic_energy").abs());
     }
     let frictional = case.friction.is_some() || case.shear_strength.is_some();
-    if let (true, Some(traction), Some(here), Some(there)) =
-        (frictional, &state.traction, &state.displacement, &before.displacement)
-    {
+    if let (true, Some(here), Some(there)) = (frictional, &state.displacement, &before.displacement) {
         // Slip of the elastic surface over the rigid one, against the mean of the limits at both ends, if the step is not divided.
         if number(step, "increments") > 1.0 {
             return;
