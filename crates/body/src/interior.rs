@@ -198,7 +198,8 @@ impl Interior {
         for &axis in self.components.axes() {
             let (found, expected) = (compliance[axis] * traction[axis], self.surface[axis][0].re);
             let scale = found.abs().max(expected.abs());
-            let differ = !((found - expected).abs() <= CONTRADICTION * scale);
+            let difference = (found - expected).abs();
+            let differ = difference.is_nan() || difference > CONTRADICTION * scale;
             if compliance[axis] > 0.0 && differ && scale > UNCERTAIN * largest(&self.surface[axis]) {
                 let (found, expected) = (traction[axis], expected / compliance[axis]);
                 return Err(InteriorError::Contradiction { axis: ['x', 'y', 'z'][axis], found, expected });

@@ -30,7 +30,7 @@ fn states(interior: &Interior, depth: f64) -> Vec<State> {
 /// either sign.
 fn numbers(n: usize) -> Vec<(i64, f64)> {
     let half = n as i64 / 2;
-    let weight = |m: i64| if n > 1 && n % 2 == 0 && m.abs() == half { 0.5 } else { 1.0 };
+    let weight = |m: i64| if n > 1 && n.is_multiple_of(2) && m.abs() == half { 0.5 } else { 1.0 };
     (-half..=half).map(|m| (m, weight(m))).collect()
 }
 

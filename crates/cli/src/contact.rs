@@ -201,7 +201,6 @@ impl ControlArgs {
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
 fn is_infinite(height: &Height) -> bool {
     *height == Height::Infinite
 }

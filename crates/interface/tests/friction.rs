@@ -232,9 +232,7 @@ fn spence(coefficient: f64, poisson: f64) -> f64 {
 #[test]
 fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_loaded() {
     // By self-similarity the share of the radius is the same for every load.
-    for (coefficient, poisson, a, numbers) in
-        [(0.3, 0.3, 0.2, &[1][..]), (0.3, 0.3, 0.15, &[1])]
-    {
+    for (coefficient, poisson, a, numbers) in [(0.3, 0.3, 0.2, &[1][..]), (0.3, 0.3, 0.15, &[1])] {
         let contact = free_sphere(poisson, Limit::Coulomb(coefficient));
         let wanted = spence(coefficient, poisson);
         // The edge of the sticking part lies between two points.

@@ -78,8 +78,20 @@ type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String, Str
 #[pyo3(signature = (name, channel=None))]
 pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> PyResult<HeightMap<'py>> {
     let topography = quick(py, || Topography::read(name, channel))?.map_err(|error| refused(py, &error))?;
-    let Topography { heights, undefined, lengths, unit, format, channel, channels, conversion, details, notes, source } =
-        topography;
+    let Topography {
+        heights,
+        undefined,
+        lengths,
+        unit,
+        format,
+        channel,
+        channels,
+        conversion,
+        details,
+        notes,
+        source,
+        ..
+    } = topography;
     let details: serde_json::Map<_, _> = details.into_iter().map(|(key, value)| (key, value.into())).collect();
     let told = serde_json::json!({
         "format": format, "channel": channel, "channels": channels, "undefined": undefined, "conversion": conversion,

@@ -143,7 +143,6 @@ const BELOW: Keys = &[
     ("wave", Form::Places),
     ("n", Form::Wholes),
     ("load", Form::Whole),
-    ("mean_traction", Form::Numbers),
     ("length", Form::Numbers),
     ("mean_traction", Form::Numbers),
     ("depths", Form::Numbers),

@@ -259,10 +259,10 @@ impl Checked<'_> {
                 self.conducting.measure(&repulsion, &mut record)?;
                 self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), &mut record)?);
             }
-            if recording.flow {
-                if let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap) {
-                    record.set_flow(&found, surface.grid.len(), self.not_calibrated.as_deref());
-                }
+            if recording.flow
+                && let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap)
+            {
+                record.set_flow(&found, surface.grid.len(), self.not_calibrated.as_deref());
             }
         }
         for Column { name, value, .. } in

@@ -123,10 +123,10 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
             let stiffness = self.stiffness(index, &state, stopped.is_some());
             let mut record = record.bounded(surface.boundary, &surface.grid, body).stiff(stiffness);
-            if args.statistics {
-                if let Some(warning) = conducting.measure(&state.repulsion(), &mut record)? {
-                    session.warn("conductance", format!("load {index}: {warning}"));
-                }
+            if args.statistics
+                && let Some(warning) = conducting.measure(&state.repulsion(), &mut record)?
+            {
+                session.warn("conductance", format!("load {index}: {warning}"));
             }
             record.seconds = started.elapsed().as_secs_f64();
             self.gather(index, &state.repulsion().view(), &state.gap(), &mut record, &mut gathered, true)?;

@@ -270,7 +270,7 @@ mod tests {
         let bumps = |k: usize| Array2::from_shape_fn((N, N), |(i, j)| 0.01 * ((k * i + 3 * j) % 11) as f64);
         let contact = SqueezedContact::new(&body, &grid, &bumps(1), &bumps(2)).unwrap();
         let x: Vec<f64> = (0..2 * N * N).map(|k| f64::from(u8::from((k / 5 + k / 70) % 2 == 0))).collect();
-        let mut dual = Dual::new(&contact, load);
+        let mut dual = Dual::new(&contact, load, contact.length_scale(load));
         let images = fields.iter().map(|field| {
             // No point is about to enter a contact.
             let gradient: Vec<f64> = field.iter().zip(&x).map(|(g, x)| if *x > 0.0 { *g } else { 1e3 }).collect();
