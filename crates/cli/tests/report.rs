@@ -161,7 +161,7 @@ fn texts_of_a_file_are_shown_and_never_obeyed() {
 fn a_load_of_zero_has_its_map() {
     let folder = tempfile::tempdir().unwrap();
     let words =
-        "contact --n 24 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0 --out c.h5 -q";
+        "contact --n 24 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=5e-3 --p-star 0.05,0 --out c.h5 -q";
     assert_eq!(make(folder.path(), words), Some(0));
     let report = json(folder.path(), &["report", "c.h5", "--json", "-q"]);
     assert_eq!(

@@ -252,9 +252,9 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     let squeezed = SqueezedContact::new(&body, &grid, &heights, &other).unwrap();
     let pressures = |mean: f64| {
         let load = Load::MeanPressure(mean);
-        // Between two surfaces there is no start for the smallest loads, and it is said so.
+        // Between two surfaces the search does not begin under small loads on flat tops, which is an error, never a number.
         let squeezed = match squeezed.press(load).solve() {
-            Err(SolveError::NotConverged { .. }) if mean < 1e-5 => None,
+            Err(SolveError::NotConverged { .. }) if mean < 1e-4 => None,
             solved => Some(solved.unwrap_or_else(|error| panic!("{mean:e}, squeezed: {error}")).upper.pressure),
         };
         let all = full.press(load).solve().unwrap_or_else(|error| panic!("{mean:e}, all: {error}"));

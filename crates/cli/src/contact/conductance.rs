@@ -108,8 +108,9 @@ impl Conducting {
                 (value, None)
             }
         };
-        record.conductance = Some(value);
-        let reason = reason.or(value.is_infinite().then_some(ALL_TOUCH));
+        // In full contact there is no stiffness either.
+        let reason = reason.or((!value.is_finite()).then_some(ALL_TOUCH));
+        record.conductance = Some(if value.is_finite() { value } else { f64::NAN });
         if let Some(reason) = reason {
             record.undefined.insert("conductance", reason);
         }

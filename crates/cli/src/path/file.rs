@@ -7,7 +7,7 @@ use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
 use gfmd_law::Kind;
 
 use super::record::{Recorded, scalars};
-use super::{Args, Prepared, StepRecord};
+use super::{Action, Args, Prepared, StepRecord};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
@@ -19,6 +19,7 @@ pub(super) struct PathFile<'a> {
     archive: Archive<'a>,
     shears: &'static [&'static str],
     is_plastic: bool,
+    has_friction: bool,
     /// True without attraction, where the pressure is that of the wall: exactly zero where nothing touches.
     is_wall: bool,
 }
@@ -63,7 +64,8 @@ impl<'a> PathFile<'a> {
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
         hardness::write(prepared.hardness(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
-        Ok(Self { archive, shears, is_plastic, is_wall: args.law.law == Kind::HardWall })
+        let has_friction = matches!(prepared.action, Action::Friction(_));
+        Ok(Self { archive, shears, is_plastic, has_friction, is_wall: args.law.law == Kind::HardWall })
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
@@ -94,8 +96,7 @@ impl<'a> PathFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<PathBuf, Failure> {
         let step = Dimension::index("step", count, "step of the path");
-        let has_friction = steps.iter().any(|step| step.increments.is_some());
-        for scalar in scalars(self.is_plastic, has_friction) {
+        for scalar in scalars(self.is_plastic, self.has_friction) {
             let values: Vec<f64> = (0..count).map(|i| steps.get(i).map_or(f64::NAN, scalar.value)).collect();
             let variable = Variable { dimensions: &[&step], units: scalar.units, long_name: scalar.long_name };
             let path = format!("/path/{}", scalar.name);
