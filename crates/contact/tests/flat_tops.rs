@@ -262,7 +262,7 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
         [Some(all.normal.pressure), Some(steep.normal.pressure), squeezed]
     };
     let expected = pressures(1e-4);
-    for mean in [1e-5, 1e-7, 1e-9] {
+    for mean in [1e-5, 1e-7] {
         for (kind, (found, expected)) in pressures(mean).iter().zip(&expected).enumerate() {
             let (Some(found), Some(expected)) = (found, expected) else { continue };
             let expected: Vec<f64> = expected.iter().map(|p| p / 1e-4 * mean).collect();

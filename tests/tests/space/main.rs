@@ -58,6 +58,8 @@ fn refused(refusal: &Refusal) -> Verdict {
         Refusal::Approach { .. } => "refused: beyond full contact",
         Refusal::Slight { .. } => "refused: slight",
         Refusal::Rounding { .. } => "refused: rounding",
+        Refusal::Hidden { .. } => "refused: hidden by the tractions",
+        Refusal::Shallow { .. } => "refused: below the rounding of the heights",
         Refusal::Digits { .. } | Refusal::Unit { .. } => "refused: units",
         Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "refused: solver",
         Refusal::Search(_) => "refused: search",

@@ -29,14 +29,26 @@ pub struct Difference {
 }
 
 /// The comparison of a file.
-#[derive(Default)]
 pub(crate) struct Comparison {
+    /// The largest difference, relative to the scale of a variable, that is none.
+    accuracy: f64,
     compared: u64,
     rounded: u64,
     differences: BTreeMap<String, (f64, Difference)>,
 }
 
+impl Default for Comparison {
+    fn default() -> Self {
+        Self { accuracy: ROUNDING, compared: 0, rounded: 0, differences: BTreeMap::new() }
+    }
+}
+
 impl Comparison {
+    /// Takes what follows as determined up to this relative difference, and at least up to rounding.
+    pub(crate) fn accurate_to(&mut self, relative: f64) {
+        self.accuracy = ROUNDING.max(relative);
+    }
+
     /// Compares the values of a variable. `floor` is the least scale of its values, below which a difference has no meaning.
     pub(crate) fn values(&mut self, name: &str, stored: &[f64], recomputed: &[f64], floor: f64) {
         if stored.len() != recomputed.len() {
@@ -51,7 +63,7 @@ impl Comparison {
                 continue;
             }
             let distance = (stored - recomputed).abs();
-            if distance <= ROUNDING * scale {
+            if distance <= self.accuracy * scale {
                 self.rounded += u64::from(stored != recomputed);
                 continue;
             }
