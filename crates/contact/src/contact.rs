@@ -294,7 +294,8 @@ impl Contact {
             compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,
         };
         let length_scale = self.scaled.length_scale(load);
-        let conditions = Conditions { sinking: uniform, load, length_scale, hardness: self.hardness.as_ref() };
+        let conditions =
+            Conditions { sinking: uniform, load, length_scale, extent: 0.0, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs() - counted;
         solution

@@ -125,7 +125,7 @@ impl FullContact {
         let load = Load::MeanPressure(push);
         let modulus = self.response.contact_modulus();
         let length_scale = self.surface.length_scale(load);
-        let conditions = Conditions { sinking: 0.0, load, length_scale, hardness: None };
+        let conditions = Conditions { sinking: 0.0, load, length_scale, extent: 0.0, hardness: None };
         let mut normal = Solution::of(&self.surface, modulus, pressure, normal, conditions);
         normal.effort = Effort { iterations: 0, transform_pairs: transforms.pairs() };
         FullSolution { normal, lateral, lateral_traction: left / peak }

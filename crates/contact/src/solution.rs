@@ -74,6 +74,8 @@ pub(crate) struct Conditions<'a> {
     pub(crate) load: Load,
     /// The scale of lengths in the residuals, unless the displacement is very small.
     pub(crate) length_scale: f64,
+    /// An extent of the displacement beside that of the own surface: of two faces the larger one counts.
+    pub(crate) extent: f64,
     /// The largest pressure that the surfaces carry.
     pub(crate) hardness: Option<&'a Upper>,
 }
@@ -203,7 +205,7 @@ impl Solution {
         mut displacement: Vec<f64>,
         conditions: Conditions,
     ) -> Self {
-        let Conditions { sinking, load, length_scale, hardness } = conditions;
+        let Conditions { sinking, load, length_scale, extent, hardness } = conditions;
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
@@ -223,7 +225,7 @@ impl Solution {
             &|a, b| (add(a.0, b.0), lower_each(a.1, b.1)),
         );
         let mean_pressure = sum / n as f64;
-        let length_scale = RigidSurface::finer_scale(length_scale, -highest - lowest);
+        let length_scale = RigidSurface::finer_scale(length_scale, extent.max(-highest - lowest));
         let sink = |u: &mut [f64]| {
             if sinking != 0.0 {
                 for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));

@@ -123,10 +123,12 @@ impl SqueezedContact {
             }
         };
         let length_scale = self.length_scale(load);
+        // A face on a flat surface need not move at all.
+        let extent = displacement.chunks_exact(points).map(extent_of).fold(0.0, f64::max);
         let mut face = |index: usize| {
             let pressure = pressure.split_off(index * points);
             let displacement = displacement.split_off(index * points);
-            let conditions = Conditions { sinking, load: loads[index], length_scale, hardness: None };
+            let conditions = Conditions { sinking, load: loads[index], length_scale, extent, hardness: None };
             Solution::of(&self.scaled[index], self.response.contact_modulus(), pressure, displacement, conditions)
         };
         let (mut second, mut first) = (face(1), face(0));
@@ -157,6 +159,14 @@ impl SqueezedContact {
         let [upper, lower] = self.scaled.each_ref().map(|surface| surface.rms_height());
         RigidSurface::scale_of(upper.hypot(lower), load)
     }
+}
+
+/// The largest less the smallest value of a field.
+fn extent_of(field: &[f64]) -> f64 {
+    let [lowest, highest] = field
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[lowest, highest], value| [lowest.min(*value), highest.max(*value)]);
+    highest - lowest
 }
 
 fn rougher(surfaces: &[Arc<RigidSurface>; 2]) -> &Arc<RigidSurface> {

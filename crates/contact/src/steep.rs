@@ -197,7 +197,7 @@ impl SteepContact {
             load => load,
         };
         let modulus = self.full.contact_modulus();
-        let conditions = Conditions { sinking: 0.0, load: displaced, length_scale, hardness: None };
+        let conditions = Conditions { sinking: 0.0, load: displaced, length_scale, extent: 0.0, hardness: None };
         let mut solution = Solution::of(&surface, modulus, pressure, normal, conditions);
         solution.approach += lowest;
         solution.effort.transform_pairs = transforms.pairs();

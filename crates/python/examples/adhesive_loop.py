@@ -6,7 +6,7 @@ import gfmd
 import matplotlib.pyplot as plt
 
 surface = gfmd.self_affine(n=48, eps_f_inv=6, rms_gradient=0.1)
-law = gfmd.law("exponential", gamma=1e-4, range=1.5e-3)
+law = gfmd.law("exponential", gamma=1e-4, range=3e-3)
 loop = gfmd.path(surface, gfmd.Body(), law=law, approach=[-0.003, 0.010, -0.006], steps=12)
 
 ax = loop.plot("displacement", "mean_pressure")

@@ -115,7 +115,8 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
 #[pyfunction]
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
     let read = quick(py, || configuration(&Reader::open(path)?, Kind::Contact))?;
-    let table = read.map_err(|failure| failed(py, &failure))?;
+    // A file that is not there is unusable input, like one of another kind.
+    let table = read.map_err(|failure| refused(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))
 }
 

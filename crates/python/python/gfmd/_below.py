@@ -337,7 +337,10 @@ def _source(source: Union[Contact, Punch], folder: str) -> list[str]:
         np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
         elastic = flags(young=source.young, poisson=source.poisson, height=_command.height_flag(source.height))
         elastic += _command.other_flags(source, source.get("layer", ()))
-        return [f"--surface={given}", *flags(length=source.length[0], mean_traction=source.mean_traction), *elastic]
+        # Summed in the order of the program.
+        columns = source.traction.reshape(-1, source.traction.shape[-1]).T
+        mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
+        return [f"--surface={given}", *flags(length=source.length[0], mean_traction=mean_traction), *elastic]
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 

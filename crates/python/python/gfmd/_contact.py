@@ -216,8 +216,11 @@ class Contact(Record):
 
     @property
     def repulsion(self) -> Array:
-        """Repulsive part of the pressure [x, y], stress: under a law the pressure of its wall, or, where no wall presses, the pressure
-        beyond what is left unbalanced; without a law the pressure. Read-only."""
+        """Repulsive part of the pressure [x, y], stress. Read-only.
+
+        Under a law it is the pressure of its wall, or, where no wall presses, the pressure beyond what is left unbalanced;
+        without a law it is the pressure.
+        """
         own = self._others.get(REPULSION)
         return frozen(np.maximum(self._pressure, 0.0)) if own is None else own
 

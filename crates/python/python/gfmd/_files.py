@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Union
 
@@ -122,6 +123,22 @@ def _number(key: str, value: float) -> Any:
     return bool(value) if key in _FLAGS else value
 
 
+def _reasons(name: str, keys: Sequence[str], loads: int) -> list[dict[str, str]]:
+    """The reasons why numbers of each load have no value, from the attributes `undefined` of a file."""
+    found: list[dict[str, str]] = [{} for _ in range(loads)]
+    for key in keys:
+        try:
+            text = _gfmd.read_text(name, f"/loads/{key}", "undefined")
+        except InputError:
+            continue
+        for part in re.split(r"; (?=loads? \d)", text):
+            some = re.match(r"loads? ([\d, ]+): ", part)
+            reason = part[some.end() :] if some else part
+            for index in [int(number) for number in some[1].split(",")] if some else range(loads):
+                found[index][key] = reason
+    return found
+
+
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     """Returns the contact, or the contacts of several loads, of a file of `gfmd contact --out`, `Contact.save` or `Contacts.save`.
 
@@ -204,9 +221,13 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     settings = Settings(*told, hardness, components, finite_slope, lower)
     control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))
 
+    reasons = _reasons(name, [*columns, *(f"residual_{part}" for part in residuals)], len(fields[0]))
+
     def contact(index: int) -> Contact:
         pressure, displacement, gap = (np.ascontiguousarray(field[index]) for field in fields)
         values = {**{key: scalar(key, index) for key in names}, **({"lower": faces[index]} if between else {})}
+        if reasons[index]:
+            values["undefined"] = reasons[index]
         own = {field: np.ascontiguousarray(column[index]) for field, column in others.items()}
         load = (control, float(asked[index])) if index < len(asked) and asked[index] is not None else None
         return Contact(values, (surface, body, law), (pressure, displacement, gap), settings._replace(load=load), None, own)

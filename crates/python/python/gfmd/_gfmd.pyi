@@ -40,6 +40,7 @@ _Tick = Optional[Callable[[int, float], None]]
 class State:
     fields: tuple[_Array, _Array, _Array]
     plastic_depth: Optional[_Array]
+    repulsion: Optional[_Array]
     lateral: list[_Array]
     lower: Optional[tuple[_Array, _Array, _Array]]
 
