@@ -70,6 +70,7 @@ class Contact(Record):
             `undefined`, with a law, with all components, with finite slopes, with a lower surface, for a profile with free boundaries
             on a half-space, and in full contact if the mean level is fixed (half-space), where it is infinite.
         stiffness_error: its relative error.
+        undefined: the reasons why numbers are NaN, by name; there only if one is.
         iterations, transform_pairs: effort of the solve.
         converged: True if no residual exceeds the tolerance.
         residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
@@ -118,6 +119,7 @@ class Contact(Record):
     elastic_energy: float
     stiffness: float
     stiffness_error: float
+    undefined: dict[str, str]
     iterations: int
     transform_pairs: float
     converged: bool
