@@ -442,8 +442,8 @@ fn axes_of_netcdf_and_igor_have_units_of_their_own() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/holes.nc");
     let netcdf = std::fs::read(path).unwrap();
     let units: Vec<usize> = (0..netcdf.len()).filter(|at| netcdf[*at..].starts_with(b"um\0\0")).collect();
-    // The variables are y, x, heights.
-    let &[y, x, z] = &units[..] else { panic!("{units:?}") };
+    // The variables are heights, x, y.
+    let &[z, x, y] = &units[..] else { panic!("{units:?}") };
     let whole = read(netcdf.clone());
     let other = read(patched(netcdf.clone(), &[(y, b"mm")]));
     let [[lx, ly], found] = [whole.lengths.unwrap(), other.lengths.unwrap()];
