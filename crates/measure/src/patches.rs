@@ -78,8 +78,7 @@ impl Patches {
             for (axis, (index, n)) in [(i, nx), (j, ny)].into_iter().enumerate() {
                 reached[number][axis][0] |= index == 0;
                 reached[number][axis][1] |= index + 1 == n;
-                for step in [n - 1, 1] {
-                    let leaves = if step == 1 { index + 1 == n } else { index == 0 };
+                for (step, leaves) in [(n - 1, index == 0), (1, index + 1 == n)] {
                     let mut beside = [i, j];
                     beside[axis] = (index + step) % n;
                     let is_edge = leaves && surroundings == Surroundings::Ends;
@@ -248,7 +247,8 @@ mod tests {
         assert_eq!(joined.percolate(), [false; 2]);
         let apart = found(&rows, Surroundings::Ends);
         assert_eq!(apart.patches.iter().map(|patch| patch.points).collect::<Vec<_>>(), [1; 4]);
-        assert!(apart.patches.iter().all(|patch| patch.links == [2, 2]));
+        let links: Vec<[u64; 2]> = apart.patches.iter().map(|patch| patch.links).collect();
+        assert_eq!(links, [[1, 1], [1, 1], [2, 2], [1, 1]]);
     }
 
     #[test]
