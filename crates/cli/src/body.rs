@@ -24,7 +24,7 @@ use crate::base::{self, BaseArgs};
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::memory::{self, Held};
+use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::file_of;
@@ -227,7 +227,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
     let quantities: Vec<Quantity> = quantities.collect();
     let rows = Rows::new(args.slice, &surface.grid)?;
-    Held::BODY.check(name, surface.grid.points())?;
+    memory::fits(memory::BODY, name, surface.grid.points())?;
     let interior = args.interior(name, &surface, &body, session)?;
     let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
     let config = toml::to_string(&Config {

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
+use gfmd_problem::Unknown;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 use serde::Serializer;
 
@@ -44,6 +45,7 @@ choices! {
     Periodisation: Self::ALL;
     RollOffShape: Self::ALL;
     Solver: &Self::ALL;
+    Unknown: &Self::ALL;
 }
 
 /// Parses the name of a choice; the help lists all names with their meanings.

@@ -1,7 +1,6 @@
 //! `contact`: one contact problem, one or more loads.
 
 mod check;
-mod components;
 mod conductance;
 mod figures;
 mod file;
@@ -23,14 +22,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{
-    Boundary, Contact, Dynamics, Equilibrium as _, FullContact, Hardness, Load, Refusal, Resumable, RigidSurface,
-    SqueezedContact, SteepContact,
-};
+use gfmd_contact::{Boundary, Dynamics, Equilibrium as _, Hardness, Load, Refusal};
 use gfmd_files::Output;
 use gfmd_green::{Body, Height};
-use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
+use gfmd_problem::{Facts, Given, Posed, Rest, Unknown, pose};
 use gfmd_response::Components;
 use gfmd_surface::PowerSpectrum;
 use ndarray::Array2;
@@ -44,9 +40,9 @@ use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
-use crate::load::{Recorded, Recording, Stiff};
+use crate::load::Recording;
 use crate::lower::{self, LowerArgs};
-use crate::memory::peak_bytes;
+use crate::memory::{self, peak_bytes};
 use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
 use crate::session::Session;
 use crate::solver::SolverArgs;
@@ -55,14 +51,12 @@ use crate::trace::TraceArgs;
 use crate::values::{Entry, as_numbers, numbers};
 
 pub(crate) use check::{again, check};
-pub use components::Unknown;
 use conductance::Conducting;
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
-use series::{First, Series};
+use series::Series;
 pub use slopes::Slopes;
-pub use together::Together;
 use vtk::VtkFile;
 
 /// Flags of `contact`.
@@ -99,8 +93,8 @@ pub struct Args {
     #[serde(serialize_with = "by_name")]
     boundary: Boundary,
     /// The components of the surface displacement that are unknown
-    #[arg(long, value_enum, default_value_t = Unknown::Normal)]
-    #[serde(skip_serializing_if = "Unknown::is_normal")]
+    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
+    #[serde(skip_serializing_if = "is_normal", serialize_with = "by_name")]
     components: Unknown,
     /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
     /// reached the surfaces are pressed into each other
@@ -201,6 +195,11 @@ impl ControlArgs {
     }
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_normal(components: &Unknown) -> bool {
+    *components == Unknown::Normal
+}
+
 fn is_infinite(height: &Height) -> bool {
     *height == Height::Infinite
 }
@@ -216,13 +215,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if session.ranks().is_none() {
         return Prepared::new(args, session)?.run(args, session);
     }
-    args.check_shared()?;
+    args.check_solver_of_several()?;
     // A file that one process cannot read or write ends all of them.
     session.agree(Prepared::new(args, session))?.run(args, session)
 }
 
 /// The input of the command, checked before the first solve.
 struct Prepared {
+    facts: Facts,
     surface: Surface,
     body: Body,
     base: Option<MovedBase>,
@@ -255,21 +255,15 @@ impl Prepared {
                 return Err(Failure::value(flag, bad, allowed));
             }
         }
-        if let (Some(hardness), true) = (&args.hardness, pulls) {
-            return Err(Failure::value("--hardness", hardness, "absent with --law"));
-        }
         if args.range_continuation && args.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
             return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
         }
-        if args.finite_slope {
-            args.check_finite_slope()?;
-        }
-        args.check_components(&body)?;
+        args.facts(false, session).check()?;
         args.check_dynamics()?;
-        args.check_lower()?;
-        args.check_base()?;
         let surface = args.source.bounded(args.boundary, session)?;
+        let facts = args.facts(surface.grid.is_line(), session);
+        facts.check()?;
         let lower = args.lower.read(&args.source, &surface, session)?;
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
             return Err(Failure::input(
@@ -300,12 +294,9 @@ impl Prepared {
         if args.flow_threshold {
             threshold::check(args)?;
         }
-        if (args.flow || args.flow_threshold) && surface.grid.is_line() {
-            return Err(Failure::Input("--flow: a profile has no flow; it must be a surface, with --dim 3".into()));
-        }
         let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
-        let fields = args.together().held(loads <= 1 && !args.statistics && !args.flow);
-        session.agree(fields.check_rest("the grid", surface.grid.points(), session.processes()))?;
+        let held = facts.held(loads <= 1 && !args.statistics && !args.flow);
+        session.agree(memory::fits_with_rest(held, "the grid", surface.grid.points(), session.processes()))?;
         let (base, hardness) = args.read_fields(&body, &surface, session)?;
         let surface = match &base {
             // What the contact sees is the surface that the base displaces.
@@ -322,7 +313,7 @@ impl Prepared {
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
         let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
         let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
-        Ok(Self { surface, body, base, lower, law, hardness, conducting, controls, output, vtk })
+        Ok(Self { facts, surface, body, base, lower, law, hardness, conducting, controls, output, vtk })
     }
 
     /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
@@ -357,53 +348,34 @@ impl Prepared {
         )
     }
 
-    /// The contact with the hardness, if there is one.
-    fn harden(&self, contact: Contact) -> Result<Contact, Failure> {
-        match &self.hardness {
-            Some(hardness) => {
-                contact.with_hardness(hardness.clone()).map_err(|error| Failure::input("--hardness", error))
-            }
-            None => Ok(contact),
-        }
+    /// Poses the contact with this law.
+    fn pose(&self, args: &Args, heights: &Array2<f64>, law: Arc<dyn Law>) -> Result<Posed, Failure> {
+        let given = Given {
+            share: self.surface.share.clone(),
+            lower: self.lower.as_ref().map(|lower| &*lower.heights),
+            law,
+            hardness: self.hardness.clone(),
+            dynamics: args.dynamics()?,
+            ..Given::new(self.facts, &self.body, &self.surface.grid, heights)
+        };
+        pose(&given).map_err(|refusal| match refusal {
+            Refusal::Body(_) => Failure::input("--boundary free", refusal),
+            Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => Failure::input("--hardness", refusal),
+            _ => Failure::input(&args.source.name(), refusal),
+        })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let refuse = |refusal: Refusal| match refusal {
-            Refusal::Body(_) => Failure::input("--boundary free", refusal),
-            _ => Failure::input(&args.source.name(), refusal),
-        };
-        let (body, Surface { grid, .. }) = (&self.body, &self.surface);
-        if let Some(lower) = &self.lower {
-            let contact = SqueezedContact::new(body, grid, &self.surface.heights, &lower.heights).map_err(refuse)?;
-            return self.press(&contact, contact.surfaces()[0], args, None, session);
-        }
         let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
-        if args.finite_slope {
-            let contact = SteepContact::new(body, grid, heights).map_err(refuse)?;
-            return self.press(&contact, contact.surface(), args, None, session);
-        }
-        if args.law.law == Kind::HardWall {
-            // The solvers for a hard wall alone are faster than those for a law.
-            let dynamics = args.dynamics()?;
-            if args.components == Unknown::All {
-                let contact = FullContact::new(body, grid, heights).map_err(refuse)?.with_dynamics(dynamics);
-                return self.press(&contact, contact.surface(), args, None, session);
-            }
-            let contact = args.components.wall(args.boundary, &self.surface.share, body, grid, heights);
-            let contact = self.harden(contact.map_err(refuse)?.with_dynamics(dynamics))?;
-            return self.press(&contact, contact.surface(), args, None, session);
-        }
-        let interface =
-            Interface::bounded(args.boundary, body, grid, heights, Arc::clone(&self.law)).map_err(refuse)?;
+        let contact = self.pose(args, heights, Arc::clone(&self.law))?;
         let adhesion = self.adhesion(args);
         adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        if let Some(trapping) = interface.trapping() {
+        if let Some(trapping) = contact.trapping() {
             session.warn("lattice-trapping", trapping);
         } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
             session.warn("process-zone", unresolved);
         }
-        let start = || self.after_longer_ranges(args, heights, session);
-        self.press(&interface, interface.surface(), args, Some(&start), session)
+        self.press(&contact, args, heights, session)
     }
 
     /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
@@ -412,12 +384,11 @@ impl Prepared {
         args: &Args,
         heights: &Array2<f64>,
         session: &Session,
-    ) -> Result<Option<State>, Failure> {
-        let mut last: Option<State> = None;
+    ) -> Result<Option<Rest>, Failure> {
+        let mut last: Option<Rest> = None;
         for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
             let Some(law) = args.law.with_range(factor)? else { break };
-            let made = Interface::bounded(args.boundary, &self.body, &self.surface.grid, heights, law.into_shared());
-            let interface = made.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
+            let interface = self.pose(args, heights, law.into_shared())?;
             let mut watch = |_: &gfmd_contact::Progress| {
                 if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
@@ -431,13 +402,12 @@ impl Prepared {
         Ok(last)
     }
 
-    /// Solves the loads in turn, each from the state of the load before, until one fails. `first` is the start of the first load.
-    fn press<E: Resumable<State: Recorded> + Stiff>(
+    /// Solves the loads in turn, each from the state of the load before, until one fails.
+    fn press(
         &self,
-        contact: &E,
-        rigid: &RigidSurface,
+        contact: &Posed,
         args: &Args,
-        first: Option<First<'_, E::State>>,
+        heights: &Array2<f64>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let solver = args.solver.solver;
@@ -458,7 +428,7 @@ impl Prepared {
             second: self.surface.second.clone(),
             rms_gradient: self.surface.rms_gradient(),
             max_slope: self.surface.max_slope(),
-            rms_height: rigid.rms_height(),
+            rms_height: contact.surface().rms_height(),
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
             body: args.body.words(args.lower.flag().map(|_| lower::BETWEEN)),
@@ -496,7 +466,7 @@ impl Prepared {
             }
             _ => None,
         };
-        let series = Series { prepared: self, contact, args, first, session };
+        let series = Series { prepared: self, contact, args, heights, session };
         let outcome = series.solve(&mut report, kept.as_mut(), config);
         if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
             // The failure is the news; a disk that is full keeps what it has.

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::memory::{self, Held};
+use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 
@@ -130,7 +130,7 @@ fn experiment(args: &Args) -> Result<Experiment, Failure> {
     let body = BodyArgs { young, poisson, e_star: None, height, others }.body()?;
     args.others.check_heights(height, &[1.0])?;
     let points = if args.dim == 2 { [args.n, 1] } else { [args.n; 2] };
-    Held::DAMPING.check("--n", points)?;
+    memory::fits(memory::DAMPING, "--n", points)?;
     if let Some(steps) = args.steps {
         let histories = (args.factors.len() as u64).saturating_mul(u64::from(steps));
         memory::check_count("--steps", "steps of all factors", histories, HISTORY_BYTES)?;

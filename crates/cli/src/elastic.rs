@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
+use gfmd_problem::{Facts, Support};
 use serde::Serialize;
 
 use crate::check::parsed;
@@ -155,6 +156,17 @@ impl BodyArgs {
             None => self::material(["--young", "--poisson"], self.young, self.poisson)?,
         };
         self.others.below(material, self.height)
+    }
+
+    /// The facts of the body.
+    pub fn facts(&self) -> Facts {
+        let OtherArgs { base, layer, second_body, .. } = &self.others;
+        Facts {
+            support: Support::of(self.height, *base),
+            layers: !layer.is_empty(),
+            second: second_body.map(|second| Support::of(second.height, BaseKind::Bonded)),
+            ..Facts::default()
+        }
     }
 
     /// The body in words, unless it is a half-space or a slab on a bonded base, and alone. The words `below` stand in

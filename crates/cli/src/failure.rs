@@ -7,6 +7,7 @@ use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::FileError;
 use gfmd_files::legible::line;
 use gfmd_plot::PlotError;
+use gfmd_problem::Clash;
 
 /// Reasons why a command fails. Each message is one line, without characters that steer a terminal, also if it quotes a file.
 #[derive(Debug, thiserror::Error)]
@@ -148,6 +149,12 @@ impl From<Refusal> for Failure {
             _ => "--surface",
         };
         Self::input(flag, refusal)
+    }
+}
+
+impl From<Clash> for Failure {
+    fn from(clash: Clash) -> Self {
+        Self::Input(clash.to_string())
     }
 }
 

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::choice::{by_name, parse_choice};
 use crate::failure::{Failure, check_size};
-use crate::memory::{Held, Processes};
+use crate::memory::{self, Processes};
 
 /// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
 pub const LARGEST_SEED: u64 = i64::MAX as u64;
@@ -129,7 +129,7 @@ impl GeneratorArgs {
     /// As [`grid`](Self::grid).
     pub(crate) fn grid_shared(&self, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
         let [nx, ny] = self.points()?;
-        Held::SURFACE.check_shared("--n", [nx, ny], processes)?;
+        memory::fits_shared(memory::SURFACE, "--n", [nx, ny], processes)?;
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),

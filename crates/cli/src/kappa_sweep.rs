@@ -20,6 +20,7 @@ use clap::Args as ClapArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
 use gfmd_files::{FileError, Output, target};
+use gfmd_problem::Held;
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, SweepError, run_shard};
 
 pub(crate) use check::check;
@@ -28,7 +29,7 @@ pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
 use crate::failure::Failure;
-use crate::memory::{self, Held, peak_bytes};
+use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use journal::{Finished, Journal, Size};
@@ -169,7 +170,7 @@ impl Sweep<'_> {
     }
 
     fn check_grid(&self, point: usize) -> Result<(), Failure> {
-        Held::HARD_WALL.check("the grid", self.plan.points[point].grid.points())
+        memory::fits(Held::HARD_WALL, "the grid", self.plan.points[point].grid.points())
     }
 
     /// Computes all runs in this process.

@@ -4,6 +4,7 @@ use gfmd_contact::{Boundary, Effort, Fields as _, Residual, Solution, Stiffness}
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_measure::{Scales, Summary};
+use gfmd_problem::Rest;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -16,7 +17,6 @@ pub use columns::{
     FLOW, FORCE, LATERAL_TRACTION, LAW_SCALARS, LOWER, PLASTIC_SCALARS, Recording, SCALARS, SECONDS, SLOPE_SCALARS,
     STATISTICS, STIFFNESS, columns,
 };
-pub use recorded::{NoStiffness, Recorded, Stiff};
 pub use undefined::Undefined;
 
 /// The scalars of one load. Units: those of the input (stress, length).
@@ -220,16 +220,16 @@ impl LoadRecord {
     }
 
     /// Measures a state in units of `scales`.
-    pub fn measure<S: Recorded>(state: &S, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
+    pub fn measure(state: &Rest, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
         let summary = state.summary_in(scales);
         let converged = state.worst() <= tolerance;
-        let residual = state.residual_record();
+        let residual = ResidualRecord::of(state);
         let wall = Self::of(&summary, state.approach(), state.effort(), residual, converged, seconds);
         let plastic_fraction = state.plastic().map(|plastic| plastic.fraction);
         let plastic_volume = state.plastic().map(|plastic| plastic.volume);
         let mean_shear = state.steep().map(|steep| steep.mean_shear);
         let projected_area_fraction = state.steep().and_then(|steep| steep.projected_area().ok());
-        let (law, lower) = (state.law_record(), state.lower().map(LowerRecord::from));
+        let (law, lower) = (LawRecord::of(state), state.lower().map(LowerRecord::from));
         let mut record =
             Self { law, plastic_fraction, plastic_volume, mean_shear, projected_area_fraction, lower, ..wall };
         let Some(law) = law else { return record };

@@ -1,10 +1,17 @@
 //! Memory: the need of each problem, and the use of this process.
 
+use gfmd_problem::Held;
+
 use crate::failure::Failure;
 
-/// The number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held(u64);
+/// The synthesis of a surface: heights, half spectrum, workspace of the transform.
+pub const SURFACE: Held = Held(5);
+/// A punch.
+pub const PUNCH: Held = Held(48);
+/// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
+pub const BODY: Held = Held(36);
+/// The relaxation of a free surface.
+pub const DAMPING: Held = Held(40);
 
 /// The number of fields that are under way between processes, rounded up.
 const LETTERS: u64 = 1;
@@ -21,90 +28,49 @@ impl Processes {
     pub(crate) const ALONE: Self = Self { here: 1, all: 1 };
 }
 
-impl Held {
-    /// The synthesis of a surface: heights, half spectrum, workspace of the transform.
-    pub const SURFACE: Self = Self(5);
-    /// A contact with a hard wall.
-    pub const HARD_WALL: Self = Self(13);
-    /// A contact with a hard wall under one load, which starts from no other one.
-    pub const HARD_WALL_ONCE: Self = Self(10);
-    /// A contact with a hard wall and free boundaries.
-    pub const FREE: Self = Self(26);
-    /// A contact with finite slopes.
-    pub const STEEP: Self = Self(48);
-    /// A contact with a hard wall whose lateral components are unknown, too.
-    pub const WALL_ALL_COMPONENTS: Self = Self(64);
-    /// A slab between two surfaces.
-    pub const SQUEEZED: Self = Self(50);
-    /// A contact with a law that acts across the gap.
-    pub const LAW: Self = Self(29);
-    /// The same on a patch, which is solved in a cell of four times its points.
-    pub const LAW_FREE: Self = Self(98);
-    /// A path of u_z alone, with the states before and after a jump.
-    pub const PATH: Self = Self(41);
-    /// A path with a law, on a patch.
-    pub const PATH_FREE: Self = Self(141);
-    /// A path that moves all components.
-    pub const ALL_COMPONENTS: Self = Self(95);
-    /// A path with friction, on a patch.
-    pub const ALL_COMPONENTS_FREE: Self = Self(158);
-    /// A punch.
-    pub const PUNCH: Self = Self(48);
-    /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
-    pub const BODY: Self = Self(36);
-    /// The relaxation of a free surface.
-    pub const DAMPING: Self = Self(40);
+/// Refuses a grid of `points` whose fields do not fit into memory; the message begins with `name`, its flag or file.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+    fits_beside(0, held, name, points, Processes::ALONE)
+}
 
-    /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
-    pub fn bytes(self, points: [usize; 2]) -> u64 {
-        points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))
-    }
+/// As [`fits`], for what the processes of this machine hold together.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub(crate) fn fits_shared(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    fits_beside(0, held, name, points, processes)
+}
 
-    /// Refuses a grid that does not fit into memory; the message begins with `name`, its flag or file.
-    ///
-    /// # Errors
-    /// A need of more memory than is available.
-    pub fn check(self, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        self.check_shared(name, points, Processes::ALONE)
-    }
+/// As [`fits_shared`], if all that the processes hold is part of the problem: its surface, and
+/// [freed memory](crate::program::keep_freed_memory).
+///
+/// # Errors
+/// A need of more memory than is available.
+pub(crate) fn fits_with_rest(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    let there = own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64);
+    fits_beside(there, held, name, points, processes)
+}
 
-    /// As [`check`](Self::check), for what the processes of this machine hold together.
-    ///
-    /// # Errors
-    /// A need of more memory than is available.
-    pub(crate) fn check_shared(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-        self.check_beside(0, name, points, processes)
-    }
+/// Refuses a need that exceeds what is available and the bytes that are `there` of it already, such as those of its surface.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn fits_with(there: u64, held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+    fits_beside(there, held, name, points, Processes::ALONE)
+}
 
-    /// As [`check_shared`](Self::check_shared), if all that the processes hold is part of the problem: its surface, and
-    /// [freed memory](crate::program::keep_freed_memory).
-    ///
-    /// # Errors
-    /// A need of more memory than is available.
-    pub(crate) fn check_rest(self, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-        let held = own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64);
-        self.check_beside(held, name, points, processes)
-    }
-
-    /// As [`check`](Self::check), for a problem of which `held` bytes are in memory already, such as its surface.
-    ///
-    /// # Errors
-    /// A need of more memory than is available.
-    pub fn check_with(self, held: u64, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-        self.check_beside(held, name, points, Processes::ALONE)
-    }
-
-    /// Refuses a need that exceeds what is available and what is `held` of it already.
-    fn check_beside(self, held: u64, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-        let ([nx, ny], Processes { here, all }) = (points, processes);
-        let (fields, whose) = if all > 1 {
-            (Self(self.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
-        } else {
-            (self, String::new())
-        };
-        let needed = u128::from(fields.bytes(points)) * here as u128 / all.max(1) as u128;
-        check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX), held)
-    }
+fn fits_beside(there: u64, held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    let ([nx, ny], Processes { here, all }) = (points, processes);
+    let (held, whose) = if all > 1 {
+        (Held(held.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
+    } else {
+        (held, String::new())
+    };
+    let needed = u128::from(held.bytes(points)) * here as u128 / all.max(1) as u128;
+    check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX), there)
 }
 
 /// Refuses numbers that do not fit into memory: `count` items, called `what`, of `each` bytes.
@@ -203,20 +169,19 @@ mod tests {
 
     #[test]
     fn a_grid_whose_bytes_no_integer_holds_is_refused() {
-        let all =
-            [Held::SURFACE, Held::HARD_WALL, Held::LAW, Held::ALL_COMPONENTS, Held::PUNCH, Held::BODY, Held::DAMPING];
+        let all = [SURFACE, Held::HARD_WALL, Held::LAW, Held::ALL_COMPONENTS, PUNCH, BODY, DAMPING];
         for fields in all {
             for points in [[1 << 31; 2], [1 << 33, 1 << 28], [usize::MAX, 1]] {
                 assert!(fields.bytes(points) > 1 << 60, "{fields:?} {points:?}");
-                assert!(available_bytes().is_none() || fields.check("--n", points).is_err());
+                assert!(available_bytes().is_none() || fits(fields, "--n", points).is_err());
             }
         }
         let shared = Processes { here: 2, all: 4 };
         let refused =
-            Held::HARD_WALL.check_shared("the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
+            fits_shared(Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
         let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
         assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
-        let held = Held::HARD_WALL.check_beside(u64::MAX, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
+        let held = fits_with(u64::MAX, Held::HARD_WALL, "the grid", [1 << 20, 1 << 20]);
         assert!(held.is_ok(), "what is held already need not be available");
         for count in [1 << 40, u64::MAX] {
             assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());

@@ -16,17 +16,17 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{
-    Boundary, Budget, Contact, Drive, Fields, Hardness, Refusal, Resumable, RigidSurface, SolveError, Visit,
+    Boundary, Budget, Drive, Equilibrium as _, Fields as _, Hardness, Refusal, RigidSurface, SolveError, Visit,
 };
 use gfmd_files::Output;
 use gfmd_green::Body;
-use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Quasistatic, Reading, Refinement, Step};
+use gfmd_interface::{Path, Quasistatic as _, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
 use gfmd_measure::Scales;
+use gfmd_problem::{Facts, Friction, Given, Posed, Rest, Task, pose};
 use serde::Serialize;
 
 use self::file::PathFile;
-use self::record::Recorded;
 use self::waypoints::WaypointArgs;
 use crate::choice::{by_name, parse_choice};
 use crate::convergence::{History, NotConverged};
@@ -35,8 +35,7 @@ use crate::failure::{Failure, Outcome};
 use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
-use crate::load::has_level;
-use crate::memory::Held;
+use crate::memory;
 use crate::progress::Progress;
 use crate::resume::{Kept, Part, ResumeArgs};
 use crate::session::Session;
@@ -121,33 +120,21 @@ impl Args {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 
-    /// True for the contact of a hard wall alone that has free boundaries or a hardness.
-    ///
-    /// # Errors
-    /// What a hardness or free boundaries do not go with.
-    fn is_wall(&self) -> Result<bool, Failure> {
-        let (law, lateral) = (self.law.law != Kind::HardWall, !self.waypoints.lateral.is_empty());
-        let slides = self.friction.is_some() || self.shear_strength.is_some();
-        if let Some(hardness) = &self.hardness {
-            let others = [
-                ("--law", law),
-                ("--friction", self.friction.is_some()),
-                ("--shear-strength", self.shear_strength.is_some()),
-                ("--lateral", lateral),
-            ];
-            return match others.into_iter().find(|(_, given)| *given) {
-                Some((other, _)) => Err(Failure::value("--hardness", hardness, format!("absent with {other}"))),
-                None => Ok(true),
-            };
+    /// The facts of the path, whose surface may be a `line`.
+    fn facts(&self, line: bool) -> Facts {
+        let friction = (self.friction.map(|_| Friction::Coulomb)).or(self.shear_strength.map(|_| Friction::Tresca));
+        Facts {
+            task: Task::Path,
+            law: self.law.law,
+            hardness: self.hardness.is_some(),
+            friction,
+            boundary: self.boundary,
+            line,
+            approach: self.waypoints.flag() == "--displacement",
+            lateral: !self.waypoints.lateral.is_empty(),
+            resume: self.resume.resume,
+            ..self.body.facts()
         }
-        if self.boundary == Boundary::Periodic || slides {
-            return Ok(false);
-        }
-        if lateral {
-            let allowed = "periodic with --lateral, unless there is --friction or --shear-strength";
-            return Err(Failure::value("--boundary", self.boundary, allowed));
-        }
-        Ok(!law)
     }
 
     /// The resolved configuration as TOML.
@@ -165,23 +152,18 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     Prepared::new(args, session)?.run(args, session)
 }
 
-/// The interaction between the surfaces.
-enum Action {
-    Law(Arc<dyn Law>),
-    Friction(Limit),
-    /// A hard wall whose plastic depth stays, or with free boundaries.
-    Wall(Option<Hardness>),
-}
-
 fn is_periodic(boundary: &Boundary) -> bool {
     *boundary == Boundary::Periodic
 }
 
 /// The input of the command, checked before the first solve.
 struct Prepared {
+    facts: Facts,
     surface: Surface,
     body: Body,
-    action: Action,
+    law: Arc<dyn Law>,
+    hardness: Option<Hardness>,
+    limit: Option<Limit>,
     drives: Vec<Drive>,
     output: Option<Output>,
 }
@@ -193,78 +175,61 @@ impl Prepared {
         if !(1e-9..=0.1).contains(&args.energy_tol) {
             return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
         }
+        args.facts(false).check()?;
         let limit = (args.friction.map(Limit::Coulomb)).or(args.shear_strength.map(Limit::Tresca));
-        let action = match limit {
-            Some(limit) => {
-                let flag = if args.friction.is_some() { "--friction" } else { "--shear-strength" };
-                Action::Friction(limit.check().map_err(|error| Failure::input(flag, error))?)
-            }
-            None => Action::Law(args.law.build()?.into_shared()),
-        };
-        let is_wall = args.is_wall()?;
+        let flag = if args.friction.is_some() { "--friction" } else { "--shear-strength" };
+        let limit = limit.map(Limit::check).transpose().map_err(|error| Failure::input(flag, error))?;
+        let law = args.law.build()?.into_shared();
         let surface = args.source.bounded(args.boundary, session)?;
-        let action = if is_wall {
-            Action::Wall(args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?)
-        } else {
-            action
-        };
-        let all = limit.is_some() || !args.waypoints.lateral.is_empty();
-        let fields = match (all, args.boundary) {
-            _ if is_wall => Held::FREE,
-            (true, Boundary::Periodic) => Held::ALL_COMPONENTS,
-            (true, Boundary::Free) => Held::ALL_COMPONENTS_FREE,
-            (false, Boundary::Periodic) => Held::PATH,
-            (false, Boundary::Free) => Held::PATH_FREE,
-        };
-        fields.check("the grid", surface.grid.points())?;
+        let facts = args.facts(surface.grid.is_line());
+        facts.check()?;
+        let hardness = args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?;
+        memory::fits(facts.held(false), "the grid", surface.grid.points())?;
         let hard = limit.is_some() || args.law.law == Kind::HardWall;
         let unit_pressure = body.contact_modulus() * surface.rms_gradient();
         args.body.check_on(&surface.grid, unit_pressure)?;
         let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { surface, body, action, drives, output })
+        Ok(Self { facts, surface, body, law, hardness, limit, drives, output })
+    }
+
+    /// Poses the contact.
+    fn pose(&self, args: &Args) -> Result<Posed, Failure> {
+        let given = Given {
+            law: Arc::clone(&self.law),
+            hardness: self.hardness.clone(),
+            limit: self.limit,
+            ..Given::new(self.facts, &self.body, &self.surface.grid, &self.surface.heights)
+        };
+        pose(&given).map_err(|refusal| match refusal {
+            Refusal::Body(_) => Failure::input("--boundary free", refusal),
+            Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => Failure::input("--hardness", refusal),
+            _ => Failure::input(&args.source.name(), refusal),
+        })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let refuse = |refusal: Refusal| match refusal {
-            Refusal::Body(_) => Failure::input("--boundary free", refusal),
-            _ => Failure::input(&args.source.name(), refusal),
-        };
-        let (body, Surface { grid, heights, boundary, .. }) = (&self.body, &self.surface);
-        let law = match &self.action {
-            Action::Friction(limit) => {
-                let contact = FrictionalContact::bounded(*boundary, body, grid, heights, *limit).map_err(refuse)?;
-                return self.follow(&contact, args, session);
-            }
-            Action::Wall(_) => return self.follow(&self.wall(refuse)?, args, session),
-            Action::Law(law) => Arc::clone(law),
-        };
-        let interface = if self.moves_sideways(args) {
-            Interface::in_all_components(body, grid, heights, law)
-        } else {
-            Interface::bounded(*boundary, body, grid, heights, law)
-        };
-        let interface = interface.map_err(refuse)?;
+        let contact = self.pose(args)?;
         let adhesion = self.adhesion(args);
         adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        if let Some(trapping) = interface.trapping() {
+        if let Some(trapping) = contact.trapping() {
             session.warn("lattice-trapping", trapping);
         } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
             session.warn("process-zone", unresolved);
         }
-        self.follow(&interface, args, session)
+        self.follow(&contact, args, session)
     }
 
     /// The numbers of the attraction, if there is one.
     fn adhesion(&self, args: &Args) -> Option<Adhesion> {
-        let Action::Law(law) = &self.action else { return None };
-        Adhesion::of(&args.law, law, &self.surface.grid, &self.surface.statistics.moments, self.body.contact_modulus())
+        let moments = &self.surface.statistics.moments;
+        Adhesion::of(&args.law, &self.law, &self.surface.grid, moments, self.body.contact_modulus())
     }
 
-    /// The hardness, if there is one.
-    fn hardness(&self) -> Option<&Hardness> {
-        if let Action::Wall(hardness) = &self.action { hardness.as_ref() } else { None }
+    /// True if the states are those of a law, of a hard wall too.
+    fn solves_a_law(&self) -> bool {
+        self.limit.is_none() && !self.facts.is_wall_on_path()
     }
 
     /// The units of reduced quantities.
@@ -272,41 +237,16 @@ impl Prepared {
         Scales { contact_modulus: self.body.contact_modulus(), rms_gradient: self.surface.rms_gradient() }
     }
 
-    fn is_plastic(&self) -> bool {
-        self.hardness().is_some()
-    }
-
-    /// The contact with a hard wall whose plastic depth stays.
-    fn wall(&self, refuse: impl Fn(Refusal) -> Failure) -> Result<PlasticContact, Failure> {
-        let Surface { grid, heights, boundary, .. } = &self.surface;
-        let contact = Contact::bounded(*boundary, &self.body, grid, heights).map_err(&refuse)?;
-        let contact = match self.hardness() {
-            Some(hardness) => contact.with_hardness(hardness.clone()),
-            None => Ok(contact),
-        };
-        Ok(PlasticContact::new(contact.map_err(|error| Failure::input("--hardness", error))?))
-    }
-
-    fn has_level(&self) -> bool {
-        has_level(self.surface.boundary, &self.surface.grid, &self.body)
-    }
-
-    fn moves_sideways(&self, args: &Args) -> bool {
-        matches!(self.action, Action::Friction(_)) || !args.waypoints.lateral.is_empty()
-    }
-
     /// Solves the problem along all drives, until a step fails.
-    fn follow<P>(&self, problem: &P, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure>
-    where
-        P: Quasistatic + Resumable<State: Recorded>,
-    {
+    fn follow(&self, problem: &Posed, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         for (index, drive) in self.drives.iter().enumerate() {
             let checked = problem.check(*drive).and_then(|()| problem.check_resolution(*drive, args.tol));
             checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
         }
         let mut kept = match &self.output {
             Some(output) if session.is_resumable() => {
-                let identity = session.identity(&args.config()?, &self.surface) + &hardness::identity(self.hardness());
+                let identity =
+                    session.identity(&args.config()?, &self.surface) + &hardness::identity(self.hardness.as_ref());
                 Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
             _ => None,
@@ -331,16 +271,13 @@ impl Prepared {
     }
 
     /// Makes the steps that are not kept, and writes the file. An interrupted run whose state is kept has no file.
-    fn steps<P>(
+    fn steps(
         &self,
-        problem: &P,
+        problem: &Posed,
         args: &Args,
         session: &Session,
         mut kept: Option<&mut Kept>,
-    ) -> Result<Outcome<Report>, Failure>
-    where
-        P: Quasistatic + Resumable<State: Recorded>,
-    {
+    ) -> Result<Outcome<Report>, Failure> {
         let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves };
         let mut path = Path::new(problem, args.budget(), refinement);
         let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
@@ -404,7 +341,7 @@ impl Prepared {
             };
             failure = Some(stopped.at(&format!("step {index}")));
             let reading = problem.reading(&state);
-            log.write(&*state, &reading, &Step { effort: state.effort(), ..Step::default() }, seconds)?;
+            log.write(&state, &reading, &Step { effort: state.effort(), ..Step::default() }, seconds)?;
             break;
         }
         progress.finish();
@@ -433,7 +370,7 @@ impl Prepared {
                 grid: &self.surface.grid,
                 unit: self.surface.unit(),
                 modulus: report.head.e_star,
-                hardness: self.hardness(),
+                hardness: self.hardness.as_ref(),
                 rigid: rough(self.surface.second.is_some()),
                 face: Face::Upper,
             };
@@ -456,10 +393,10 @@ impl Prepared {
             e_star: self.body.contact_modulus(),
             others: args.body.others.clone(),
             body: args.body.words(None),
-            law: match &self.action {
-                Action::Friction(Limit::Coulomb(_)) => "coulomb".into(),
-                Action::Friction(Limit::Tresca(_)) => "tresca".into(),
-                Action::Law(_) | Action::Wall(_) => args.law.law.name().into(),
+            law: match &self.limit {
+                Some(Limit::Coulomb(_)) => "coulomb".into(),
+                Some(Limit::Tresca(_)) => "tresca".into(),
+                None => args.law.law.name().into(),
             },
             boundary: Some(self.surface.boundary.name()).filter(|_| self.surface.boundary == Boundary::Free),
             hardness: args.hardness.clone(),
@@ -484,7 +421,7 @@ struct Log<'a> {
 
 impl<'a> Log<'a> {
     fn new(prepared: &'a Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
-        let create = |output| PathFile::create(output, prepared, args, prepared.moves_sideways(args), session);
+        let create = |output| PathFile::create(output, prepared, args, session);
         Ok(Self {
             steps: Vec::new(),
             steps_of_leg: args.steps as usize,
@@ -492,16 +429,13 @@ impl<'a> Log<'a> {
             widest: None,
             points: prepared.surface.grid.points(),
             scales: prepared.scales(),
-            has_level: prepared.has_level(),
+            has_level: prepared.facts.has_level(),
             tolerance: args.tol,
         })
     }
 
     /// Takes over the steps that are kept, and continues the path from the last one.
-    fn recall<P>(&mut self, kept: &mut Kept, path: &mut Path<P>, drives: &[Drive]) -> Result<(), Failure>
-    where
-        P: Quasistatic + Resumable,
-    {
+    fn recall(&mut self, kept: &mut Kept, path: &mut Path<Posed>, drives: &[Drive]) -> Result<(), Failure> {
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
             self.steps.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?);
@@ -529,7 +463,7 @@ impl<'a> Log<'a> {
     /// Records a step. Returns the fields that the file has of it, which are none between waypoints.
     fn write(
         &mut self,
-        state: &impl Recorded,
+        state: &Rest,
         reading: &Reading,
         step: &Step,
         seconds: f64,
@@ -540,7 +474,7 @@ impl<'a> Log<'a> {
             fields = file.fields(state);
             file.write(index / self.steps_of_leg, &fields)?;
         }
-        let mut record = StepRecord { seconds, ..state.record(&self.scales, reading, step, self.tolerance) };
+        let mut record = StepRecord { seconds, ..StepRecord::of(state, &self.scales, reading, step, self.tolerance) };
         if !self.has_level {
             record = record.without_level();
         }

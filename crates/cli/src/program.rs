@@ -10,6 +10,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
+use gfmd_problem::{Task, rules_of};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
@@ -134,7 +135,15 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
     let examples = |command: clap::Command| match command.get_after_help() {
         Some(text) => {
             let text = text.to_string().replace("\n  gfmd ", &format!("\n  {name} "));
-            command.after_help(text)
+            let rules = match command.get_name() {
+                "contact" => rules_of(Task::Loads),
+                "path" => rules_of(Task::Path),
+                _ => Vec::new(),
+            };
+            let rules = rules.iter().map(|(with, others)| format!("\n  with {with}: {}", others.join(", ")));
+            let rules = rules.collect::<String>();
+            let together = if rules.is_empty() { rules } else { format!("\n\nDoes not go together:{rules}") };
+            command.after_long_help(format!("{text}{together}")).after_help(text)
         }
         None => command,
     };

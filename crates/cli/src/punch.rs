@@ -19,7 +19,7 @@ use crate::dynamics::{DampedBy, DynamicsArgs};
 use crate::elastic::{BodyArgs, OtherArgs, parse_height, serialize_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
-use crate::memory::{Held, peak_bytes};
+use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::trace::{TraceArgs, Tracer};
@@ -248,7 +248,7 @@ impl Prepared {
         let n = input::points(args.n, mask.as_ref())?;
         let finest = n.saturating_mul(1 << (args.refine - 1));
         for (flag, n) in [("--n", n), ("--refine", finest)] {
-            Held::PUNCH.check(flag, [n, if args.dim == 2 { 1 } else { n }])?;
+            memory::fits(memory::PUNCH, flag, [n, if args.dim == 2 { 1 } else { n }])?;
         }
         let grids =
             (0..args.refine).map(|level| grid(args, n.saturating_mul(1 << level))).collect::<Result<Vec<_>, _>>()?;

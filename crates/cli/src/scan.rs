@@ -13,7 +13,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::failure::Failure;
-use crate::memory::Held;
+use crate::memory;
 use crate::source::{Detrend, SourceArgs};
 
 /// What a file says of its heights, and what was done to them.
@@ -89,7 +89,7 @@ impl SourceArgs {
         }
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
-        Held::SURFACE.check(file, [nx, ny])?;
+        memory::fits(memory::SURFACE, file, [nx, ny])?;
         let mut notes = topography.notes;
         let lengths = match (&self.length[..], topography.lengths.or(cell)) {
             ([], Some(lengths)) => lengths,

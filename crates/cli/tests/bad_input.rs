@@ -43,13 +43,13 @@ fn flags_out_of_range() {
     contact("--eps-f-inv 4", &["--pressure", "--p-star", "--displacement"]);
     contact(&format!("{small} --components both"), &["--components", "both", "held"]);
     for (more, words) in [
-        ("all --law morse --param gamma=1e-4,range=0.01", ["all", "a law"]),
-        ("held --law exponential --param gamma=1e-4,range=0.01", ["held", "a law"]),
-        ("all --boundary free", ["all", "free boundaries"]),
-        ("held --boundary free", ["held", "free boundaries"]),
-        ("all --hardness 0.5", ["all", "a hardness"]),
-        ("held --second-body 1,0.3", ["held", "a second body"]),
-        ("all --height 1 --base-displacement b.npy", ["all", "a base that moves"]),
+        ("all --law morse --param gamma=1e-4,range=0.01", ["all", "--law"]),
+        ("held --law exponential --param gamma=1e-4,range=0.01", ["held", "--law"]),
+        ("all --boundary free", ["all", "--boundary free"]),
+        ("held --boundary free", ["held", "--boundary free"]),
+        ("all --hardness 0.5", ["all", "--hardness"]),
+        ("held --second-body 1,0.3", ["held", "--second-body"]),
+        ("all --height 1 --base-displacement b.npy", ["all", "--base-displacement"]),
         ("all --solver cg", ["--solver", "verlet-modes"]),
         ("all --fields displacement_x,plastic_depth", ["--fields", "plastic_depth"]),
         ("all --solver verlet-critical --damping 1,1,1", ["--damping", "compressible slab"]),

@@ -94,14 +94,20 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let law = "--law exponential --param gamma=1e-4,range=4e-3";
     for (flags, told) in [
-        ("contact --height 0.2 --base free", "--boundary free: nothing holds the plate"),
+        (
+            "contact --height 0.2 --base free",
+            "--base is free; it must be bonded, sliding or half-space with --boundary free (nothing holds the plate",
+        ),
         ("contact --dim 2 --height 1e-3", "--boundary free: the height of the top layer is 0.001"),
         (
             "contact --height 1e-4",
             "--boundary free: the height of the top layer is 0.0001; with free boundaries it must be at least",
         ),
-        ("path --friction 0.3 --height 0.2 --base sliding", "--boundary free: the base is sliding"),
-        ("path --dim 2 --friction 0.3", "--boundary free: the grid is a profile"),
+        (
+            "path --friction 0.3 --height 0.2 --base sliding",
+            "--base is sliding; it must be bonded or half-space with friction and --boundary free",
+        ),
+        ("path --dim 2 --friction 0.3", "--dim is 2; it must be 3 with friction and --boundary free"),
         (
             "path --law exponential --param gamma=1e-4,range=4e-3 --lateral 0,0.1",
             "--boundary is free; it must be periodic with --lateral",
@@ -114,7 +120,8 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
     let output = gfmd(folder.path(), &words(&format!("contact {SURFACE} --dim 2 {law} --displacement 0.01")));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
-        output.status.code() == Some(2) && message.contains("the approach is prescribed; for a profile"),
+        output.status.code() == Some(2)
+            && message.contains("--displacement is given; it must be left out with a profile on a half-space"),
         "{message}"
     );
 }

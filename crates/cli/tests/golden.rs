@@ -264,6 +264,39 @@ fn laws() {
     );
 }
 
+/// Each part of a problem once, and what is measured of it.
+#[test]
+fn parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let rough = "--n 32 --eps-f-inv 8";
+    let law = "--law exponential --param gamma=1e-5,range=1e-3";
+    check(folder, "surface-base", &format!("surface {rough} --seed 9 --rms-height 1e-4 --out base.npy"));
+    for (case, flags) in [
+        ("hardness", "--hardness 0.08 --p-star 0.02,0.3 --statistics"),
+        ("free", "--boundary free --p-star 0.02,0.1 --statistics --flow"),
+        ("free-law", &format!("--boundary free {law} --p-star 0.02 --statistics")),
+        ("finite-slope", "--finite-slope --p-star 0.05 --statistics"),
+        ("squeezed", "--height 0.2 --poisson 0.3 --lower-seed 2 --p-star 0.02,0.1"),
+        ("measured", "--p-star 0.02,0.1 --statistics --flow --flow-threshold"),
+        ("moved-base", "--height 0.2 --base-displacement base.npy --p-star 0.05"),
+        ("layers", "--height 0.1 --layer 2,0.3,0.2 --base half-space --base-young 5 --base-poisson 0.2 --p-star 0.05"),
+        ("second-body", "--second-body 2,0.3 --p-star 0.05"),
+        ("conductor", "--height 0.2 --p-star 0.05 --statistics --conductor-height 0.3"),
+    ] {
+        check(folder, &format!("contact-{case}"), &format!("contact {rough} {flags} --out {case}.h5"));
+    }
+    for (case, flags) in [
+        ("wall", "--p-star 0.01,0.1 --steps 3"),
+        ("plastic", "--hardness 0.1 --p-star 0.01,0.3,0.01 --steps 3"),
+        ("free", "--boundary free --p-star 0.01,0.1 --steps 2"),
+        ("free-law", &format!("--boundary free {law} --p-star 0.01,0.02 --steps 2")),
+        ("free-friction", "--boundary free --friction 0.3 --p-star 0.05 --lateral 0,0.001 --steps 2"),
+    ] {
+        check(folder, &format!("path-{case}"), &format!("path {rough} {flags} --out path-{case}.h5"));
+    }
+}
+
 #[test]
 fn sweep_punch_and_elasticity() {
     let folder = tempfile::tempdir().unwrap();

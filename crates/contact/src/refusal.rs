@@ -21,6 +21,17 @@ pub enum Refusal {
     /// A field cannot be continued between its points.
     #[error(transparent)]
     Field(#[from] ShapeError),
+    /// The fields of a state are not those from which it can be made.
+    #[error("the state is made of {expected} fields; {found} are given")]
+    Basis {
+        /// Number of fields given.
+        found: usize,
+        /// Number of fields that determine a state.
+        expected: usize,
+    },
+    /// The state to start from is one of another kind of contact.
+    #[error("the start is a state of another kind of contact; it must be one of the same problem")]
+    OtherKind,
     /// A height is NaN or infinite.
     #[error("the height at {index:?} is {value}; it must be finite")]
     Height {

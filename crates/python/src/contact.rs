@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use clap::ValueEnum as _;
-use gfmd_cli::contact::{Slopes, Together, Unknown};
-use gfmd_cli::elastic::{BodyArgs, body_flags};
+use gfmd_cli::contact::Slopes;
+use gfmd_cli::elastic::body_flags;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::law::{Adhesion, LawArgs};
+use gfmd_cli::memory;
 use gfmd_contact::{
     Boundary, Budget, Conductance, ConductanceError, Conductors, Hardness, Load, Progress, Refusal, Solver,
 };
@@ -16,13 +16,14 @@ use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
+use gfmd_problem::{Facts, Given as Parts, Lower, Unknown};
 use gfmd_surface::{Moments, PowerSpectrum, Statistics};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::failure::{failed, refused};
-use crate::loads::{Loads, Rest, Setting};
+use crate::loads::{Loads, Rest};
 use crate::surface::grid;
 use crate::worker::{quick, run};
 
@@ -152,7 +153,7 @@ impl Problem {
         threads: usize,
     ) -> PyResult<Self> {
         let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
-        let unknown = Unknown::from_str(components, false).map_err(|error| refused(py, &error))?;
+        let unknown: Unknown = components.parse().map_err(|error| refused(py, &error))?;
         let body = body_flags(&body).map_err(|failure| refused(py, &failure))?;
         let (args, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
@@ -160,9 +161,23 @@ impl Problem {
         let grid = grid(py, heights.dim().into(), lengths)?;
         let hardness = hardness.map(Hardness::from);
         let lower: Option<Array2<f64>> = lower.map(|heights| heights.as_array().to_owned());
-        let (kind, hardness, lower) = (args.law, hardness.as_ref(), lower.as_deref());
-        let setting = Setting { boundary, kind, law: &law, hardness, unknown, finite_slope, lower, solver };
-        let (made, raised) = run(py, threads, None, |_| Self::pose(&heights, grid, &body, &setting, (&args, coarse)))?;
+        let facts = Facts {
+            law: args.law,
+            hardness: hardness.is_some(),
+            boundary,
+            unknown,
+            finite_slope,
+            lower: lower.as_ref().map(|_| Lower::Surface),
+            line: grid.is_line(),
+            ..body.facts()
+        };
+        let (made, raised) = run(py, threads, None, |_| {
+            facts.check()?;
+            let body = body.body()?;
+            let (lower, law) = (lower.as_deref(), Arc::clone(&law));
+            let given = Parts { lower, law, hardness, ..Parts::new(facts, &body, &grid, &heights) };
+            Self::pose(&given, solver, (&args, coarse))
+        })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
         made.map_err(|failure| refused(py, &failure))
@@ -236,8 +251,8 @@ impl Problem {
 impl State {
     /// Pressure, displacement, gap, without a copy: the arrays keep the state alive.
     #[getter]
-    fn fields(this: Bound<'_, Self>) -> [Array<'_>; 3] {
-        this.get().rest.fields().map(|field| lent(&this, &field))
+    fn fields(this: Bound<'_, Self>) -> Option<[Array<'_>; 3]> {
+        this.get().rest.fields().map(|fields| fields.map(|field| lent(&this, &field)))
     }
 
     /// The lateral displacement, if it was unknown, without a copy.
@@ -291,38 +306,11 @@ fn gradient(heights: &ArrayRef2<f64>, grid: &Grid, boundary: Boundary) -> Result
 
 impl Problem {
     /// `coarse` is `None` for a problem whose grid is not judged.
-    fn pose(
-        heights: &ArrayRef2<f64>,
-        grid: Grid,
-        body: &BodyArgs,
-        setting: &Setting<'_>,
-        (args, coarse): (&LawArgs, Option<bool>),
-    ) -> Result<Self, Failure> {
-        let Setting { boundary, kind, law, hardness, unknown, finite_slope, lower, .. } = *setting;
-        let hardness_in_words = hardness.map(|hardness| hardness.mean().to_string());
-        let lower_flag = lower.map(|_| "--lower-surface");
-        let together = Together {
-            law: kind,
-            boundary,
-            components: unknown,
-            hardness: hardness_in_words,
-            body,
-            finite_slope,
-            lower: lower_flag,
-        };
-        together.check()?;
-        let held = together.held(true);
-        let possible = Together { finite_slope: true, lower: None, ..together }.check().is_ok();
-        let body = body.body()?;
-        if let Some(other) = unknown.clash(kind, boundary, hardness.is_some(), &body) {
-            return Err(Failure::value("components", unknown.name(), format!("normal with {other}")));
-        }
-        if let (Some(hardness), true) = (hardness, kind != Kind::HardWall) {
-            return Err(Failure::value("hardness", hardness.mean(), "absent with a law"));
-        }
+    fn pose(given: &Parts<'_>, solver: Solver, (args, coarse): (&LawArgs, Option<bool>)) -> Result<Self, Failure> {
+        let Parts { facts, body, grid, heights, lower, law, .. } = given;
         // The states of former loads are in memory already, as is the surface, which is part of the need.
-        held.check_with(size_of_val(heights) as u64, "the grid", grid.points())?;
-        let (rms_gradient, moments) = gradient(heights, &grid, boundary)?;
+        memory::fits_with(size_of_val(*heights) as u64, facts.held(true), "the grid", grid.points())?;
+        let (rms_gradient, moments) = gradient(heights, grid, facts.boundary)?;
         if lower.is_some() && heights.iter().all(|height| *height == heights[[0, 0]]) {
             return Err(Failure::Input(
                 "surface: the heights are all equal; with a lower surface only that may be flat".into(),
@@ -335,9 +323,9 @@ impl Problem {
             Refusal::Body(_) => Failure::input("boundary free", error),
             _ => Failure::input("surface", error),
         };
-        let loads = Loads::new((grid, &body), heights, setting).map_err(refuse)?;
+        let loads = Loads::new(given, solver).map_err(refuse)?;
         if let Some(coarse) = coarse {
-            let advice = Adhesion::of(args, law, &grid, &moments, body.contact_modulus());
+            let advice = Adhesion::of(args, law, grid, &moments, body.contact_modulus());
             advice.map_or(Ok(()), |advice| advice.tell(coarse))?;
             if let Some(trapping) = loads.trapping() {
                 tracing::warn!("{trapping}");
@@ -346,8 +334,8 @@ impl Problem {
             }
         }
         let scales = Scales { contact_modulus: body.contact_modulus(), rms_gradient };
-        let steepest = || Statistics::of(&heights.to_owned(), &grid).map_or(f64::NAN, |found| found.max_slope);
-        let slopes = Slopes::of(rms_gradient, steepest, finite_slope, possible);
-        Ok(Self { loads, grid, scales, unit_pressure: body.contact_modulus() * rms_gradient, slopes })
+        let steepest = || Statistics::of(&(**heights).to_owned(), grid).map_or(f64::NAN, |found| found.max_slope);
+        let slopes = Slopes::of(rms_gradient, steepest, facts);
+        Ok(Self { loads, grid: **grid, scales, unit_pressure: body.contact_modulus() * rms_gradient, slopes })
     }
 }

@@ -7,7 +7,7 @@ use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
 use crate::failure::Failure;
-use crate::memory::Held;
+use crate::memory;
 
 /// The field that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,7 +124,7 @@ impl Surface {
             return Err(Failure::value("--n", format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
         }
         let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input("--length", error))?;
-        Held::BODY.check("--n", points)?;
+        memory::fits(memory::BODY, "--n", points)?;
         let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
         Ok(Self {
             grid,

@@ -1,26 +1,27 @@
 //! The check of the file of a contact.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use gfmd_contact::{Boundary, FullContact, Load, Refusal, SqueezedContact, SteepContact, Stiffness};
+use gfmd_contact::{Boundary, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Reader;
 use gfmd_green::Body;
-use gfmd_interface::Interface;
 use gfmd_law::Kind;
 use gfmd_measure::{Column, Scales};
-use ndarray::{Array2, ArrayView2};
+use gfmd_problem::{NoStiffness, Posed, Rest};
+use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 use super::conductance::Conducting;
 use super::file::{Chosen, ContactFile};
 use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
-use super::{Args, Prepared, Unknown};
+use super::{Args, Prepared};
 use crate::base::MovedBase;
 use crate::check::{
     Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
     stored_fields, stored_surface, stored_unit,
 };
 use crate::failure::Failure;
-use crate::load::{LoadRecord, Recorded, Recording, columns};
+use crate::load::{LoadRecord, Recording, columns};
 use crate::session::Session;
 use crate::source::Surface;
 
@@ -87,7 +88,14 @@ pub(crate) fn check(
         measured: Vec::new(),
         records: Vec::new(),
     };
-    recompute(&prepared, &args, heights, loads, &mut file, comparison)?;
+    if let Some(lower) = lower
+        && let Ok(stated) = reader.text("/lower", "height_sha256")
+        && lower.checksum() != stated
+    {
+        comparison.differ("/lower/height", "its checksum does not hold".into());
+    }
+    let contact = prepared.pose(&args, heights, Arc::clone(&prepared.law))?;
+    file.compare_all(&contact, loads, comparison)?;
     let Checked { measured, records, .. } = file;
     layout(ResultKind::Contact, reader, comparison, |output| {
         let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
@@ -105,64 +113,9 @@ pub(crate) fn check(
     })
 }
 
-/// Recomputes the loads of a file by the kind of their contact.
-fn recompute(
-    prepared: &Prepared,
-    args: &Args,
-    heights: &Array2<f64>,
-    loads: &[Load],
-    file: &mut Checked,
-    comparison: &mut Comparison,
-) -> Result<(), Failure> {
-    let Prepared { surface, body, lower, law, .. } = prepared;
-    let refuse = |error: Refusal| Failure::input("/surface/height", error);
-    if args.finite_slope {
-        let contact = SteepContact::new(body, &surface.grid, heights).map_err(refuse)?;
-        let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
-        file.compare_all(["pressure"], loads, comparison, certify)
-    } else if args.components == Unknown::All {
-        let contact = FullContact::new(body, &surface.grid, heights).map_err(refuse)?;
-        let certify = |[pressure]: &[Array2<f64>; 1], load| contact.certify(pressure, load).map(unstiff);
-        file.compare_all(["pressure"], loads, comparison, certify)
-    } else if let Some(lower) = lower {
-        if let Ok(stated) = file.reader.text("/lower", "height_sha256")
-            && lower.checksum() != stated
-        {
-            comparison.differ("/lower/height", "its checksum does not hold".into());
-        }
-        let contact = SqueezedContact::new(body, &surface.grid, heights, &lower.heights).map_err(refuse)?;
-        let certify = |faces: &[Array2<f64>; 2], load| {
-            let [upper, lower] = faces;
-            contact.certify([upper, lower], load).map(unstiff)
-        };
-        file.compare_all(["pressure", "lower_pressure"], loads, comparison, certify)
-    } else if args.law.law == Kind::HardWall {
-        let contact =
-            args.components.wall(surface.boundary, &surface.share, body, &surface.grid, heights).map_err(refuse)?;
-        let contact = prepared.harden(contact)?;
-        let certify = |[pressure]: &[Array2<f64>; 1], load| {
-            let state = contact.certify(pressure, load)?;
-            let stiffness = contact.stiffness(&state).unwrap_or_else(|(reached, _)| reached);
-            Ok((state, Some(stiffness)))
-        };
-        file.compare_all(["pressure"], loads, comparison, certify)
-    } else {
-        let law = std::sync::Arc::clone(law);
-        let interface = Interface::bounded(surface.boundary, body, &surface.grid, heights, law).map_err(refuse)?;
-        let certify =
-            |[gap, pressure]: &[Array2<f64>; 2], load: Load| interface.certify(gap, pressure, load.into()).map(unstiff);
-        file.compare_all(["gap", "pressure"], loads, comparison, certify)
-    }
-}
-
 /// False for the fields of a load that was not solved, which are NaN.
 fn is_solved(field: &Array2<f64>) -> bool {
     field.iter().all(|value| value.is_finite())
-}
-
-/// A state without its stiffness.
-fn unstiff<S>(state: S) -> (S, Option<Stiffness>) {
-    (state, None)
 }
 
 /// The file of a contact, and what its loads must have.
@@ -191,33 +144,30 @@ impl Checked<'_> {
         made.map_err(|error| Failure::input("/fields", error))
     }
 
-    /// Compares all loads with the states that `certify` makes of these fields, and then the statistics.
-    fn compare_all<const N: usize, S: Recorded>(
-        &mut self,
-        names: [&str; N],
-        loads: &[Load],
-        comparison: &mut Comparison,
-        certify: impl Fn(&[Array2<f64>; N], Load) -> Result<(S, Option<Stiffness>), Refusal>,
-    ) -> Result<(), Failure> {
+    /// Compares all loads with the states that the contact makes of their fields, and then the statistics.
+    fn compare_all(&mut self, contact: &Posed, loads: &[Load], comparison: &mut Comparison) -> Result<(), Failure> {
+        let refuse = |error: Refusal| Failure::input("/surface/height", error);
         for (index, load) in loads.iter().enumerate() {
-            let mut fields = std::array::from_fn(|_| Array2::zeros([0, 0]));
-            for (field, name) in fields.iter_mut().zip(names) {
-                *field = self.field(name, index)?;
-            }
+            let fields = contact.basis().iter().map(|name| self.field(name, index));
+            let fields = fields.collect::<Result<Vec<Array2<f64>>, Failure>>()?;
             if fields.iter().all(is_solved) {
-                let (state, stiffness) =
-                    certify(&fields, *load).map_err(|error| Failure::input("/surface/height", error))?;
+                let fields: Vec<&ArrayRef2<f64>> = fields.iter().map(|field| &**field).collect();
+                let state = contact.certify(&fields, (*load).into()).map_err(refuse)?;
+                let stiffness = match contact.stiffness(&state) {
+                    Ok(stiffness) | Err(NoStiffness::Inexact(stiffness, _)) => Some(stiffness),
+                    Err(NoStiffness::Undefined(_)) => None,
+                };
                 self.compare(index, *load, &state, stiffness, comparison)?;
             }
         }
         self.compare_statistics(comparison)
     }
 
-    fn compare<S: Recorded>(
+    fn compare(
         &mut self,
         index: usize,
         load: Load,
-        state: &S,
+        state: &Rest,
         stiffness: Option<Stiffness>,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
@@ -231,7 +181,7 @@ impl Checked<'_> {
             ("/fields/displacement_z", displacement),
             ("/fields/gap", state.gap().iter().copied().collect()),
         ];
-        let depth = state.plastic().map(|plastic| ("/fields/plastic_depth", plastic.depth.iter().copied().collect()));
+        let depth = state.plastic_depth().map(|depth| ("/fields/plastic_depth", depth.iter().copied().collect()));
         let lateral = ["/fields/displacement_x", "/fields/displacement_y"].into_iter().zip(state.lateral());
         let lateral: Vec<_> = lateral.map(|(path, field)| (path, field.iter().copied().collect())).collect();
         let lower = state.lower().map(|lower| {

@@ -6,9 +6,10 @@ use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Conductor, Height};
 use gfmd_law::Kind;
+use gfmd_problem::Unknown;
 use ndarray::ArrayRef2;
 
-use super::{Args, Unknown};
+use super::Args;
 use crate::failure::Failure;
 use crate::load::LoadRecord;
 use crate::source::Surface;

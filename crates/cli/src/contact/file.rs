@@ -5,10 +5,11 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use gfmd_contact::Hardness;
+use gfmd_contact::{Fields as _, Hardness};
 use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use gfmd_measure::Column;
+use gfmd_problem::Rest;
 
 use ndarray::{Array2, CowArray, Ix2};
 use serde::{Serialize, Serializer};
@@ -19,7 +20,7 @@ use crate::base::MovedBase;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
-use crate::load::{LoadRecord, Recorded, Recording, Undefined, columns};
+use crate::load::{LoadRecord, Recording, Undefined, columns};
 use crate::lower;
 use crate::rows;
 use crate::source::Surface;
@@ -108,7 +109,7 @@ impl Chosen {
     pub(super) fn fields<'s>(
         &self,
         recording: Recording,
-        state: &'s impl Recorded,
+        state: &'s Rest,
         lift: Option<&Array2<f64>>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
         let displacement = match lift {
@@ -116,7 +117,7 @@ impl Chosen {
             None => state.displacement_z().into(),
         };
         let [x, y] = [0, 1].map(|axis| state.lateral().get(axis).map(|field| field.view().into()));
-        let depth = state.plastic().map(|plastic| plastic.depth.view().into());
+        let depth = state.plastic_depth().map(|depth| depth.view().into());
         let normal = [Some(state.pressure()), Some(displacement), Some(state.gap().into()), depth, x, y];
         let lower = match state.lower() {
             Some(lower) => {
@@ -170,7 +171,7 @@ pub(super) struct Field<'s> {
 }
 
 /// All fields of a state; a base that moves adds `lift` to the displacement.
-pub(super) fn fields<'s>(recording: Recording, state: &'s impl Recorded, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+pub(super) fn fields<'s>(recording: Recording, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
     let all = written(recording, &Chosen::ALL).zip(Chosen::ALL.fields(recording, state, lift));
     let named =
         all.map(|((path, units, _), values)| Field { name: path.trim_start_matches("/fields/"), units, values });
@@ -244,7 +245,7 @@ impl<'a> ContactFile<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&mut self, index: usize, state: &impl Recorded, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
+    pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
         self.write_fields(index, self.chosen.fields(self.recording, state, lift))
     }
 

@@ -1,11 +1,13 @@
 use std::path::PathBuf;
 
+use gfmd_problem::{Facts, Unknown};
 use serde::Serialize;
 
+use super::is_normal;
 use super::slopes::Slopes;
 use super::threshold::Threshold;
-use super::{Args, Unknown};
 use crate::base::BaseArgs;
+use crate::choice::by_name;
 use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
@@ -43,7 +45,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower: Option<Lower>,
     pub boundary: &'static str,
-    #[serde(skip_serializing_if = "Unknown::is_normal")]
+    #[serde(skip_serializing_if = "is_normal", serialize_with = "by_name")]
     pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
@@ -69,10 +71,9 @@ pub struct Report {
 
 impl Report {
     /// Warns of slopes and strains that are not small.
-    pub(super) fn warn_of_slopes(&self, args: &Args, session: &Session) {
+    pub(super) fn warn_of_slopes(&self, facts: &Facts, session: &Session) {
         let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
-        let possible = args.check_finite_slope().is_ok();
-        let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, args.finite_slope, possible) else { return };
+        let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
         let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
         session.warn(Slopes::CODE, slopes.told(strain));
     }

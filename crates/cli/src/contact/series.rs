@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use gfmd_contact::{Fields as _, Refusal, Resumable, SolveError, Stiffness};
+use gfmd_contact::{Equilibrium as _, Fields as _, Refusal, Resumable as _, SolveError, Stiffness};
 use gfmd_files::contiguous;
 use gfmd_flow::{Flow, FlowError};
 use gfmd_measure::Scales;
-use ndarray::ArrayView2;
+use gfmd_problem::{NoStiffness, Posed, Rest};
+use ndarray::{Array2, ArrayView2};
 
 use super::file::{Chosen, ContactFile};
 use super::report::Report;
@@ -18,7 +19,7 @@ use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
 use crate::figures::{Face, Scene, Shown, rough};
-use crate::load::{LoadRecord, NoStiffness, Recorded, Stiff, UNSOLVED};
+use crate::load::{LoadRecord, UNSOLVED};
 use crate::progress::Progress;
 use crate::resume::{Kept, Part};
 use crate::session::Session;
@@ -33,18 +34,16 @@ pub(super) struct Gathered {
 }
 
 /// The loads of one contact.
-pub(super) struct Series<'a, E: Resumable> {
+pub(super) struct Series<'a> {
     pub(super) prepared: &'a Prepared,
-    pub(super) contact: &'a E,
+    pub(super) contact: &'a Posed,
     pub(super) args: &'a Args,
-    pub(super) first: Option<First<'a, E::State>>,
+    /// Heights with the lift of a base that moves.
+    pub(super) heights: &'a Array2<f64>,
     pub(super) session: &'a Session,
 }
 
-/// Makes the state from which the first load starts.
-pub(super) type First<'a, S> = &'a dyn Fn() -> Result<Option<S>, Failure>;
-
-impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
+impl Series<'_> {
     /// Solves the loads that are not kept, and writes the file. Returns the failure of the last load. An interrupted run
     /// whose state is kept has no file.
     pub(super) fn solve(
@@ -57,7 +56,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             prepared: Prepared { surface, body, base, lower, hardness, conducting, controls, output, .. },
             contact,
             args,
-            first,
+            heights,
             session,
         } = *self;
         let budget = args.solver.budget();
@@ -87,8 +86,8 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
             (Some(kept), Some(file)) => self.recall(report, kept, file, &mut gathered, &progress)?,
             _ => None,
         };
-        if let (None, Some(first)) = (&last, first) {
-            last = first()?;
+        if last.is_none() {
+            last = self.prepared.after_longer_ranges(args, heights, session)?;
         }
         let mut failure = None;
         for (index, load) in controls.iter().enumerate().skip(report.loads.len()) {
@@ -163,12 +162,12 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         if matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some() {
             return Ok(failure);
         }
-        report.warn_of_slopes(args, session);
+        report.warn_of_slopes(&self.prepared.facts, session);
         if let Some(file) = file {
             report.out = session.agree(self.finish(file, report, &gathered))?;
         }
         if let (None, Some(state), true) = (&failure, &last, args.plots.is_some() || args.vtk.is_some()) {
-            let shown = Shown::of(state, lift, state.plastic().map(|plastic| &plastic.depth));
+            let shown = Shown::of(state, lift, state.plastic_depth());
             let fields = if args.vtk.is_some() { file::fields(recording, state, lift) } else { Vec::new() };
             let whole = Whole::of(self.prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(state, &whole, &gathered, report)))?;
@@ -190,7 +189,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     }
 
     /// Writes the last load as a file of VTK and draws it, as far as this is asked for.
-    fn show(&self, state: &E::State, whole: &Whole, gathered: &Gathered, report: &mut Report) -> Result<(), Failure> {
+    fn show(&self, state: &Rest, whole: &Whole, gathered: &Gathered, report: &mut Report) -> Result<(), Failure> {
         if let Some(vtk) = &self.prepared.vtk {
             report.vtk = Some(vtk.write(&whole.surface, &whole.shown, &whole.fields, state.lateral())?);
         }
@@ -205,7 +204,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         &self,
         prefix: &Path,
         report: &Report,
-        state: &E::State,
+        state: &Rest,
         Whole { surface, hardness, shown, .. }: &Whole,
         gathered: &Gathered,
     ) -> Result<Vec<PathBuf>, Failure> {
@@ -228,11 +227,11 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
     }
 
     /// The stiffness of a load that converged.
-    fn stiffness(&self, index: usize, state: &E::State, stopped: bool) -> Result<Stiffness, &'static str> {
+    fn stiffness(&self, index: usize, state: &Rest, stopped: bool) -> Result<Stiffness, &'static str> {
         if stopped {
             return Err(UNSOLVED);
         }
-        match self.contact.stiffness_of(state) {
+        match self.contact.stiffness(state) {
             Ok(stiffness) => Ok(stiffness),
             Err(NoStiffness::Undefined(reason)) => Err(reason),
             Err(NoStiffness::Inexact(reached, why)) => {
@@ -286,7 +285,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         file: &mut ContactFile,
         gathered: &mut Gathered,
         progress: &Progress,
-    ) -> Result<Option<E::State>, Failure> {
+    ) -> Result<Option<Rest>, Failure> {
         let shape = self.prepared.surface.grid.points();
         let recording = self.args.recording(&self.prepared.surface);
         let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).contact_and_gap(recording);

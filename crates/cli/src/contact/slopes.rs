@@ -1,5 +1,7 @@
 //! What is said about slopes that are not small, by the program and by Python.
 
+use gfmd_problem::Facts;
+
 /// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
 const SMALL: f64 = 0.2;
 
@@ -15,9 +17,10 @@ impl Slopes {
     /// The code of the warning.
     pub const CODE: &str = "large-slope";
 
-    /// Slopes, if they are not small. `finite` says whether finite slopes are included, and `possible` whether they can be.
-    pub fn of(rms_gradient: f64, max_slope: impl FnOnce() -> f64, finite: bool, possible: bool) -> Option<Self> {
-        let hint = match (finite, possible) {
+    /// Slopes, if they are not small.
+    pub fn of(rms_gradient: f64, max_slope: impl FnOnce() -> f64, facts: &Facts) -> Option<Self> {
+        let possible = Facts { finite_slope: true, ..*facts }.check().is_ok();
+        let hint = match (facts.finite_slope, possible) {
             (true, _) => "; strains are still taken as small",
             (false, true) => "; --finite-slope includes the slopes",
             (false, false) => "",

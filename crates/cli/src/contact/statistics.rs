@@ -7,10 +7,11 @@ use gfmd_flow::{Flow, FlowError, flow};
 use gfmd_green::Height;
 use gfmd_law::Kind;
 use gfmd_measure::{Distribution, GridLimit, Patches, density_over_decades};
+use gfmd_problem::Unknown;
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
-use super::{Args, Unknown};
+use super::Args;
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::load::{FlowRecord, LoadRecord, PatchRecord};

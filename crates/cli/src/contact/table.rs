@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use gfmd_contact::Boundary;
+use gfmd_problem::Unknown;
 
-use super::{Report, Unknown};
+use super::Report;
 use crate::digits::uncertain;
 use crate::load::Undefined;
 use crate::session::list_files;

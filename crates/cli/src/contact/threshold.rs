@@ -1,16 +1,16 @@
 //! The loads at which the gap closes for a flow, by bisection.
 
-use gfmd_contact::{Fields, Load, Resumable};
+use gfmd_contact::{Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
-use gfmd_law::Kind;
 use gfmd_measure::{Patches, Scales};
+use gfmd_problem::Rest;
 use serde::Serialize;
 
 use super::watching::Watching;
 use super::{Args, Series};
 use crate::convergence::History;
 use crate::failure::{Failure, reached};
-use crate::load::{LoadRecord, Recorded, Stiff};
+use crate::load::LoadRecord;
 use crate::progress::Progress;
 
 /// The relative width of the interval at which the bisection ends.
@@ -53,11 +53,8 @@ struct Sample {
 /// Checks that there is something to bisect.
 ///
 /// # Errors
-/// A law; a single load.
+/// A single load.
 pub(super) fn check(args: &Args) -> Result<(), Failure> {
-    if args.law.law != Kind::HardWall {
-        return Err(Failure::Input("--flow-threshold: it needs a hard wall, without --law".into()));
-    }
     let control = &args.control;
     let given = [&control.pressure, &control.p_star, &control.displacement];
     let mut loads: Vec<f64> = given.into_iter().flat_map(|values| crate::values::numbers(values)).collect();
@@ -71,7 +68,7 @@ pub(super) fn check(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
+impl Series<'_> {
     /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the highest load.
     pub(super) fn threshold(&self, scales: &Scales, progress: &Progress) -> Result<[Option<Threshold>; 2], Failure> {
         let controls = &self.prepared.controls;
@@ -113,7 +110,7 @@ impl<E: Resumable<State: Recorded> + Stiff> Series<'_, E> {
         asked: f64,
         scales: &Scales,
         progress: &Progress,
-        last: &mut Option<E::State>,
+        last: &mut Option<Rest>,
     ) -> Result<Sample, Failure> {
         let Self { prepared, contact, args, session, .. } = self;
         let surface = &prepared.surface;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
+use gfmd_problem::Held;
 use gfmd_surface::Discretisation;
 use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Point, Shard, Study};
 use serde::Serialize;
@@ -13,7 +14,6 @@ use super::calibration::seconds_per_pair;
 use super::protocol::ProtocolReport;
 use super::{CONTACT_BYTES, PROGRAM_BYTES};
 use crate::failure::Failure;
-use crate::memory::Held;
 use crate::session::list_files;
 
 /// The result of a sweep, as printed.

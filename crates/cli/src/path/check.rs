@@ -2,23 +2,22 @@
 
 use gfmd_contact::{Boundary, Drive, Fields, Load};
 use gfmd_files::Reader;
-use gfmd_interface::{Interface, Quasistatic, Step};
+use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_law::Limit;
+use gfmd_problem::{Posed, Rest};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use std::path::Path;
-use std::sync::Arc;
 
 use super::file::PathFile;
-use super::record::{Recorded, StepRecord, scalars};
-use super::{Action, Args, Prepared};
+use super::record::{StepRecord, scalars};
+use super::{Args, Prepared};
 use crate::check::{
     Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
     stored_fields, stored_surface, stored_unit,
 };
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::source::Surface;
 
 /// The scalars that follow from the fields of one state alone.
 const OF_THE_STATE: [&str; 12] = [
@@ -52,11 +51,11 @@ pub(crate) fn check(
     // As it is spelt there.
     prepared.surface.unit = stored_unit(reader, "/surface");
     layout(ResultKind::Path, reader, comparison, |output| {
-        let file = PathFile::create(output, &prepared, &args, prepared.moves_sideways(&args), session)?;
+        let file = PathFile::create(output, &prepared, &args, session)?;
         file.finish(&[], prepared.drives.len(), None)
     })?;
     let present =
-        scalars(prepared.is_plastic(), false).filter(|scalar| reader.contains(&format!("/path/{}", scalar.name)));
+        scalars(prepared.facts.hardness, false).filter(|scalar| reader.contains(&format!("/path/{}", scalar.name)));
     let columns = present.map(|scalar| {
         let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
         Ok((scalar.name, values))
@@ -66,7 +65,8 @@ pub(crate) fn check(
         let column = columns.iter().find(|(other, _)| *other == name);
         column.and_then(|(_, values)| values.get(step).copied()).unwrap_or(f64::NAN)
     };
-    let check = StateCheck { reader, args: &args, prepared: &prepared };
+    let contact = prepared.pose(&args)?;
+    let check = StateCheck { reader, args: &args, prepared: &prepared, contact: &contact };
     for (step, drive) in prepared.drives.iter().enumerate() {
         check.columns(step, &stored, comparison);
         if stored("converged", step) != 1.0 {
@@ -95,6 +95,7 @@ struct StateCheck<'a> {
     reader: &'a Reader,
     args: &'a Args,
     prepared: &'a Prepared,
+    contact: &'a Posed,
 }
 
 impl StateCheck<'_> {
@@ -115,7 +116,7 @@ impl StateCheck<'_> {
         comparison.number("/path/converged", now("converged"), converged, 0.0);
         comparison.number("/path/p_star", now("p_star"), pressure / self.stress(), 0.0);
         // Without further solves the loss is the balance of the work, by the trapezoidal rule, and the energy.
-        let has_energy = matches!(self.prepared.action, Action::Law(_)) && !now("interface_energy").is_nan();
+        let has_energy = self.prepared.solves_a_law() && !now("interface_energy").is_nan();
         if step == 0 || !has_energy || now("extra_solves") != 0.0 || now("converged") != 1.0 {
             return;
         }
@@ -142,7 +143,7 @@ impl StateCheck<'_> {
     }
 
     fn is_law_on_patch(&self) -> bool {
-        matches!(self.prepared.action, Action::Law(_)) && self.prepared.surface.boundary == Boundary::Free
+        self.prepared.solves_a_law() && self.prepared.surface.boundary == Boundary::Free
     }
 
     fn field(&self, name: &str, waypoint: usize) -> Result<Array2<f64>, Failure> {
@@ -158,51 +159,44 @@ impl StateCheck<'_> {
         comparison: &mut Comparison,
         stored: &dyn Fn(&str) -> f64,
     ) -> Result<(), Failure> {
-        let Self { args, prepared: Prepared { surface, body, action, .. }, .. } = self;
-        let refuse = |error: gfmd_contact::Refusal| Failure::input("/surface/height", error);
+        let Self { args, prepared, contact, .. } = self;
         let gap = self.field("gap", waypoint)?;
-        match action {
-            Action::Wall(_) => {
-                let pressure = self.field("pressure", waypoint)?;
-                let depth = match self.prepared.is_plastic() {
-                    true => self.field("plastic_depth", waypoint)?,
-                    false => Array2::zeros(pressure.dim()),
-                };
-                let problem = self.prepared.wall(refuse)?;
-                let state = problem.certify(&pressure, &depth, drive.load).map_err(refuse)?;
-                comparison.values("/fields/gap", &flat(&gap), &flat(&state.solution.gap), self.height());
-                self.displacement(waypoint, &state, comparison)?;
-                let record =
-                    state.record(&self.prepared.scales(), &problem.reading(&state), &Step::default(), args.tol);
-                self.scalars(record, comparison, stored);
-                Ok(())
-            }
-            Action::Law(law) if !self.prepared.moves_sideways(args) => {
-                let Surface { grid, heights, boundary, .. } = surface;
-                let interface = Interface::bounded(*boundary, body, grid, heights, Arc::clone(law)).map_err(refuse)?;
-                let stored_pressure = self.field("pressure", waypoint)?;
-                let state = interface.certify(&gap, &stored_pressure, drive).map_err(refuse)?;
-                // Without attraction the file has the pressure of the wall.
-                let is_wall = args.law.law == gfmd_law::Kind::HardWall;
-                let pressure = if is_wall { state.repulsion() } else { state.pressure() };
-                let pressure: Vec<f64> = pressure.iter().copied().collect();
-                if self.is_law_on_patch() {
-                    let worst = farthest(&flat(&stored_pressure), &pressure) / self.stress();
-                    comparison.at_most("/fields/pressure", worst, 100.0 * args.tol);
-                    let displacement = flat(&self.field("displacement_z", waypoint)?);
-                    let worst = farthest(&displacement, &flat(&state.displacement_z().to_owned())) / self.height();
-                    comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
-                } else {
-                    comparison.values("/fields/pressure", &flat(&stored_pressure), &pressure, 0.0);
-                    self.displacement(waypoint, &state, comparison)?;
-                }
-                let reading = interface.reading(&state);
-                let record = state.record(&self.prepared.scales(), &reading, &Step::default(), args.tol);
-                self.scalars(record, comparison, stored);
-                Ok(())
-            }
-            action => self.tractions(waypoint, &gap, action, comparison, stored),
+        if prepared.facts.moves_sideways() {
+            return self.tractions(waypoint, &gap, comparison, stored);
         }
+        let pressure = self.field("pressure", waypoint)?;
+        let fields = contact.basis().iter().map(|name| match *name {
+            // Without a hardness nothing gives way.
+            "plastic_depth" if !prepared.facts.hardness => Ok(Array2::zeros(pressure.dim())),
+            name => self.field(name, waypoint),
+        });
+        let fields = fields.collect::<Result<Vec<Array2<f64>>, Failure>>()?;
+        let fields: Vec<&ArrayRef2<f64>> = fields.iter().map(|field| &**field).collect();
+        let state = contact.certify(&fields, drive).map_err(|error| Failure::input("/surface/height", error))?;
+        if self.is_law_on_patch() {
+            let found = flat(&self.pressure(&state));
+            let worst = farthest(&flat(&pressure), &found) / self.stress();
+            comparison.at_most("/fields/pressure", worst, 100.0 * args.tol);
+            let displacement = flat(&self.field("displacement_z", waypoint)?);
+            let worst = farthest(&displacement, &flat(&state.displacement_z().to_owned())) / self.height();
+            comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
+        } else {
+            if prepared.solves_a_law() {
+                comparison.values("/fields/pressure", &flat(&pressure), &flat(&self.pressure(&state)), 0.0);
+            } else {
+                comparison.values("/fields/gap", &flat(&gap), &flat(&state.gap().to_owned()), self.height());
+            }
+            self.displacement(waypoint, &state, comparison)?;
+        }
+        let reading = contact.reading(&state);
+        let record = StepRecord::of(&state, &prepared.scales(), &reading, &Step::default(), args.tol);
+        self.scalars(record, comparison, stored);
+        Ok(())
+    }
+
+    /// The pressure in the file: without attraction that of the wall.
+    fn pressure(&self, state: &Rest) -> Array2<f64> {
+        if self.prepared.facts.has_law() { state.pressure() } else { state.repulsion() }.into_owned()
     }
 
     /// Compares the displacement with that of a state.
@@ -214,8 +208,9 @@ impl StateCheck<'_> {
 
     /// Compares the scalars that follow from a state.
     fn scalars(&self, record: StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
-        let record = if self.prepared.has_level() { record } else { record.without_level() };
-        let of_state = scalars(self.prepared.is_plastic(), false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
+        let record = if self.prepared.facts.has_level() { record } else { record.without_level() };
+        let of_state =
+            scalars(self.prepared.facts.hardness, false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
         for scalar in of_state {
             let (path, stored, found) =
                 (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(&record));
@@ -250,7 +245,6 @@ impl StateCheck<'_> {
         &self,
         waypoint: usize,
         gap: &Array2<f64>,
-        action: &Action,
         comparison: &mut Comparison,
         stored: &dyn Fn(&str) -> f64,
     ) -> Result<(), Failure> {
@@ -288,7 +282,7 @@ impl StateCheck<'_> {
         comparison.at_most("/fields/gap", apart(&found, &flat(gap)) / height, 100.0 * args.tol);
         let worst = apart(&displacement[lateral..], &stored_displacement) / height;
         comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
-        let law = if let Action::Law(law) = action { Some(law) } else { None };
+        let law = self.prepared.limit.is_none().then_some(&self.prepared.law);
         if law.is_none_or(|law| law.has_wall()) {
             let below = -gap.iter().copied().fold(0.0, f64::min) / height;
             comparison.at_most("/fields/gap (penetration)", below, args.tol);
@@ -309,11 +303,11 @@ impl StateCheck<'_> {
             surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
         let approach = approaches.sum::<f64>() / points as f64;
         comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.tol);
-        if let Action::Friction(limit) = action {
+        if let Some(limit) = self.prepared.limit {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
             comparison.number("/path/area_fraction", stored("area_fraction"), touching, 0.0);
-            self.limits(*limit, &pressure, &traction[..lateral], comparison);
+            self.limits(limit, &pressure, &traction[..lateral], comparison);
         }
         Ok(())
     }

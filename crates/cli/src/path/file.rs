@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
+use gfmd_contact::Fields as _;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes, contiguous};
-use gfmd_law::Kind;
+use gfmd_problem::Rest;
 
-use super::record::{Recorded, scalars};
-use super::{Action, Args, Prepared, StepRecord};
+use super::record::scalars;
+use super::{Args, Prepared, StepRecord};
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
@@ -35,7 +36,6 @@ impl<'a> PathFile<'a> {
         output: &'a Output,
         prepared: &Prepared,
         args: &Args,
-        all: bool,
         session: &Session,
     ) -> Result<Self, Failure> {
         let mut archive = Archive::create(output, &session.provenance(args.config()?))?;
@@ -44,7 +44,7 @@ impl<'a> PathFile<'a> {
         prepared.surface.write(&mut archive, [&x, &y])?;
         let steps = args.steps as usize;
         let waypoint = Dimension::index("waypoint", prepared.drives.len().div_ceil(steps), "waypoint of the path");
-        let shears: &[&str] = match (all, prepared.surface.grid.is_line()) {
+        let shears: &[&str] = match (prepared.facts.moves_sideways(), prepared.surface.grid.is_line()) {
             (false, _) => &[],
             (true, true) => &["shear_x"],
             (true, false) => &["shear_x", "shear_y"],
@@ -56,20 +56,20 @@ impl<'a> PathFile<'a> {
             ("shear_x", "stress", "shear traction on the elastic surface along x"),
             ("shear_y", "stress", "shear traction on the elastic surface along y"),
         ];
-        let is_plastic = prepared.is_plastic();
+        let is_plastic = prepared.facts.hardness;
         let depth = (PLASTIC_DEPTH, unit, "depth by which the surfaces were pressed into each other so far");
         let fields = fields.into_iter().take(NORMAL.len() + shears.len()).chain(is_plastic.then_some(depth));
         for (name, units, long_name) in fields {
             archive
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&waypoint, &x, &y], units, long_name })?;
         }
-        hardness::write(prepared.hardness(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
-        let has_friction = matches!(prepared.action, Action::Friction(_));
-        Ok(Self { archive, shears, is_plastic, has_friction, is_wall: args.law.law == Kind::HardWall })
+        hardness::write(prepared.hardness.as_ref(), Some(&mut archive), &prepared.surface.share, [&x, &y])?;
+        let has_friction = prepared.facts.friction.is_some();
+        Ok(Self { archive, shears, is_plastic, has_friction, is_wall: !prepared.facts.has_law() })
     }
 
     /// The fields of a state that the file has at a waypoint, in its order.
-    pub(super) fn fields(&self, state: &impl Recorded) -> Vec<Cow<'static, [f64]>> {
+    pub(super) fn fields(&self, state: &Rest) -> Vec<Cow<'static, [f64]>> {
         let shears = state.traction().into_iter().flat_map(|traction| traction.outer_iter().take(self.shears.len()));
         let normal = [
             contiguous(&if self.is_wall { state.repulsion() } else { state.pressure() }).into_owned(),

@@ -1,9 +1,9 @@
 //! The numbers of one step.
 
-use gfmd_contact::Fields;
-use gfmd_interface::{FrictionState, Loss, PlasticState, Reading, State, Step};
+use gfmd_contact::{Fields as _, Residual};
+use gfmd_interface::{FrictionResidual, Loss, Reading, Step};
 use gfmd_measure::{Scales, Summary};
-use ndarray::{Array2, Array3};
+use gfmd_problem::Rest;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -59,6 +59,43 @@ impl StepRecord {
     pub(super) fn to_toml(&self) -> Result<String, Failure> {
         let table = toml::Table::try_from(self);
         table.map(|table| table.to_string()).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
+    /// The numbers of a state, in units of `scales`, and of the step that led to it; the caller adds the time.
+    pub(super) fn of(state: &Rest, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> Self {
+        let summary = state.summary_in(scales);
+        let new = |residual| Self::new(&summary, reading, step, residual, tolerance);
+        if let Some(law) = state.law() {
+            let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load, .. } = law.residual;
+            return Self {
+                // Where no point touches the wall, rounding errors of the traction would count in the summary.
+                area_fraction: law.contact_fraction,
+                interface_energy: Some(law.interface_energy).filter(|energy| !energy.is_nan()),
+                lowest_curvature: law.lowest_curvature,
+                ..new(ResidualRecord::Law { equilibrium, penetration, wall_tension, load })
+            };
+        }
+        if let Some(friction) = state.friction() {
+            let FrictionResidual { complementarity, penetration, load, friction: shear, excess } = friction.residual;
+            return Self {
+                stick_fraction: Some(friction.stick_fraction),
+                increments: Some(step.increments),
+                ..new(ResidualRecord::Friction { complementarity, penetration, load, friction: shear, excess })
+            };
+        }
+        let on_path = state.on_path();
+        let solution = on_path.map(|state| &state.solution);
+        let plastic = solution.and_then(|solution| solution.plastic.as_ref());
+        let nothing =
+            Residual { complementarity: f64::NAN, penetration: f64::NAN, negative_pressure: f64::NAN, load: f64::NAN };
+        let Residual { complementarity, penetration, negative_pressure, load } =
+            solution.map_or(nothing, |solution| solution.residual);
+        let saturation = plastic.map(|plastic| plastic.saturation);
+        Self {
+            plastic_fraction: plastic.and(on_path).map(|state| state.fraction),
+            plastic_volume: plastic.and(on_path).map(|state| state.volume),
+            ..new(ResidualRecord::Wall { complementarity, penetration, negative_pressure, load, saturation })
+        }
     }
 
     /// Makes a record with the numbers that all states have, by the sums that `contact` prints; all other numbers are NaN or `None`.
@@ -154,91 +191,6 @@ impl ResidualRecord {
                 gfmd_relax::worst([complementarity, penetration, negative_pressure, load, saturation])
             }
         }
-    }
-}
-
-/// A state whose numbers and fields a path records.
-pub(super) trait Recorded: Fields {
-    /// The numbers of the state, in units of `scales`, and of the step that led to it; the caller adds the time.
-    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord;
-
-    /// The traction on the elastic surface, component by component, if all components move.
-    fn traction(&self) -> Option<&Array3<f64>>;
-
-    /// The plastic depth so far, if it stays.
-    fn plastic_depth(&self) -> Option<&Array2<f64>> {
-        None
-    }
-}
-
-impl Recorded for State {
-    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
-        let gfmd_interface::Residual { equilibrium, penetration, wall_tension, load, .. } = self.residual;
-        StepRecord {
-            // Where no point touches the wall, rounding errors of the traction would count in the summary.
-            area_fraction: self.contact_fraction,
-            interface_energy: Some(self.interface_energy).filter(|energy| !energy.is_nan()),
-            lowest_curvature: self.lowest_curvature,
-            ..StepRecord::new(
-                &self.summary_in(scales),
-                reading,
-                step,
-                ResidualRecord::Law { equilibrium, penetration, wall_tension, load },
-                tolerance,
-            )
-        }
-    }
-
-    fn traction(&self) -> Option<&Array3<f64>> {
-        Some(&self.traction)
-    }
-}
-
-impl Recorded for FrictionState {
-    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
-        let gfmd_interface::FrictionResidual { complementarity, penetration, load, friction, excess } = self.residual;
-        StepRecord {
-            stick_fraction: Some(self.stick_fraction),
-            increments: Some(step.increments),
-            ..StepRecord::new(
-                &self.summary_in(scales),
-                reading,
-                step,
-                ResidualRecord::Friction { complementarity, penetration, load, friction, excess },
-                tolerance,
-            )
-        }
-    }
-
-    fn traction(&self) -> Option<&Array3<f64>> {
-        Some(&self.traction)
-    }
-}
-
-impl Recorded for PlasticState {
-    fn record(&self, scales: &Scales, reading: &Reading, step: &Step, tolerance: f64) -> StepRecord {
-        let gfmd_contact::Residual { complementarity, penetration, negative_pressure, load } = self.solution.residual;
-        let plastic = self.solution.plastic.as_ref();
-        let saturation = plastic.map(|plastic| plastic.saturation);
-        StepRecord {
-            plastic_fraction: plastic.map(|_| self.fraction),
-            plastic_volume: plastic.map(|_| self.volume),
-            ..StepRecord::new(
-                &self.summary_in(scales),
-                reading,
-                step,
-                ResidualRecord::Wall { complementarity, penetration, negative_pressure, load, saturation },
-                tolerance,
-            )
-        }
-    }
-
-    fn traction(&self) -> Option<&Array3<f64>> {
-        None
-    }
-
-    fn plastic_depth(&self) -> Option<&Array2<f64>> {
-        self.solution.plastic.as_ref().map(|_| &self.depth)
     }
 }
 

@@ -1,0 +1,204 @@
+//! The kinds of contact.
+
+use gfmd_contact::{
+    Contact, Drive, FullContact, FullSolution, Load, Refusal, RigidSurface, Solution, SqueezedContact,
+    SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+};
+use gfmd_interface::{
+    FrictionState, FrictionalContact, Interface, Kept, PlasticContact, PlasticState, Quasistatic, Reading, State,
+    Trapping,
+};
+use ndarray::ArrayRef2;
+
+use crate::posed::{Kind, NoStiffness};
+
+/// The fields of the basis of a kind, of which there are `N`.
+fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
+    fields.try_into().map_err(|_| Refusal::Basis { found: fields.len(), expected: N })
+}
+
+/// The approach of kept fields. Where the displacement has no level it has no value in a file; the fields of the state have
+/// one of their own.
+fn approach(kept: &Kept<'_>, clearance: &[f64]) -> f64 {
+    if !kept.approach.is_nan() {
+        return kept.approach;
+    }
+    let fields = kept.gap.iter().zip(kept.displacement_z);
+    let sum: f64 = clearance.iter().zip(fields).map(|(clearance, (gap, u))| clearance - gap - u).sum();
+    sum / clearance.len() as f64
+}
+
+impl Kind for Contact {
+    fn surface(&self) -> &RigidSurface {
+        Contact::surface(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Solution, Refusal> {
+        let [pressure] = all(fields)?;
+        Contact::certify(self, pressure, drive.load)
+    }
+
+    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<Solution, Refusal> {
+        let approach = approach(&kept, Contact::surface(self).clearance());
+        Contact::certify(self, kept.pressure, Load::Approach(approach))
+    }
+
+    fn stiffness(&self, state: &Solution) -> Result<Stiffness, NoStiffness> {
+        Contact::stiffness(self, state).map_err(|(reached, why)| {
+            let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
+            NoStiffness::Inexact(reached, text)
+        })
+    }
+}
+
+impl Kind for FullContact {
+    fn surface(&self) -> &RigidSurface {
+        FullContact::surface(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<FullSolution, Refusal> {
+        let [pressure] = all(fields)?;
+        FullContact::certify(self, pressure, drive.load)
+    }
+
+    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<FullSolution, Refusal> {
+        let mean = kept.pressure.mean().unwrap_or(f64::NAN);
+        FullContact::certify(self, kept.pressure, Load::MeanPressure(mean))
+    }
+
+    fn stiffness(&self, _: &FullSolution) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined(
+            "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own",
+        ))
+    }
+}
+
+impl Kind for SteepContact {
+    fn surface(&self) -> &RigidSurface {
+        SteepContact::surface(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SteepSolution, Refusal> {
+        let [pressure] = all(fields)?;
+        SteepContact::certify(self, pressure, drive.load)
+    }
+
+    fn stiffness(&self, _: &SteepSolution) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined(
+            "not computed with finite slopes: the points in contact move sideways with the load",
+        ))
+    }
+}
+
+impl Kind for SqueezedContact {
+    fn surface(&self) -> &RigidSurface {
+        self.surfaces()[0]
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        &["pressure", "lower_pressure"]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedSolution, Refusal> {
+        SqueezedContact::certify(self, all(fields)?, drive.load)
+    }
+
+    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<SqueezedSolution, Refusal> {
+        let lower = lower.ok_or(Refusal::Basis { found: 1, expected: 2 })?;
+        SqueezedContact::certify(self, [kept.pressure, lower], Load::Approach(kept.approach))
+    }
+
+    fn stiffness(&self, _: &SqueezedSolution) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts"))
+    }
+}
+
+impl Kind for Interface {
+    fn surface(&self) -> &RigidSurface {
+        Interface::surface(self)
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        if self.elastic().components() == 1 { &["gap", "pressure"] } else { &[] }
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
+        let [gap, pressure] = all(fields)?;
+        Interface::certify(self, gap, pressure, drive)
+    }
+
+    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<State, Refusal> {
+        let approach = approach(&kept, Interface::surface(self).clearance());
+        Interface::recall(self, Kept { approach, ..kept })
+    }
+
+    fn stiffness(&self, _: &State) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined(
+            "not computed with a law across the gap: it acts on all points, not on those in contact alone",
+        ))
+    }
+
+    fn reading(&self, state: &State) -> Reading {
+        Quasistatic::reading(self, state)
+    }
+
+    fn trapping(&self) -> Option<Trapping> {
+        Interface::trapping(self)
+    }
+}
+
+/// The reason why states of a path have no stiffness.
+const ON_A_PATH: NoStiffness = NoStiffness::Undefined("not computed along a path");
+
+impl Kind for FrictionalContact {
+    fn surface(&self) -> &RigidSurface {
+        FrictionalContact::surface(self)
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<FrictionState, Refusal> {
+        Err(Refusal::Basis { found: fields.len(), expected: 0 })
+    }
+
+    fn stiffness(&self, _: &FrictionState) -> Result<Stiffness, NoStiffness> {
+        Err(ON_A_PATH)
+    }
+
+    fn reading(&self, state: &FrictionState) -> Reading {
+        Quasistatic::reading(self, state)
+    }
+
+    fn depends_on_division(&self, start: Option<&FrictionState>, end: &FrictionState, tolerance: f64) -> bool {
+        Quasistatic::depends_on_division(self, start, end, tolerance)
+    }
+
+    fn change(&self, from: &FrictionState, to: &FrictionState) -> f64 {
+        Quasistatic::change(self, from, to)
+    }
+}
+
+impl Kind for PlasticContact {
+    fn surface(&self) -> &RigidSurface {
+        self.contact().surface()
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        &["pressure", "plastic_depth"]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<PlasticState, Refusal> {
+        let [pressure, depth] = all(fields)?;
+        PlasticContact::certify(self, pressure, depth, drive.load)
+    }
+
+    fn stiffness(&self, _: &PlasticState) -> Result<Stiffness, NoStiffness> {
+        Err(ON_A_PATH)
+    }
+
+    fn reading(&self, state: &PlasticState) -> Reading {
+        Quasistatic::reading(self, state)
+    }
+}

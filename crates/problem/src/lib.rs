@@ -1,0 +1,46 @@
+//! A contact problem of any kind, from its description to its states at rest.
+//!
+//! - [`Facts`] are what a problem has: a law, free boundaries, a second body, ... [`RULES`] say which of them do not go
+//!   together, once for the program, the Python package, the documentation and the tests.
+//! - [`pose`] is the one place that makes a contact of them: a [`Posed`] problem, which every solver, path and file takes as
+//!   if it were of a single kind. A new kind of contact implements [`Kind`].
+//! - [`Rest`] is a state at rest of any kind, which [`Rest::get`] gives back as its own type.
+//!
+//! ```
+//! use gfmd_contact::{Equilibrium, Fields, Load};
+//! use gfmd_field::Grid;
+//! use gfmd_green::{Body, Material};
+//! use gfmd_problem::{Facts, Given, pose};
+//! use ndarray::Array2;
+//!
+//! let grid = Grid::square(32, 1.0)?;
+//! let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 32.0).cos();
+//! let heights = Array2::from_shape_fn((32, 32), |(i, j)| 0.01 * wave(i) * wave(j));
+//! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
+//!
+//! let facts = Facts { finite_slope: true, ..Facts::default() };
+//! facts.check()?;
+//! let problem = pose(&Given::new(facts, &body, &grid, &heights))?;
+//! let state = problem.press(Load::MeanPressure(0.01)).solve()?;
+//! assert!(state.worst() <= 1e-8);
+//!
+//! let clash = Facts { hardness: true, ..facts }.check().unwrap_err();
+//! assert_eq!(clash.to_string(), "--hardness is given; it must be left out with --finite-slope (not implemented)");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod facts;
+mod kinds;
+mod memory;
+mod parts;
+mod pose;
+mod posed;
+mod rules;
+mod unknown;
+
+pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+pub use memory::Held;
+pub use pose::{Given, pose};
+pub use posed::{Kind, NoStiffness, Posed, Rest, State};
+pub use rules::{Clash, Part, RULES, Rule, rules_of, table};
+pub use unknown::{NoUnknown, Unknown};

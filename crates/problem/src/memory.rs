@@ -1,0 +1,62 @@
+use gfmd_contact::Boundary;
+
+use crate::facts::{Facts, Task};
+use crate::unknown::Unknown;
+
+/// The number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Held(pub u64);
+
+impl Held {
+    /// A contact with a hard wall.
+    pub const HARD_WALL: Self = Self(13);
+    /// A contact with a hard wall under one load, which starts from no other one.
+    pub const HARD_WALL_ONCE: Self = Self(10);
+    /// A contact with a hard wall and free boundaries, or with a hardness.
+    pub const FREE: Self = Self(26);
+    /// A contact with finite slopes.
+    pub const STEEP: Self = Self(48);
+    /// A contact with a hard wall whose lateral components are unknown, too.
+    pub const WALL_ALL_COMPONENTS: Self = Self(64);
+    /// A slab between two surfaces.
+    pub const SQUEEZED: Self = Self(50);
+    /// A contact with a law that acts across the gap.
+    pub const LAW: Self = Self(29);
+    /// The same on a patch, which is solved in a cell of four times its points.
+    pub const LAW_FREE: Self = Self(98);
+    /// A path of u_z alone, with the states before and after a jump.
+    pub const PATH: Self = Self(41);
+    /// A path with a law, on a patch.
+    pub const PATH_FREE: Self = Self(141);
+    /// A path that moves all components.
+    pub const ALL_COMPONENTS: Self = Self(95);
+    /// A path with friction, on a patch.
+    pub const ALL_COMPONENTS_FREE: Self = Self(158);
+
+    /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
+    pub fn bytes(self, points: [usize; 2]) -> u64 {
+        points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))
+    }
+}
+
+impl Facts {
+    /// The memory that the problem needs, which `only` one load without its statistics makes less.
+    pub fn held(&self, only: bool) -> Held {
+        let is_free = self.boundary == Boundary::Free;
+        match self.task {
+            Task::Loads if self.finite_slope => Held::STEEP,
+            Task::Loads if self.unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
+            Task::Loads if self.lower.is_some() => Held::SQUEEZED,
+            Task::Loads if self.has_law() && is_free => Held::LAW_FREE,
+            Task::Loads if self.has_law() => Held::LAW,
+            Task::Loads if self.hardness || is_free => Held::FREE,
+            Task::Loads if only => Held::HARD_WALL_ONCE,
+            Task::Loads => Held::HARD_WALL,
+            Task::Path if self.is_wall_on_path() => Held::FREE,
+            Task::Path if self.moves_sideways() && is_free => Held::ALL_COMPONENTS_FREE,
+            Task::Path if self.moves_sideways() => Held::ALL_COMPONENTS,
+            Task::Path if is_free => Held::PATH_FREE,
+            Task::Path => Held::PATH,
+        }
+    }
+}

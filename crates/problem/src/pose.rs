@@ -1,0 +1,103 @@
+use std::sync::Arc;
+
+use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
+use gfmd_field::{Grid, Share};
+use gfmd_green::Body;
+use gfmd_interface::{FrictionalContact, Interface, PlasticContact};
+use gfmd_law::{HardWall, Law, Limit};
+use ndarray::ArrayRef2;
+
+use crate::facts::{Facts, Task};
+use crate::posed::Posed;
+use crate::unknown::Unknown;
+
+/// A problem whose files are read: its facts, and arrays of the rows of this process.
+#[derive(Clone)]
+pub struct Given<'a> {
+    /// The parts of the problem.
+    pub facts: Facts,
+    /// The elastic body, with the second one if there are two.
+    pub body: &'a Body,
+    /// The grid of the surface.
+    pub grid: &'a Grid,
+    /// The rows of this process, all of them if it is alone.
+    pub share: Share,
+    /// Heights of the rigid surface, `[x, y]`, length, with the lift of a base that moves; peaks towards the body.
+    pub heights: &'a ArrayRef2<f64>,
+    /// Heights of the rigid surface below the slab, `[x, y]`, length; peaks towards the body.
+    pub lower: Option<&'a ArrayRef2<f64>>,
+    /// The law across the gap.
+    pub law: Arc<dyn Law>,
+    /// The largest pressure, stress.
+    pub hardness: Option<Hardness>,
+    /// The limit of the shear.
+    pub limit: Option<Limit>,
+    /// Time step and damping of the solvers by dynamics.
+    pub dynamics: Dynamics,
+}
+
+impl<'a> Given<'a> {
+    /// A surface behind a hard wall, of the facts that need no more than a body and heights.
+    pub fn new(facts: Facts, body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
+        Self {
+            facts,
+            body,
+            grid,
+            share: grid.whole(),
+            heights,
+            lower: None,
+            law: HardWall.into_shared(),
+            hardness: None,
+            limit: None,
+            dynamics: Dynamics::default(),
+        }
+    }
+
+    /// The contact with a hard wall.
+    fn wall(&self) -> Result<Contact, Refusal> {
+        let Self { facts, body, grid, share, heights, .. } = self;
+        let contact = match (facts.unknown, facts.boundary) {
+            (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
+            (_, Boundary::Periodic) => Contact::over(share, body, grid, heights),
+            (_, Boundary::Free) => Contact::bounded(Boundary::Free, body, grid, heights),
+        };
+        let contact = contact?.with_dynamics(self.dynamics);
+        match &self.hardness {
+            Some(hardness) => contact.with_hardness(hardness.clone()),
+            None => Ok(contact),
+        }
+    }
+}
+
+/// Poses a problem whose parts go together ([`Facts::check`]).
+///
+/// # Errors
+/// Heights, a body, a hardness or a law that cannot be in contact.
+pub fn pose(given: &Given) -> Result<Posed, Refusal> {
+    let Given { facts, body, grid, heights, lower, law, limit, dynamics, .. } = given;
+    if let Some(lower) = lower {
+        return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
+    }
+    if facts.finite_slope {
+        return Ok(Posed::new(SteepContact::new(body, grid, heights)?));
+    }
+    if let Some(limit) = limit {
+        return Ok(Posed::new(FrictionalContact::bounded(facts.boundary, body, grid, heights, *limit)?));
+    }
+    if facts.lateral {
+        return Ok(Posed::new(Interface::in_all_components(body, grid, heights, Arc::clone(law))?));
+    }
+    match facts.task {
+        Task::Path if facts.is_wall_on_path() => Ok(Posed::new(PlasticContact::new(given.wall()?))),
+        // A path behind a periodic hard wall is that of a law, whose energy tells what is lost.
+        Task::Path => Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?)),
+        Task::Loads if facts.has_law() => {
+            Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?))
+        }
+        Task::Loads if facts.unknown == Unknown::All => {
+            Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)))
+        }
+        // The solvers for a hard wall alone are faster than those for a law.
+        Task::Loads => Ok(Posed::new(given.wall()?)),
+    }
+}

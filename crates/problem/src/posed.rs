@@ -1,0 +1,368 @@
+use std::any::Any;
+
+use gfmd_contact::{
+    Budget, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Solver, Stiffness,
+    Visit, Watch,
+};
+use gfmd_interface::{Kept, Loss, Quasistatic, Reading, Trapping};
+use gfmd_measure::{Scales, Summary};
+use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
+
+/// A kind of contact: all that solvers, paths and files need of it. A new kind implements this trait, once.
+pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
+    /// The rigid surface, the upper one of two.
+    fn surface(&self) -> &RigidSurface;
+
+    /// The names of the fields from which [`certify`](Self::certify) makes a state; none if it cannot.
+    fn basis(&self) -> &'static [&'static str] {
+        &["pressure"]
+    }
+
+    /// The state of the fields of the [`basis`](Self::basis) under a drive, from fresh transforms.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid; an invalid drive.
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
+
+    /// The state of fields that a file keeps, and of the pressure on the lower face if there is one, to start from.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid, or that are missing.
+    fn recall(&self, kept: Kept<'_>, _lower: Option<&ArrayRef2<f64>>) -> Result<Self::State, Refusal> {
+        self.certify(&[kept.pressure], Load::Approach(kept.approach).into())
+    }
+
+    /// The stiffness of a state at rest: d(mean pressure)/d(approach), stress/length.
+    ///
+    /// # Errors
+    /// The reason why there is none, or why it is less exact than it should be.
+    fn stiffness(&self, state: &Self::State) -> Result<Stiffness, NoStiffness>;
+
+    /// The forces, the places and the energy of a state, for the balance of a path.
+    fn reading(&self, state: &Self::State) -> Reading {
+        of_fields(state)
+    }
+
+    /// True if the state `end` may depend on the division of the step from `start` ([`Quasistatic::depends_on_division`]).
+    fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
+        false
+    }
+
+    /// The change between two states under one drive ([`Quasistatic::change`]).
+    fn change(&self, _from: &Self::State, _to: &Self::State) -> f64 {
+        0.0
+    }
+
+    /// The warning that the law is too steep for the grid, if it is.
+    fn trapping(&self) -> Option<Trapping> {
+        None
+    }
+}
+
+/// The reading of a state that is pressed without a shear, and of whose losses nothing is known.
+fn of_fields(state: &impl Fields) -> Reading {
+    let (mean_pressure, approach) = (state.mean_pressure(), state.approach());
+    Reading { mean_pressure, approach, mean_shear: [0.0; 2], lateral: [0.0; 2], loss: Loss::Unknown }
+}
+
+/// The reasons why a contact has no stiffness, or not the one that it should have.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoStiffness {
+    /// It is not computed.
+    Undefined(&'static str),
+    /// It is less exact than it should be: as far as its solve came, and the remark.
+    Inexact(Stiffness, String),
+}
+
+/// A state of any kind.
+pub trait State: Fields + Any + Send + Sync {
+    /// The state, to be asked for its type.
+    fn as_any(&self) -> &dyn Any;
+
+    /// The same, to be changed.
+    fn as_any_mut(&mut self) -> &mut dyn Any;
+}
+
+impl<S: Fields + Any + Send + Sync> State for S {
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// A state at rest of a [`Posed`] problem, or one as far as its solve came.
+pub struct Rest(Box<dyn State>);
+
+impl Rest {
+    /// Wraps a state.
+    pub fn new(state: impl State) -> Self {
+        Self(Box::new(state))
+    }
+
+    /// The state as its own type, for what one kind of contact alone has; `None` if it is of another kind.
+    pub fn get<S: 'static>(&self) -> Option<&S> {
+        (*self.0).as_any().downcast_ref()
+    }
+
+    fn get_mut<S: 'static>(&mut self) -> Option<&mut S> {
+        (*self.0).as_any_mut().downcast_mut()
+    }
+}
+
+impl Fields for Rest {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.0.pressure()
+    }
+
+    fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
+        self.0.repulsion()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.0.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.0.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.0.mean_pressure()
+    }
+
+    fn approach(&self) -> f64 {
+        self.0.approach()
+    }
+
+    fn effort(&self) -> Effort {
+        self.0.effort()
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.0.residuals()
+    }
+
+    fn worst(&self) -> f64 {
+        self.0.worst()
+    }
+
+    fn scales(&self) -> Scales {
+        self.0.scales()
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        self.0.summary_in(scales)
+    }
+}
+
+/// [`Kind`] without the type of its state.
+trait Erased: Send + Sync {
+    fn surface(&self) -> &RigidSurface;
+    fn solvers(&self) -> &'static [Solver];
+    fn check(&self, drive: Drive) -> Result<(), Refusal>;
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal>;
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&Rest>,
+        watch: &mut dyn Watch,
+    ) -> Result<Rest, SolveError<Rest>>;
+    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit);
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal>;
+    fn basis(&self) -> &'static [&'static str];
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal>;
+    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
+    fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness>;
+    fn reading(&self, state: &Rest) -> Reading;
+    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool;
+    fn change(&self, from: &Rest, to: &Rest) -> f64;
+    fn trapping(&self) -> Option<Trapping>;
+}
+
+impl<K: Kind> Erased for K {
+    fn surface(&self) -> &RigidSurface {
+        Kind::surface(self)
+    }
+
+    fn solvers(&self) -> &'static [Solver] {
+        Equilibrium::solvers(self)
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        Equilibrium::check(self, drive)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        Equilibrium::check_resolution(self, drive, tolerance)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&Rest>,
+        watch: &mut dyn Watch,
+    ) -> Result<Rest, SolveError<Rest>> {
+        let start = start.map(|rest| rest.get().ok_or(Refusal::OtherKind)).transpose()?;
+        let solved = Equilibrium::equilibrate(self, drive, solver, budget, start, watch);
+        solved.map(Rest::new).map_err(|error| error.map(Rest::new))
+    }
+
+    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit) {
+        if let Some(state) = state.get_mut() {
+            Resumable::keep(self, state, visitor);
+        }
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal> {
+        Resumable::restore(self, drive, visitor).map(Rest::new)
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        Kind::basis(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal> {
+        Kind::certify(self, fields, drive).map(Rest::new)
+    }
+
+    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
+        Kind::recall(self, kept, lower).map(Rest::new)
+    }
+
+    fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness> {
+        match state.get() {
+            Some(state) => Kind::stiffness(self, state),
+            None => Err(NoStiffness::Undefined("the state is of another kind of contact")),
+        }
+    }
+
+    fn reading(&self, state: &Rest) -> Reading {
+        state.get().map_or_else(|| of_fields(state), |state| Kind::reading(self, state))
+    }
+
+    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool {
+        end.get().is_some_and(|end| Kind::depends_on_division(self, start.and_then(Rest::get), end, tolerance))
+    }
+
+    fn change(&self, from: &Rest, to: &Rest) -> f64 {
+        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| Kind::change(self, from, to))
+    }
+
+    fn trapping(&self) -> Option<Trapping> {
+        Kind::trapping(self)
+    }
+}
+
+/// A problem of any kind, ready to be solved. All that takes an [`Equilibrium`] takes it, such as
+/// [`Press`](gfmd_contact::Press), and [`Path`](gfmd_interface::Path).
+pub struct Posed(Box<dyn Erased>);
+
+impl Posed {
+    /// Wraps a contact.
+    pub fn new(kind: impl Kind) -> Self {
+        Self(Box::new(kind))
+    }
+
+    /// The rigid surface, the upper one of two.
+    pub fn surface(&self) -> &RigidSurface {
+        self.0.surface()
+    }
+
+    /// The names of the fields from which [`certify`](Self::certify) makes a state; none if it cannot.
+    pub fn basis(&self) -> &'static [&'static str] {
+        self.0.basis()
+    }
+
+    /// The state of the fields of the [`basis`](Self::basis) under a drive, from fresh transforms.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid; an invalid drive.
+    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal> {
+        self.0.certify(fields, drive)
+    }
+
+    /// The state of fields that a file keeps, and of the pressure on the lower face if there is one, to start from.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid, or that are missing.
+    pub fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
+        self.0.recall(kept, lower)
+    }
+
+    /// The stiffness of a state at rest: d(mean pressure)/d(approach), stress/length.
+    ///
+    /// # Errors
+    /// The reason why there is none, or why it is less exact than it should be.
+    pub fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness> {
+        self.0.stiffness(state)
+    }
+
+    /// The warning that the law is too steep for the grid, if it is.
+    pub fn trapping(&self) -> Option<Trapping> {
+        self.0.trapping()
+    }
+}
+
+impl Equilibrium for Posed {
+    type State = Rest;
+
+    fn solvers(&self) -> &'static [Solver] {
+        self.0.solvers()
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        self.0.check(drive)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        self.0.check_resolution(drive, tolerance)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&Rest>,
+        watch: &mut dyn Watch,
+    ) -> Result<Rest, SolveError<Rest>> {
+        self.0.equilibrate(drive, solver, budget, start, watch)
+    }
+}
+
+impl Resumable for Posed {
+    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit) {
+        self.0.keep(state, visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal> {
+        self.0.restore(drive, visitor)
+    }
+}
+
+impl Quasistatic for Posed {
+    fn reading(&self, state: &Rest) -> Reading {
+        self.0.reading(state)
+    }
+
+    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool {
+        self.0.depends_on_division(start, end, tolerance)
+    }
+
+    fn change(&self, from: &Rest, to: &Rest) -> f64 {
+        self.0.change(from, to)
+    }
+}
+
+const _: () = {
+    const fn shared<T: Send + Sync>() {}
+    shared::<Posed>();
+    shared::<Rest>();
+};

@@ -1,0 +1,267 @@
+use std::fmt;
+
+use gfmd_contact::Boundary;
+use gfmd_green::BaseKind;
+
+use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+use crate::unknown::Unknown;
+
+/// The flag of a part, its value, and the words for it beside another part.
+type Told = (&'static str, &'static str, &'static str);
+
+macro_rules! parts {
+    ($($(#[$doc:meta])+ $part:ident |$f:ident| $told:expr, if $test:expr;)+) => {
+        /// A part of a problem that does not go with some others.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Part { $($(#[$doc])+ $part),+ }
+
+        impl Part {
+            /// All parts.
+            pub const ALL: &[Self] = &[$(Self::$part),+];
+
+            /// True if the problem has the part.
+            pub fn is_in(self, facts: &Facts) -> bool {
+                match self { $(Self::$part => { let test: fn(&Facts) -> bool = |$f| $test; test(facts) })+ }
+            }
+
+            fn told(self, facts: &Facts) -> Told {
+                match self { $(Self::$part => { let told: fn(&Facts) -> Told = |$f| $told; told(facts) })+ }
+            }
+        }
+    };
+}
+
+parts! {
+    /// A law across the gap.
+    Law |f| ("--law", f.law.name(), "--law"), if f.has_law();
+    /// A largest pressure.
+    Hardness |_f| ("--hardness", "given", "--hardness"), if _f.hardness;
+    /// A limit of the shear.
+    Friction |f| match f.friction {
+        Some(Friction::Tresca) => ("--shear-strength", "given", "--shear-strength"),
+        _ => ("--friction", "given", "--friction"),
+    }, if f.friction.is_some();
+    /// A patch that does not repeat.
+    Free |_f| ("--boundary", "free", "--boundary free"), if _f.boundary == Boundary::Free;
+    /// All components unknown.
+    All |_f| ("--components", "all", "--components all"), if _f.unknown == Unknown::All;
+    /// The surface held sideways.
+    Held |_f| ("--components", "held", "--components held"), if _f.unknown == Unknown::Held;
+    /// Slopes that are not small.
+    FiniteSlope |_f| ("--finite-slope", "given", "--finite-slope"), if _f.finite_slope;
+    /// A rigid surface below the slab.
+    Lower |f| match f.lower {
+        Some(Lower::Seed) => ("--lower-seed", "given", "--lower-seed"),
+        _ => ("--lower-surface", "given", "--lower-surface"),
+    }, if f.lower.is_some();
+    /// A half-space.
+    HalfSpace |_f| ("--height", "inf", "--height inf"), if _f.support == Support::HalfSpace;
+    /// A slab that no base holds.
+    Plate |_f| ("--base", "free", "--base free"), if _f.support == Support::Slab(BaseKind::Free);
+    /// A base without friction.
+    Sliding |_f| ("--base", "sliding", "--base sliding"), if _f.support == Support::Slab(BaseKind::Sliding);
+    /// A base that is not the rigid one to which a slab is bonded.
+    OtherBase |f| match f.support {
+        Support::Slab(base) => ("--base", base.name(), "--base"),
+        Support::HalfSpace => ("--base", "given", "--base"),
+    }, if matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
+    /// A second elastic body.
+    SecondBody |_f| ("--second-body", "given", "--second-body"), if _f.second.is_some();
+    /// A base that moves.
+    MovedBase |f| match f.moved_base {
+        Some(MovedBase::Traction) => ("--base-traction", "given", "--base-traction"),
+        _ => ("--base-displacement", "given", "--base-displacement"),
+    }, if f.moved_base.is_some();
+    /// A profile.
+    Line |_f| ("--dim", "2", "a profile (--dim 2)"), if _f.line;
+    /// A displacement that is known up to a constant.
+    NoLevel |_f| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), if !_f.has_level();
+    /// A prescribed approach.
+    Approach |_f| ("--displacement", "given", "--displacement"), if _f.approach;
+    /// A lateral motion without friction.
+    Lateral |_f| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
+        if _f.lateral && _f.friction.is_none();
+    /// Friction on a patch.
+    FreeFriction |_f| ("--boundary", "free", "friction and --boundary free"),
+        if _f.boundary == Boundary::Free && _f.friction.is_some();
+    /// A path.
+    Path |_f| ("path", "asked for", "a path"), if _f.task == Task::Path;
+    /// Patches, distributions, spectra, conductance.
+    Statistics |_f| ("--statistics", "given", "--statistics"), if _f.statistics;
+    /// The flow through the gap.
+    Flow |_f| ("--flow", "given", "--flow"), if _f.flow;
+    /// The loads at which the flow stops.
+    FlowThreshold |_f| ("--flow-threshold", "given", "--flow-threshold"), if _f.flow_threshold;
+    /// A record of the search.
+    History |_f| ("--history", "given", "--history"), if _f.history;
+    /// A run that continues an earlier one.
+    Resume |_f| ("--resume", "given", "--resume"), if _f.resume;
+    /// Processes that share a problem.
+    Several |_f| ("mpirun", "given", "several processes"), if _f.processes > 1;
+}
+
+/// A part that does not go beside another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rule {
+    /// The part that is refused.
+    pub part: Part,
+    /// The part beside which it is refused.
+    pub with: Part,
+    /// The values that are allowed there.
+    pub allowed: &'static str,
+    /// The reason.
+    pub why: &'static str,
+}
+
+const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) -> Rule {
+    Rule { part, with, allowed, why }
+}
+
+/// The reason of a rule that a later version may lift.
+const LATER: &str = "not implemented";
+/// The reason of the rules of several processes.
+const ALONE: &str = "processes share periodic hard walls alone";
+
+/// All rules, in the order in which they are told.
+pub const RULES: &[Rule] = {
+    use Part::*;
+    &[
+        rule(HalfSpace, Lower, "finite", "a second surface needs a lower face"),
+        rule(OtherBase, Lower, "left out", "nothing but the two surfaces holds the slab"),
+        rule(FiniteSlope, Lower, "left out", LATER),
+        rule(Law, Lower, "hard-wall", LATER),
+        rule(Free, Lower, "periodic", LATER),
+        rule(All, Lower, "normal", LATER),
+        rule(Held, Lower, "normal", LATER),
+        rule(SecondBody, Lower, "left out", LATER),
+        rule(Hardness, Lower, "left out", LATER),
+        rule(MovedBase, Lower, "left out", "there is no base"),
+        rule(Statistics, Lower, "left out", "it does not say for which face"),
+        rule(Flow, Lower, "left out", "it does not say through which gap"),
+        rule(FlowThreshold, Lower, "left out", "it does not say through which gap"),
+        rule(Law, FiniteSlope, "hard-wall", LATER),
+        rule(Free, FiniteSlope, "periodic", LATER),
+        rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
+        rule(Held, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
+        rule(SecondBody, FiniteSlope, "left out", "the slope of each body is not known"),
+        rule(Hardness, FiniteSlope, "left out", LATER),
+        rule(MovedBase, FiniteSlope, "left out", LATER),
+        rule(FlowThreshold, FiniteSlope, "left out", LATER),
+        rule(All, Law, "normal", "the dynamics of all components has a hard wall"),
+        rule(Held, Law, "normal", LATER),
+        rule(All, Free, "normal", LATER),
+        rule(Held, Free, "normal", LATER),
+        rule(All, Hardness, "normal", "the dynamics has no bound of the pressure"),
+        rule(Held, SecondBody, "normal", "of two held bodies the relative displacement is not that of one"),
+        rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
+        rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
+        rule(All, Approach, "normal", "the dynamics takes a mean pressure"),
+        rule(Hardness, Law, "left out", "the largest pressure is that of a hard wall"),
+        rule(Law, Friction, "hard-wall", "the limit of the shear is that of a hard wall"),
+        rule(Hardness, Friction, "left out", "no solver has both limits"),
+        rule(Hardness, Lateral, "left out", "no solver has both"),
+        rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
+        rule(Free, Lateral, "periodic", LATER),
+        rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
+        rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
+        rule(Sliding, FreeFriction, "bonded or half-space", "nothing holds the body sideways"),
+        rule(Approach, NoLevel, "left out", "there is no level from which it counts"),
+        rule(FlowThreshold, Law, "left out", "it bisects between loads that press"),
+        rule(Flow, Line, "left out", "a profile has no flow"),
+        rule(FlowThreshold, Line, "left out", "a profile has no flow"),
+        rule(History, Resume, "left out", "it records a search from its beginning"),
+        rule(Law, Several, "hard-wall", ALONE),
+        rule(Free, Several, "periodic", ALONE),
+        rule(All, Several, "normal", ALONE),
+        rule(FiniteSlope, Several, "left out", ALONE),
+        rule(Lower, Several, "left out", ALONE),
+        rule(Statistics, Several, "left out", ALONE),
+        rule(Flow, Several, "left out", ALONE),
+        rule(FlowThreshold, Several, "left out", ALONE),
+        rule(History, Several, "left out", ALONE),
+        rule(Resume, Several, "left out", ALONE),
+        rule(FiniteSlope, Path, "left out", LATER),
+        rule(Lower, Path, "left out", LATER),
+        rule(All, Path, "normal", "--lateral and --friction make all components unknown"),
+        rule(Held, Path, "normal", LATER),
+        rule(MovedBase, Path, "left out", LATER),
+        rule(Statistics, Path, "left out", LATER),
+        rule(Flow, Path, "left out", LATER),
+        rule(FlowThreshold, Path, "left out", LATER),
+        rule(History, Path, "left out", LATER),
+        rule(Several, Path, "left out", LATER),
+    ]
+};
+
+/// Error: parts that do not go together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clash {
+    /// The rule that is broken.
+    pub rule: Rule,
+    facts: Facts,
+}
+
+impl fmt::Display for Clash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Rule { part, with, allowed, why } = self.rule;
+        let ((flag, found, _), (.., with)) = (part.told(&self.facts), with.told(&self.facts));
+        write!(f, "{flag} is {found}; it must be {allowed} with {with} ({why})")
+    }
+}
+
+impl std::error::Error for Clash {}
+
+impl Facts {
+    /// Checks that all parts go together.
+    ///
+    /// # Errors
+    /// The first rule that is broken.
+    pub fn check(&self) -> Result<(), Clash> {
+        match RULES.iter().find(|rule| rule.part.is_in(self) && rule.with.is_in(self)) {
+            Some(rule) => Err(Clash { rule: *rule, facts: *self }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Part {
+    /// The flag, with its value if it is one of several.
+    fn given(self) -> String {
+        let (flag, found, _) = self.told(&Facts::default());
+        if found == "given" || self == Self::Law { flag.to_owned() } else { format!("{flag} {found}") }
+    }
+
+    /// True if loads, or a path, can have the part.
+    fn is_of(self, task: Task) -> bool {
+        match task {
+            Task::Loads => !matches!(self, Self::Friction | Self::Lateral | Self::FreeFriction | Self::Path),
+            Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
+        }
+    }
+}
+
+/// The rules of loads, or of a path, for one part after the other: the part in words, and what there is not beside it.
+pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
+    let facts = Facts::default();
+    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+    for Rule { part, with, .. } in RULES.iter().filter(|rule| rule.part.is_of(task) && rule.with.is_of(task)) {
+        let (part, (.., with)) = (part.given(), with.told(&facts));
+        let words = format!("no {part}");
+        match told.iter_mut().find(|(other, _)| *other == with) {
+            Some((_, all)) => all.push(words),
+            None => told.push((with, vec![words])),
+        }
+    }
+    told
+}
+
+/// The rules as a table in Markdown: the part that is given, the part beside it, the values allowed there, and the reason.
+pub fn table() -> String {
+    let facts = Facts::default();
+    let row = |Rule { part, with, allowed, why }: &Rule| {
+        let (given, (.., with)) = (part.given(), with.told(&facts));
+        format!("| {given} | {with} | {allowed} | {why} |\n")
+    };
+    let head = "| given | beside | must be | since |\n|---|---|---|---|\n";
+    RULES.iter().filter(|rule| rule.with != Part::Path).fold(head.to_owned(), |table, rule| table + &row(rule))
+}
