@@ -10,7 +10,7 @@ use gfmd_green::Body;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
 use serde::Serialize;
 
-use crate::array;
+use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
 
@@ -59,11 +59,11 @@ impl BaseArgs {
         self.base_displacement.is_some() || self.base_traction.is_some()
     }
 
-    /// Reads the field for a body whose surface has this `grid`.
+    /// Reads the field for a body whose surface has this `grid`, and its lengths this `unit`, if it has one.
     ///
     /// # Errors
-    /// A file that cannot be read, of another shape, or for another base.
-    pub fn read(&self, body: &Body, grid: &Grid) -> Result<Option<MovedBase>, Failure> {
+    /// A file that cannot be read, of another shape or quantity, or for another base.
+    pub fn read(&self, body: &Body, grid: &Grid, unit: Option<&str>) -> Result<Option<MovedBase>, Failure> {
         let given = [&self.base_displacement, &self.base_traction];
         let Some((name, (kind, flag, _))) =
             given.into_iter().zip(STORED).find_map(|(name, stored)| Some((name.as_ref()?, stored)))
@@ -72,7 +72,8 @@ impl BaseArgs {
         };
         let flag = format!("--{flag}");
         let refuse = |reason: String| Failure::input(&flag, format!("{name}: {reason}"));
-        let found = array::read(name).map_err(refuse)?;
+        let quantity = if kind == Kind::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
+        let found = array::read(name, quantity).map_err(refuse)?;
         let [nx, ny] = grid.points();
         let (all, allowed) = if grid.is_line() { (2, "[n], [n, 1] or [n, 2]") } else { (3, "[nx, ny] or [nx, ny, 3]") };
         let components = match *found.shape() {

@@ -16,15 +16,40 @@ pub(crate) use scene::{Face, Kind, Scene, Shown, rough};
 /// Parses a prefix of figures, whose folder must exist.
 ///
 /// # Errors
-/// A folder that does not exist.
+/// A folder that does not exist; a prefix with which the name of a figure is too long for the file system.
 pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     let prefix = PathBuf::from(text);
     let folder = gfmd_files::folder(&prefix);
-    if folder.is_dir() { Ok(prefix) } else { Err(format!("there is no folder {}", folder.display())) }
+    if !folder.is_dir() {
+        return Err(format!("there is no folder {}", folder.display()));
+    }
+    check_names(&prefix).map(|()| prefix)
 }
+
+/// Checks that there can be figures of this prefix: a work of hours must not fail because of their names.
+///
+/// # Errors
+/// A name that is too long for the file system.
+pub(crate) fn check_names(prefix: &Path) -> Result<(), String> {
+    let longest = named(prefix, &format!("{LONGEST_NAME}.svg"));
+    let name = |path: &Path| path.file_name().unwrap_or_default().len();
+    match std::fs::symlink_metadata(&longest) {
+        Err(error) if error.kind() == std::io::ErrorKind::InvalidFilename => Err(format!(
+            "the name has {} bytes, and {} with -{LONGEST_NAME}.svg, the longest name of a figure, which is too long here; it must be \
+             shorter",
+            name(prefix),
+            name(&longest)
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// The longest name of a figure after its prefix.
+const LONGEST_NAME: &str = "lower-traction";
 
 /// The file `PREFIX-what` of a prefix.
 pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
+    debug_assert!(what.trim_end_matches(".svg").len() <= LONGEST_NAME.len(), "{what} is longer than {LONGEST_NAME}");
     let mut name = stem.file_name().unwrap_or_default().to_os_string();
     name.push(format!("-{what}"));
     stem.with_file_name(name)

@@ -9,7 +9,7 @@ use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
 use ndarray::{Array2, Ix2};
 use serde::Serialize;
 
-use crate::array;
+use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
 
@@ -49,7 +49,7 @@ impl GivenHardness {
     /// The hardness on the grid of the surface.
     ///
     /// # Errors
-    /// A value that is not positive and finite; a file that cannot be read or has another shape.
+    /// A value that is not positive and finite; a file that cannot be read, has another shape or the unit of a length.
     pub(crate) fn read(&self, grid: &Grid) -> Result<Hardness, Failure> {
         let name = match self {
             Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
@@ -57,7 +57,7 @@ impl GivenHardness {
             Self::File(name) => name,
         };
         let refuse = |reason: String| Failure::input(FLAG, format!("{name}: {reason}"));
-        let found = array::read(name).map_err(refuse)?;
+        let found = array::read(name, Quantity::Stress).map_err(refuse)?;
         let points = grid.points();
         let (shape, line) = (found.shape().to_vec(), grid.is_line());
         if shape != points && !(line && shape == [points[0]]) {

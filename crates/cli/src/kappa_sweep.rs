@@ -29,6 +29,7 @@ pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
 use crate::failure::Failure;
+use crate::figures::check_names;
 use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
@@ -254,7 +255,9 @@ impl Sweep<'_> {
     }
 
     fn claim(&self) -> Result<Output, Failure> {
-        named(Output::claim(&self.args.out))
+        let output = named(Output::claim(&self.args.out))?;
+        check_names(&figures::stem(&self.args.out)).map_err(|reason| Failure::input("--out", reason))?;
+        Ok(output)
     }
 
     /// Computes the runs that are not finished, and writes the result; `kept` names what is kept if that fails.

@@ -7,8 +7,9 @@ mod reading;
 mod write;
 
 use std::fmt;
-use std::io::Write;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{ErrorKind, Read as _, Write};
+use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
 use gfmd_files::legible::line;
@@ -74,10 +75,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
     let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;
-    let same = |a: &std::path::Path| std::fs::canonicalize(a).ok();
+    let same = |a: &Path| std::fs::canonicalize(a).ok();
     if same(output.path()).is_some_and(|out| Some(out) == same(file)) {
         return Err(Failure::value("--out", out.display(), "another file than the result"));
     }
+    check_replaceable(output.path())?;
     let mut page = match kind {
         Kind::Contact => contact::page(&reader)?,
         Kind::Path => path::page(&reader)?,
@@ -93,6 +95,23 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = output.path().to_path_buf();
     Ok(Report { file: file.clone(), kind, figures: page.figures.len(), remarks: page.remarks, out })
 }
+
+/// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a user may have written
+/// a page of that name.
+fn check_replaceable(path: &Path) -> Result<(), Failure> {
+    let mut start = Vec::new();
+    match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(Failure::input("--out", format!("{}: {error}", path.display()))),
+        Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(page::MARK) => return Ok(()),
+        Ok(_) => {}
+    }
+    let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
+    Err(Failure::input("--out", format!("{}: {reason}; it must be another name", path.display())))
+}
+
+/// The number of bytes at the start of a page within which its mark stands.
+const MARK_WITHIN: u64 = 1024;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

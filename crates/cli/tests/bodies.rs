@@ -228,7 +228,20 @@ fn a_base_that_moves_is_kept_and_met_inside() {
     for (stress, pressure) in stress.chunks_exact(6).zip(&pressure) {
         assert!((stress[2] + pressure).abs() < 1e-7 * peak, "{stress:?} {pressure}");
     }
-    // What has no such base is refused by the name of the flag.
+    // A field of another quantity is refused by its unit.
+    for (flags, words) in [
+        ("contact --n 27 --p-star 0.1 --height 0.3 --base-displacement c.h5:/fields/pressure", "--base-displacement: "),
+        ("contact --n 27 --p-star 0.1 --height 0.3 --base free --base-traction c.h5:/base/lift", "--base-traction: "),
+        ("contact --n 27 --p-star 0.1 --hardness c.h5:/surface/height", "--hardness: "),
+        ("punch --mask c.h5:/surface/height", "--mask: "),
+        ("punch --n 27 --traction c.h5:/base/displacement", "--traction: "),
+    ] {
+        let output = gfmd(folder, &self::words(flags));
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains(words), "{text}");
+        assert!(text.contains("the unit is ") && text.contains("; it must be "), "{text}");
+    }
+    // A base that the body does not have is refused by the name of the flag.
     ndarray_npy::write_npy(folder.join("base.npy"), &wave(0.01)).unwrap();
     for (flags, words) in [
         ("--height inf --base-displacement base.npy", "--base-displacement: the displacement of the base is given"),

@@ -564,3 +564,72 @@ fn the_peak_memory_is_not_that_of_the_process_that_started_the_program() {
     let peak = number(&report, "peak_bytes");
     assert!(peak < large.len() as f64 / 2.0, "{peak}");
 }
+
+/// All residuals of a record, by name: those of `residual`, of the lower face, and of the equilibrium with a law.
+fn residuals(record: &Value) -> Vec<(String, f64)> {
+    let of = |part: &str, object: &Value| {
+        let entries = object["residual"].as_object().unwrap();
+        entries.iter().map(|(name, value)| (format!("{part}{name}"), value.as_f64().unwrap_or(f64::NAN))).collect()
+    };
+    let mut all: Vec<(String, f64)> = of("", record);
+    if record["lower"].is_object() {
+        all.extend(of("lower ", &record["lower"]));
+    }
+    all.extend(record["residual_equilibrium"].as_f64().map(|found| ("equilibrium".to_owned(), found)));
+    all
+}
+
+/// A load has `converged` if all of its residuals are at most the tolerance, and else not: in JSON and in the file, for every kind of
+/// contact, for searches that succeed and for those that are cut off.
+#[test]
+fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let kinds = [
+        ("--p-star 0.05", "complementarity"),
+        ("--displacement 0.002", "penetration"),
+        ("--p-star 0.05 --components held", "load"),
+        ("--p-star 0.1 --hardness 0.03", "saturation"),
+        ("--p-star 0.05 --finite-slope", "lateral_displacement"),
+        ("--p-star 0.05 --components all", "lateral_traction"),
+        ("--p-star 0.05 --law exponential --param gamma=1e-4,range=3e-3", "equilibrium"),
+        ("--p-star 0.05 --law morse --param gamma=1e-4,range=3e-2", "equilibrium"),
+        ("--p-star 0.05 --law exponential --param gamma=1e-4,range=3e-3 --boundary free", "equilibrium"),
+        ("--p-star 0.05 --boundary free", "negative_pressure"),
+        ("--p-star 0.1 --boundary free --hardness 0.03", "saturation"),
+        ("--p-star 0.05 --height 0.3 --lower-seed 5", "lower complementarity"),
+        ("--p-star 0.05 --height 0.3 --lower-seed 5 --solver preconditioned-cg", "lower load"),
+    ];
+    for (flags, name) in kinds {
+        let mut outcomes = [false; 2];
+        for (tolerance, iterations) in [(1e-3, 100_000), (1e-8, 100_000), (1e-8, 1), (1e-8, 4), (1e-8, 12), (1e-10, 30)]
+        {
+            let line = format!(
+                "contact --n 16 --eps-f-inv 4 {flags} --tol {tolerance:e} --max-iter {iterations} --json --out c.h5 --quiet"
+            );
+            let output = gfmd(folder, &line.split_whitespace().collect::<Vec<_>>());
+            let message = String::from_utf8_lossy(&output.stderr);
+            let report: Value = match serde_json::from_slice(&output.stdout) {
+                Ok(report) => report,
+                // A search that ends before it has a contact has no record.
+                Err(_) if output.status.code() == Some(1) => continue,
+                Err(error) => panic!("{line}: {error}: {message}"),
+            };
+            let Some(record) = report["loads"].get(0) else { continue };
+            let all = residuals(record);
+            assert!(all.iter().any(|(found, _)| found == name), "{line}: {all:?}");
+            let all_met = all.iter().all(|(_, residual)| *residual <= tolerance);
+            assert_eq!(record["converged"], all_met, "{line}: {all:?}");
+            assert_eq!(output.status.success(), all_met, "{line}: {message}");
+            let file = Reader::open(folder.join("c.h5")).unwrap();
+            assert_eq!(file.values::<f64>("/loads/converged").unwrap(), [f64::from(u8::from(all_met))], "{line}");
+            let stored = file.names("/loads").into_iter().filter(|column| column.contains("residual_"));
+            let stored: Vec<f64> =
+                stored.map(|column| file.values::<f64>(&format!("/loads/{column}")).unwrap()[0]).collect();
+            assert!(stored.len() >= 4);
+            assert_eq!(stored.iter().all(|residual| *residual <= tolerance), all_met, "{line}: {stored:?}");
+            outcomes[usize::from(all_met)] = true;
+        }
+        assert_eq!(outcomes, [true, true], "{flags}: a search that succeeds and one that does not");
+    }
+}

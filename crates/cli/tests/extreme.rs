@@ -579,6 +579,36 @@ fn names_that_are_too_long_for_the_files_beside_them_are_refused() {
     }
 }
 
+/// Names so long that a figure cannot have one are refused before anything is computed.
+#[cfg(unix)]
+#[test]
+fn prefixes_that_are_too_long_for_the_names_of_figures_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let before = names(folder.path());
+    let run = |words: &str| {
+        let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+        limited(folder.path(), &words)
+    };
+    let refused = |flag: &str, words: &str| {
+        let (status, _, stderr) = run(words);
+        assert_eq!(status, Some(2), "{words}: {stderr}");
+        assert!(stderr.contains(flag) && stderr.contains("the longest name of a figure"), "{words}: {stderr}");
+        assert_eq!(names(folder.path()), before, "{words}: something was written");
+    };
+    // The longest end is -lower-traction.svg.
+    for length in [237, 245, 255, 256] {
+        let prefix = "n".repeat(length);
+        for command in ["contact --n 8 --eps-f-inv 2 --p-star 0.05", "surface --n 8 --eps-f-inv 2", "punch --n 8"] {
+            refused("--plots", &format!("{command} --plots {prefix}"));
+        }
+    }
+    // The figures of a sweep are named after its file, which may have this name itself.
+    refused("--out", &format!("kappa-sweep --preset smoke --out {}.h5", "n".repeat(237)));
+    let (status, _, stderr) = run(&format!("contact --n 8 --eps-f-inv 2 --p-star 0.05 --plots {}", "n".repeat(236)));
+    assert_eq!(status, Some(0), "{stderr}");
+    assert!(names(folder.path()).len() > before.len());
+}
+
 /// What a file says does not steer the terminal, as a table, a note, a warning or an error, which stays one line.
 #[test]
 fn texts_of_files_do_not_steer_the_terminal() {

@@ -216,3 +216,35 @@ fn files_that_are_damaged_or_no_result_make_no_page() {
     assert_eq!(std::fs::read(folder.join("c.h5")).unwrap(), whole);
     assert!(!folder.join("punch.html").exists());
 }
+
+/// A page of an earlier run is replaced, by default and by name; what a user has written under that name is not.
+#[test]
+fn only_pages_of_this_command_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert_eq!(make(folder, "contact --n 24 --eps-f-inv 6 --p-star 0.1 --out c.h5 -q"), Some(0));
+    assert_eq!(make(folder, "report c.h5 -q"), Some(0));
+    let made = page(folder, "c.html");
+    std::fs::write(folder.join("c.html"), made.replace("Result", "Old")).unwrap();
+    for words in ["report c.h5 -q", "report c.h5 --out c.html -q"] {
+        assert_eq!(make(folder, words), Some(0));
+        assert_eq!(page(folder, "c.html"), made);
+    }
+    // An empty file holds nothing of a user; programs that make temporary names leave such files.
+    std::fs::write(folder.join("c.html"), "").unwrap();
+    assert_eq!(make(folder, "report c.h5 -q"), Some(0));
+    let own = "<!DOCTYPE html><html><head><title>My notes</title></head><body>by gfmd report</body></html>";
+    for content in [own.as_bytes(), &[0xff_u8, 0, 1][..], b"{}"] {
+        std::fs::write(folder.join("c.html"), content).unwrap();
+        for words in ["report c.h5", "report c.h5 --out c.html"] {
+            let output = gfmd(folder, &words.split(' ').collect::<Vec<_>>());
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.starts_with("error: --out: ") && message.contains("c.html: the file exists"), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+            assert_eq!(std::fs::read(folder.join("c.html")).unwrap(), content);
+        }
+        assert_eq!(make(folder, "report c.h5 --out other.html -q"), Some(0));
+        assert_eq!(page(folder, "other.html"), made);
+    }
+}

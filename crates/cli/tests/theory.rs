@@ -36,6 +36,41 @@ fn theories_are_those_of_the_surface_and_the_body() {
     assert!(slab["loads"][0]["bush_gibson_thomas"].is_null() && slab["loads"][0]["self_affine"].is_null());
 }
 
+/// Waves of exactly the length that is given are seen, shorter ones are not, whatever the last digit of the length.
+#[test]
+fn a_wave_of_exactly_the_length_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let seen = |lengths: [f64; 3], flags: &str| {
+        let [a, b, c] = lengths;
+        let line = format!("theory --n 128 --p-star 0.02 --json --quiet --wavelength {a:?},{b:?},{c:?} {flags}");
+        let report = json(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+        let areas = report["loads"][0]["persson"]["at_wavelength"].as_array().unwrap();
+        areas.iter().map(|at| at["area_fraction"].as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    for length in [0.5, 0.25, 0.1, 0.05] {
+        let areas = seen([length * (1.0 + 1e-9), length, length * (1.0 - 1e-9)], "--dim 2");
+        assert!(areas[0] > areas[1] && areas[1] == areas[2], "{length}: {areas:?}");
+    }
+    // Cut-offs of the generator at 0.1 and 0.25, in numbers of their own: the wave there is in the surface.
+    for (flags, longest, shortest) in [
+        ("--eps-t-inv 10 --eps-f-inv 3", 0.1, 1.0 / 30.0),
+        ("--eps-t-inv 4 --eps-f-inv 2.5", 0.25, 0.1),
+        ("--eps-t-inv 1 --eps-f-inv 10", 1.0, 0.1),
+        ("--eps-t-inv 4 --eps-f-inv 2.5 --roll-off 0.25", 0.25, 0.1),
+        ("--eps-t-inv 4 --eps-f-inv 2.5 --roll-off 0.1", 0.25, 0.1),
+        ("--eps-t-inv 10 --eps-f-inv 3 --roll-off 0.1", 0.1, 1.0 / 30.0),
+        ("--eps-t-inv 10 --eps-f-inv 3 --roll-off 0.1 --roll-off-shape smooth", 0.1, 1.0 / 30.0),
+    ] {
+        for dim in ["--dim 2", "--dim 3"] {
+            let flags = format!("{flags} {dim}");
+            let first = seen([longest * (1.0 + 1e-9), longest, shortest * 0.5], &flags);
+            assert!(first[0] == 1.0 && first[1] < 1.0, "{flags}: {first:?}");
+            let last = seen([shortest * (1.0 + 1e-9), shortest, shortest * 0.5], &flags);
+            assert!(last[0] > last[1] && last[1] == last[2], "{flags}: {last:?}");
+        }
+    }
+}
+
 #[test]
 fn unusable_input_is_one_clear_line() {
     let folder = tempfile::tempdir().unwrap();

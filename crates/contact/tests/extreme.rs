@@ -1,6 +1,8 @@
 //! Units from 1e-200 to 1e200, loads from hardly any contact to far beyond full contact.
 
-use gfmd_contact::{Contact, Equilibrium, Load, Refusal, Solution, SolveError, Solver};
+use gfmd_contact::{
+    Contact, Equilibrium, Fields, FullContact, Load, Refusal, Solution, SolveError, Solver, SteepContact,
+};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use ndarray::Array2;
@@ -86,6 +88,57 @@ fn the_reduced_result_is_the_same_in_all_units() {
             let (lateral, normal) = (10.0_f64.powi(lateral), 10.0_f64.powi(normal));
             let apart = apart(&press(modulus, lateral, normal), &expected);
             assert!(apart < 1e-12, "{modulus:e} {lateral:e} {normal:e}: {apart:e}");
+        }
+    }
+}
+
+/// Numbers of contacts with all components (by one of its solvers) and with finite slopes, without their units.
+fn with_all_components(solver: Option<Solver>, modulus: f64, lateral: f64) -> Vec<f64> {
+    let grid = Grid::square(12, lateral).unwrap();
+    let material = Material::from_contact_modulus(modulus, 0.3).unwrap();
+    let body = Body::new(material, Height::Finite(0.3 * lateral)).unwrap();
+    let heights = heights(&grid, 0.02 * lateral);
+    let load = Load::MeanPressure(0.01 * modulus);
+    let (normal, others, energy) = match solver {
+        Some(solver) => {
+            let contact = FullContact::new(&body, &grid, &heights).unwrap();
+            let press = contact.press(load).solver(solver).tolerance(1e-6).max_iterations(100_000);
+            let state = press.solve().unwrap_or_else(|error| panic!("{solver} {modulus:e} {lateral:e}: {error}"));
+            let energy = state.summary().elastic_energy;
+            (state.normal, state.lateral, energy)
+        }
+        None => {
+            let contact = SteepContact::new(&body, &grid, &heights).unwrap();
+            let state = contact.press(load).tolerance(1e-8).solve();
+            let state = state.unwrap_or_else(|error| panic!("{modulus:e} {lateral:e}: {error}"));
+            let energy = state.summary().elastic_energy;
+            (state.normal, state.lateral, energy)
+        }
+    };
+    let mut all = reduced(&normal, modulus, lateral);
+    all.extend(others.iter().flatten().map(|u| u / lateral));
+    all.push(energy / modulus / lateral);
+    all
+}
+
+/// Contacts with all components and with finite slopes have no units of their own: their numbers are homogeneous, and no square of a
+/// modulus leaves the range of a number.
+#[test]
+fn lateral_components_and_finite_slopes_scale_with_the_units() {
+    let grid = Grid::square(4, 1.0).unwrap();
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.3).unwrap());
+    let any = FullContact::new(&body, &grid, &heights(&grid, 0.02)).unwrap();
+    for solver in any.solvers().iter().copied().map(Some).chain([None]) {
+        let expected = with_all_components(solver, 1.0, 1.0);
+        for [modulus, lateral] in [[430, 0], [-430, 0], [0, 300], [0, -300], [200, -150], [-200, 150], [210, 190]] {
+            let [modulus, lateral] = [modulus, lateral].map(|exponent| 2.0_f64.powi(exponent));
+            let found = with_all_components(solver, modulus, lateral);
+            let same = found.iter().zip(&expected).all(|(a, b)| a == b);
+            assert!(same, "{solver:?} {modulus:e} {lateral:e}: {:e}", apart(&found, &expected));
+        }
+        for modulus in [1e-130, 1e130] {
+            let apart = apart(&with_all_components(solver, modulus, 1.0), &expected);
+            assert!(apart < 1e-5, "{solver:?} {modulus:e}: {apart:e}");
         }
     }
 }

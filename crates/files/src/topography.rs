@@ -29,7 +29,7 @@ mod plux;
 mod records;
 mod sdf;
 mod sur;
-mod unit;
+pub(crate) mod unit;
 mod x3p;
 mod zipped;
 

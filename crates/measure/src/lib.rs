@@ -36,7 +36,7 @@ pub use distribution::{Distribution, density_over_decades};
 pub use grid_error::{GridLimit, NoLimit};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use patches::{Patch, Patches, Surroundings};
-pub use pressure::{PressureStatistics, QUANTILE_LEVELS, elastic_energy_density, pressure_statistics};
+pub use pressure::{PressureStatistics, QUANTILE_LEVELS, ShapesDiffer, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
 pub use self_affine::SelfAffineArea;
 pub use summary::{Column, Scales, Summary};

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::ops::Range;
 
 use gfmd_vector::{Share, add, contiguous};
@@ -90,18 +91,48 @@ impl<'a> InContact<'a> {
     }
 }
 
-/// The elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
-/// (theory.md, section 0).
-pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> f64 {
-    let (rows, columns) = pressure.dim();
-    elastic_energy_over(&Share::whole(rows, columns), &contiguous(&pressure), &contiguous(&displacement))
+/// Two fields of one surface with different shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShapesDiffer {
+    /// The shape of the pressure, `[x, y]`.
+    pub pressure: [usize; 2],
+    /// The shape of the other field.
+    pub other: [usize; 2],
 }
 
-/// The elastic energy per area of fields of which each process has its rows.
+impl fmt::Display for ShapesDiffer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the displacement has the shape {:?}; it must be {:?} as that of the pressure",
+            self.other, self.pressure
+        )
+    }
+}
+
+impl std::error::Error for ShapesDiffer {}
+
+/// The elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
+/// (theory.md, section 0).
+///
+/// # Errors
+/// A displacement of another shape than the pressure.
+pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> Result<f64, ShapesDiffer> {
+    let (shape, other) = (pressure.dim(), displacement.dim());
+    if shape != other {
+        return Err(ShapesDiffer { pressure: shape.into(), other: other.into() });
+    }
+    let share = Share::whole(shape.0, shape.1);
+    Ok(elastic_energy_over(&share, &contiguous(&pressure), &contiguous(&displacement)))
+}
+
+/// The elastic energy per area of fields of which each process has its rows; NaN on all processes if the fields of one have different
+/// sizes.
 pub(crate) fn elastic_energy_over(share: &Share, pressure: &[f64], displacement: &[f64]) -> f64 {
-    let work = |range: Range<usize>| {
-        let displacement = displacement.get(range.clone()).unwrap_or_default();
-        pressure[range].iter().zip(displacement).fold(0.0, |sum, (p, u)| sum - p * u)
+    let alike = pressure.len() == displacement.len();
+    let work = |range: Range<usize>| match displacement.get(range.clone()) {
+        Some(displacement) if alike => pressure[range].iter().zip(displacement).fold(0.0, |sum, (p, u)| sum - p * u),
+        _ => f64::NAN,
     };
     0.5 * share.sum(&work) / share.total().max(1) as f64
 }
@@ -131,6 +162,15 @@ mod tests {
     #[test]
     fn pressing_down_stores_energy() {
         let (p, u) = (Array2::from_elem((2, 2), 3.0), Array2::from_elem((2, 2), -0.5));
-        assert_eq!(elastic_energy_density(p.view(), u.view()), 0.75);
+        assert_eq!(elastic_energy_density(p.view(), u.view()), Ok(0.75));
+    }
+
+    #[test]
+    fn a_displacement_of_another_shape_has_no_energy() {
+        let p = Array2::from_elem((2, 3), 1.0);
+        for other in [[3, 2], [2, 2], [2, 4], [0, 0]] {
+            let u = Array2::from_elem(other, -1.0);
+            assert_eq!(elastic_energy_density(p.view(), u.view()), Err(ShapesDiffer { pressure: [2, 3], other }));
+        }
     }
 }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use gfmd_vector::{Share, contiguous};
 use ndarray::ArrayView2;
 
@@ -49,7 +51,8 @@ pub struct Summary {
 
 impl Summary {
     /// Measures the fields of a contact. Where surfaces attract each other, `pressure` is the repulsive part alone: its
-    /// points are those in contact. `mean_pressure` is that of all forces.
+    /// points are those in contact. `mean_pressure` is that of all forces. Of a displacement of another size than the pressure the elastic
+    /// energy is NaN, of such a gap its mean.
     pub fn of(
         pressure: ArrayView2<f64>,
         displacement_z: ArrayView2<f64>,
@@ -77,6 +80,9 @@ impl Summary {
         let [pressure, displacement_z, gap] = fields.each_ref().map(|field| &**field);
         let area = contact_area_over(share, columns, pressure, surroundings);
         let contact = InContact::of(share, pressure);
+        let alike = gap.len() == pressure.len();
+        let gaps = |range: Range<usize>| gap.get(range).filter(|_| alike).map_or(f64::NAN, |gap| gap.iter().sum());
+        let mean_gap = share.sum(&gaps) / share.total() as f64;
         let p_star = reduced_pressure(mean_pressure, scales.contact_modulus, scales.rms_gradient);
         Self {
             mean_pressure,
@@ -87,7 +93,7 @@ impl Summary {
             kappa_corrected: kappa(area.corrected_fraction, p_star),
             contact_nodes: area.nodes as u64,
             boundary_links: area.boundary_links as u64,
-            mean_gap: share.total_of(gap) / share.total() as f64,
+            mean_gap,
             max_pressure: contact.max,
             mean_pressure_in_contact: contact.mean(),
             pressure_deviation_in_contact: contact.deviation(),
@@ -122,5 +128,26 @@ impl<T> Column<T> {
     /// A column of the table.
     pub const fn new(name: &'static str, units: &'static str, long_name: &'static str, value: fn(&T) -> f64) -> Self {
         Self { name, units, long_name, value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    #[test]
+    fn fields_of_another_size_give_no_numbers() {
+        let scales = Scales { contact_modulus: 2.0, rms_gradient: 0.5 };
+        let of = |displacement: [usize; 2], gap: [usize; 2]| {
+            let pressure = Array2::from_elem((2, 3), 1.0);
+            let [displacement, gap] = [displacement, gap].map(|shape| Array2::from_elem(shape, -0.5));
+            Summary::of(pressure.view(), displacement.view(), gap.view(), 1.0, &scales, Surroundings::Repeats)
+        };
+        let whole = of([2, 3], [2, 3]);
+        assert_eq!((whole.elastic_energy, whole.mean_gap), (0.25, -0.5));
+        for other in [[2, 2], [2, 4], [0, 0]] {
+            assert!(of(other, [2, 3]).elastic_energy.is_nan() && of([2, 3], other).mean_gap.is_nan(), "{other:?}");
+        }
     }
 }

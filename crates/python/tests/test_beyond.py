@@ -101,7 +101,7 @@ def test_what_does_not_go_together_is_named():
     for arguments, words in [
         (dict(finite_slope=1), "finite_slope is 1"),
         (dict(finite_slope=True, law=law), "law is morse; it must be hard-wall with finite_slope"),
-        (dict(finite_slope=True, hardness=1.0), "hardness is 1"),
+        (dict(finite_slope=True, hardness=1.0), "hardness is given"),
         (dict(finite_slope=True, boundary="free", body=half_space), "boundary is free; it must be periodic with finite_slope"),
         (dict(finite_slope=True, components="all"), "components is all"),
         (dict(finite_slope=True, solver="cg"), "solver: "),
@@ -110,7 +110,7 @@ def test_what_does_not_go_together_is_named():
         (dict(lower_surface=BELOW, body=half_space), "height is inf; it must be finite with lower_surface"),
         (dict(lower_surface=BELOW, body=gfmd.Body(height=0.5, base="sliding")), "base is sliding; it must be left out"),
         (dict(lower_surface=BELOW, law=law), "law is morse"),
-        (dict(lower_surface=BELOW, hardness=1.0), "hardness is 1"),
+        (dict(lower_surface=BELOW, hardness=1.0), "hardness is given"),
         (dict(lower_surface=BELOW, surface=np.zeros((32, 32))), "surface: the heights are all equal"),
         (dict(lower_surface=gfmd.self_affine(n=16)), "n of lower_surface is (16, 16); it must be (32, 32)"),
         (dict(lower_surface=gfmd.self_affine(n=32, size=2.0)), "size of lower_surface is (2.0, 2.0)"),

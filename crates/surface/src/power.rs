@@ -10,6 +10,9 @@ use crate::self_affine::Ring;
 use crate::statistics::checked;
 use crate::{Dimension, SurfaceError};
 
+/// The relative slack within which a wave is half-way between two rings, or the last one at the end: far above the rounding of |q|.
+const ON_THE_EDGE: f64 = 1e-12;
+
 /// The fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding of heights stored in single
 /// precision (3·10⁻¹⁶/N per mode of N), and below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
 const CARRIES_POWER: f64 = 1e-17;
@@ -74,17 +77,17 @@ impl PowerSpectrum {
     }
 
     /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
-    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. For a profile every
-    /// mode is a ring.
+    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. A wave half-way between two
+    /// multiples, whatever the rounding of its wavenumber, is in the ring of the larger one. For a profile every mode is a ring.
     pub fn radial(&self) -> Vec<RadialBin> {
         let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
         let along = if self.grid.is_line() { 1 } else { 2 };
         let cell = lengths[..along].iter().copied().fold(f64::INFINITY, f64::min);
         let nyquist = (0..along).map(|axis| 0.5 * points[axis] / lengths[axis]).fold(f64::INFINITY, f64::min);
-        let rings = (nyquist * cell * (1.0 + f64::EPSILON)).floor() as usize;
+        let rings = (nyquist * cell * (1.0 + ON_THE_EDGE)).floor() as usize;
         let mut bins = vec![[0.0; 3]; rings + 1];
         for (mode, power) in self.grid.modes().zip(&self.power) {
-            let ring = (mode.wavenumber() * cell / TAU).round() as usize;
+            let ring = (mode.wavenumber() * cell / TAU * (1.0 + ON_THE_EDGE)).round() as usize;
             if let Some(bin) = bins.get_mut(ring).filter(|_| !mode.is_uniform()) {
                 bin[0] += mode.weight;
                 bin[1] += mode.weight * mode.wavenumber();

@@ -127,7 +127,7 @@ impl SelfAffine {
         if !(0.0..=1.0).contains(&hurst) {
             return Err(SurfaceError::Hurst(hurst));
         }
-        if !(shortest > 0.0 && shortest <= longest && longest.is_finite()) {
+        if !(shortest > 0.0 && shortest <= longest * (1.0 + ON_THE_RING) && longest.is_finite()) {
             return Err(SurfaceError::Wavelengths { shortest, longest });
         }
         match self.normalisation {

@@ -250,6 +250,24 @@ fn a_smooth_roll_off_bends_the_spectrum_as_its_formula() {
     }
 }
 
+/// Sides of 1 and 0.75: the waves (2, 0) and (6, 0) are half-way between two rings, and belong to the upper one in every unit.
+#[test]
+fn a_wave_half_way_between_two_rings_is_in_the_upper_one() {
+    for unit in [1.0, 0.1, 3.7, 1e-6, 0.986_041] {
+        let grid = Grid::new([32, 24], [unit, 0.75 * unit]).unwrap();
+        let heights =
+            Array2::from_shape_fn((32, 24), |(i, j)| ((7 * i + 5 * j) % 11) as f64 + ((3 * i * j) % 7) as f64);
+        let bins = PowerSpectrum::of(&heights, &grid).unwrap().radial();
+        // The wave number over that of the side 0.75 is the root of (3 m)² + (4 n)², over 4.
+        let expected = (1..=12).map(|ring| {
+            let waves = (-15..=16).flat_map(|m| (-11..=12).map(move |n| 9 * m * m + 16 * n * n));
+            waves.filter(|square| (4 * ring - 2_i32).pow(2) <= *square && *square < (4 * ring + 2_i32).pow(2)).count()
+        });
+        let expected: Vec<f64> = expected.map(|count| count as f64).collect();
+        assert_eq!(bins.iter().map(|bin| bin.modes).collect::<Vec<f64>>(), expected, "{unit}");
+    }
+}
+
 #[test]
 fn the_radial_spectrum_is_isotropic_and_keeps_the_variance() {
     let grid = Grid::new([96, 96], [1.0, 1.0]).unwrap();

@@ -68,6 +68,62 @@ fn nothing_lies_outside_the_ring_and_its_edges_lie_inside() {
     }
 }
 
+/// Lengths given as decimals, as quotients and as products: the same waves are in the band, whatever the rounding of the lengths.
+#[test]
+fn waves_of_exactly_the_length_of_a_cut_off_are_in_the_band() {
+    for length in [1.0, 0.1, 0.25, 3.7, 1e-7] {
+        let grid = Grid::line(64, length).unwrap();
+        let of = |longest: f64, shortest: f64, roll_off| {
+            let surface = SelfAffine { roll_off, ..self_affine(0.7, longest, shortest, 0.1) };
+            let spectrum = surface.spectrum(&grid, 3).unwrap();
+            let waves = grid.modes().zip(&spectrum).filter(|(_, value)| value.norm() > 0.0);
+            waves.map(|(mode, _)| mode.number[0].unsigned_abs()).collect::<Vec<_>>()
+        };
+        for most in 1..=30_u32 {
+            for least in 1..=most {
+                let [longest, shortest] = [least, most].map(|waves| length / f64::from(waves));
+                let decimal = |waves: u32| length * (1.0 / f64::from(waves));
+                let expected: Vec<u64> = (least..=most).map(u64::from).collect();
+                for (longest, shortest) in
+                    [(longest, shortest), (decimal(least), decimal(most)), (longest, decimal(most))]
+                {
+                    for roll_off in
+                        [None, plateau(longest), smooth(decimal(least)), plateau(decimal(most)), smooth(shortest)]
+                    {
+                        assert_eq!(
+                            of(longest, shortest, roll_off),
+                            expected,
+                            "{least} to {most} of {length}, {roll_off:?}"
+                        );
+                    }
+                }
+            }
+        }
+        // Waves that are longer or shorter by a billionth are out.
+        let (wide, narrow) = (1.0 + 1e-9, 1.0 - 1e-9);
+        assert_eq!(of(length / 4.0 * narrow, length / 10.0 * wide, None), [5, 6, 7, 8, 9]);
+        assert_eq!(of(length / 4.0 * wide, length / 10.0 * narrow, None), [4, 5, 6, 7, 8, 9, 10]);
+    }
+}
+
+#[test]
+fn a_roll_off_at_a_cut_off_changes_nothing_or_flattens_all() {
+    let grid = Grid::square(64, 1.0).unwrap();
+    for (longest, shortest) in [(0.25, 0.1), (0.1, 0.05), (1.0, 0.1)] {
+        let surface = SelfAffine { amplitudes: Amplitudes::Fixed, ..self_affine(0.8, longest, shortest, 0.1) };
+        let rolled = |roll_off| SelfAffine { roll_off, ..surface }.heights(&grid, 5).unwrap();
+        let plain = surface.heights(&grid, 5).unwrap();
+        let size = plain.iter().fold(0.0_f64, |most, h| most.max(h.abs()));
+        let apart = (&rolled(plateau(longest)) - &plain).iter().fold(0.0_f64, |most, h| most.max(h.abs()));
+        assert!(apart < 1e-12 * size, "{longest} to {shortest}: {apart}");
+        let powers = spectrum_of(&rolled(plateau(shortest)), &grid).into_iter().map(|value| value.norm());
+        let band: Vec<f64> = powers.filter(|size| *size > 1e-12).collect();
+        let [least, most] =
+            band.iter().fold([f64::INFINITY, 0.0_f64], |[least, most], size| [least.min(*size), most.max(*size)]);
+        assert!(band.len() > 10 && most / least - 1.0 < 1e-9, "{longest} to {shortest}: {least} to {most}");
+    }
+}
+
 #[test]
 fn the_same_surface_on_finer_grids() {
     let coarse_points = 48;

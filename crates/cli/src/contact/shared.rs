@@ -18,9 +18,9 @@ impl Args {
         surface: &Surface,
         session: &Session,
     ) -> Result<(Option<MovedBase>, Option<Hardness>), Failure> {
-        let Surface { grid, share, .. } = surface;
+        let Surface { grid, share, unit, .. } = surface;
         let read = || {
-            let base = self.base.read(body, grid)?;
+            let base = self.base.read(body, grid, unit.as_deref())?;
             Ok((base, self.hardness.as_ref().map(|hardness| hardness.read(grid)).transpose()?))
         };
         if share.is_whole() {

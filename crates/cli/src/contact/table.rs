@@ -1,6 +1,5 @@
 //! The report of a contact in words and numbers.
 
-use std::collections::BTreeSet;
 use std::fmt;
 
 use gfmd_contact::Boundary;
@@ -91,11 +90,8 @@ impl fmt::Display for Report {
         }
         self.lower_face(f)?;
         self.statistics(f)?;
-        let names: BTreeSet<&str> =
-            self.loads.iter().flat_map(|load| load.undefined.iter()).map(|(name, _)| name).collect();
-        for name in names {
-            let reason = Undefined::of_column(self.loads.iter().map(|load| &load.undefined), name).unwrap_or_default();
-            writeln!(f, "no {name}: {reason}")?;
+        for line in Undefined::lines(self.loads.iter().map(|load| &load.undefined), ["load", "loads"]) {
+            writeln!(f, "{line}")?;
         }
         list_files(f, self.vtk.as_deref(), &[])?;
         list_files(f, self.out.as_deref(), &self.plots)

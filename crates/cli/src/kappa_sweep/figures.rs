@@ -17,7 +17,7 @@ use crate::figures::{area_chart, draw_pressure, named, theories};
 /// Files that cannot be written.
 pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
-    let stem = out.with_extension("");
+    let stem = stem(out);
     let mut files = Vec::new();
     // A sweep at one discretisation has nothing to extrapolate.
     let chart = extrapolation(&plan.config, analysis);
@@ -34,6 +34,11 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let map = named(&stem, "map");
     files.extend(draw_pressure(&map, &example.point.grid, &example.pressure, modulus, "cell length")?);
     Ok(files)
+}
+
+/// The prefix of the figures of a result.
+pub(super) fn stem(out: &Path) -> PathBuf {
+    out.with_extension("")
 }
 
 /// A chart of kappa against eps^alpha of each axis, less the terms of the other axes, with the fit and the limit.

@@ -1,6 +1,6 @@
 //! The reasons why columns of a load have no value.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
@@ -56,5 +56,46 @@ impl Undefined {
             }
         };
         (!reasons.is_empty()).then(|| reasons.iter().map(text).collect::<Vec<_>>().join("; "))
+    }
+
+    /// The lines below a table of rows that have a `name`, in singular and plural: a reason once, with all columns that it leaves without
+    /// a value.
+    pub fn lines<'a>(rows: impl IntoIterator<Item = &'a Self> + Clone, name: [&str; 2]) -> Vec<String> {
+        let columns: BTreeSet<&str> = rows.clone().into_iter().flat_map(Self::iter).map(|(column, _)| column).collect();
+        let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+        for column in columns {
+            let Some(reason) = Self::of_rows(rows.clone(), column, name) else { continue };
+            match reasons.iter_mut().find(|(known, _)| *known == reason) {
+                Some((_, columns)) => columns.push(column),
+                None => reasons.push((reason, vec![column])),
+            }
+        }
+        reasons.into_iter().map(|(reason, columns)| format!("no {}: {reason}", columns.join(", "))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_one_reason_share_a_line() {
+        let row = |entries: &[(&str, &str)]| {
+            let mut undefined = Undefined::default();
+            entries.iter().for_each(|(column, reason)| undefined.insert(column, *reason));
+            undefined
+        };
+        let rows = [
+            row(&[("stiffness", "full"), ("stiffness_error", "full"), ("energy", "level"), ("approach", "level")]),
+            row(&[("stiffness", "law"), ("energy", "level"), ("approach", "level")]),
+        ];
+        let lines = Undefined::lines(&rows, ["load", "loads"]);
+        let wanted = [
+            "no approach, energy: level",
+            "no stiffness: load 0: full; load 1: law",
+            "no stiffness_error: load 0: full",
+        ];
+        assert_eq!(lines, wanted);
+        assert!(Undefined::lines(&[Undefined::default()], ["load", "loads"]).is_empty());
     }
 }

@@ -1,6 +1,5 @@
 //! The printed report of a path.
 
-use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -221,12 +220,8 @@ impl fmt::Display for Report {
             }
         }
         writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
-        let names: BTreeSet<&str> =
-            self.steps.iter().flat_map(|step| step.undefined.iter()).map(|(name, _)| name).collect();
-        for name in names {
-            let reasons = self.steps.iter().map(|step| &step.undefined);
-            let reason = Undefined::of_rows(reasons, name, ["step", "steps"]).unwrap_or_default();
-            writeln!(f, "no {name}: {reason}")?;
+        for line in Undefined::lines(self.steps.iter().map(|step| &step.undefined), ["step", "steps"]) {
+            writeln!(f, "{line}")?;
         }
         list_files(f, self.out.as_deref(), &self.plots)
     }

@@ -107,6 +107,9 @@ pub(super) struct Common {
     pub(super) version: String,
 }
 
+/// The element of a page that tells that this command made it.
+pub(super) const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
+
 /// The page.
 pub(super) fn render(page: &Page, common: &Common) -> Markup {
     // No script runs, and nothing is fetched, whatever a text of the file may say.
@@ -117,6 +120,7 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                (PreEscaped(MARK))
                 meta http-equiv="Content-Security-Policy" content=(policy);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";

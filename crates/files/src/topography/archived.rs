@@ -91,8 +91,11 @@ fn read(reader: &Hdf5, dataset: &str, points: [usize; 2]) -> Result<Map, String>
 /// The unit of a dataset; "length" and "1" stand for any consistent unit.
 fn unit(reader: &Hdf5, dataset: &str) -> Option<String> {
     let unit = reader.text(dataset, "units").or_else(|_| reader.text(dataset, "unit"));
-    unit.ok().filter(|unit| !["", "1", "length"].contains(&unit.as_str()))
+    unit.ok().filter(|unit| !CONSISTENT.contains(&unit.as_str()))
 }
+
+/// The units of lengths that stand for any consistent unit.
+pub const CONSISTENT: [&str; 3] = ["", "1", "length"];
 
 /// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns those of a
 /// dataset, or `None` if there is no such dataset. The second length of a profile is 1 and has no meaning.

@@ -33,7 +33,7 @@ fn find(name: &str) -> Option<&'static Unit> {
 }
 
 /// True if the name is that of a known unit of length.
-pub(super) fn is_length(name: &str) -> bool {
+pub fn is_length(name: &str) -> bool {
     find(name.trim()).is_some()
 }
 
@@ -108,6 +108,17 @@ impl fmt::Display for Conversion {
         let Self { from, to, times, over } = self;
         write!(f, "from {from} to {to}, {over} {from} = {times} {to}")
     }
+}
+
+/// Converts lengths from one unit to another.
+///
+/// # Errors
+/// A unit that is not known, unless both are the same.
+pub fn convert_lengths(values: &mut [f64], from: &str, to: &str) -> Result<(), String> {
+    if let Some(conversion) = Conversion::between(from, to)? {
+        values.iter_mut().for_each(|value| *value = conversion.apply(*value));
+    }
+    Ok(())
 }
 
 /// A length along an axis, and its unit if the file has one.

@@ -14,20 +14,22 @@ pub struct Persson {
 }
 
 /// Waves of about equal wavenumber.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Shell {
     wavenumber: f64,
     /// Their part of the mean square height, length².
     mean_square_height: f64,
     /// The normal stiffness of the body, stress/length.
     stiffness: f64,
+    /// The waves in order, each its wavenumber and its part of the mean square height; those of one wavenumber are one.
+    waves: Vec<(f64, f64)>,
 }
 
 /// Waves whose wavenumbers differ by less than this ratio are taken together.
 const ALIKE: f64 = 1.002;
 
-/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a wavelength,
-/// and of the mean over the waves of a shell, and far below the distance of wavenumbers.
+/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a wavelength, and far
+/// below the distance of wavenumbers.
 const ROUNDING: f64 = 1e-12;
 
 /// The part of the elastic energy in full contact that a contact of small area has, over its share by area. Almqvist, Campañá,
@@ -51,7 +53,14 @@ impl Persson {
         let shell = |waves: &[(f64, f64)]| {
             let mean_square_height: f64 = waves.iter().map(|(_, square)| square).sum();
             let wavenumber = waves.iter().map(|(wavenumber, square)| wavenumber * square / mean_square_height).sum();
-            Shell { wavenumber, mean_square_height, stiffness: stiffness(wavenumber) }
+            let mut distinct: Vec<(f64, f64)> = Vec::new();
+            for (wavenumber, square) in waves {
+                match distinct.last_mut() {
+                    Some((last, sum)) if *wavenumber <= *last * (1.0 + ROUNDING) => *sum += square,
+                    _ => distinct.push((*wavenumber, *square)),
+                }
+            }
+            Shell { wavenumber, mean_square_height, stiffness: stiffness(wavenumber), waves: distinct }
         };
         let shells: Vec<Shell> = waves.chunk_by(alike).map(shell).collect();
         shells.iter().all(|shell| good(shell.stiffness)).then_some(Self { shells })
@@ -61,7 +70,7 @@ impl Persson {
     /// rounding errors; stress².
     pub fn variance(&self, largest: f64) -> f64 {
         let largest = largest * (1.0 + ROUNDING);
-        self.shells.iter().take_while(|shell| shell.wavenumber <= largest).map(Shell::variance).sum()
+        self.shells.iter().map(|shell| shell.variance_up_to(largest)).sum()
     }
 
     /// The contact area fraction erf(p̄/√(2V)) that is seen if waves beyond the wavenumber `largest` are not; infinite: all.
@@ -104,6 +113,17 @@ impl Persson {
 impl Shell {
     fn variance(&self) -> f64 {
         self.stiffness.powi(2) * self.mean_square_height
+    }
+
+    /// The part of the variance of the waves up to a wavenumber.
+    fn variance_up_to(&self, largest: f64) -> f64 {
+        match self.waves.last() {
+            Some((highest, _)) if *highest <= largest => self.variance(),
+            _ => {
+                let seen = self.waves.iter().take_while(|(wavenumber, _)| *wavenumber <= largest);
+                self.stiffness.powi(2) * seen.map(|(_, square)| square).sum::<f64>()
+            }
+        }
     }
 }
 

@@ -298,3 +298,17 @@ fn a_cut_at_a_wavelength_includes_the_waves_of_that_length() {
         assert_eq!(theory.variance(tau / (1.001 * wavelength)), f64::from(n - 1), "wavelength 1.001/{n}");
     }
 }
+
+#[test]
+fn a_wave_next_to_others_is_seen_from_its_own_length_on() {
+    let tau = std::f64::consts::TAU;
+    // Waves along an axis, and beside them (n, 1), (n, 2), (n, 3), which are shorter by less than the width of a shell.
+    for n in [4, 10, 50, 400] {
+        let numbers = (0..4).map(|m: u32| f64::from(n * n + m * m).sqrt());
+        let theory = Persson::new(numbers.clone().map(|number| (tau * number, 1.0)), |_| 1.0).unwrap();
+        for (index, number) in numbers.enumerate() {
+            assert_eq!(theory.variance(tau / (1.0 / number)), (index + 1) as f64, "({n}, {index})");
+            assert_eq!(theory.variance(tau * number * (1.0 - 1e-9)), index as f64, "below ({n}, {index})");
+        }
+    }
+}
