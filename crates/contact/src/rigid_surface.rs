@@ -5,7 +5,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_measure::Surroundings;
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
-use gfmd_vector::{contiguous, for_each, reduce};
+use gfmd_vector::{contiguous, for_each, once, reduce};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
@@ -250,7 +250,7 @@ impl RigidSurface {
     /// Root mean square of the gradient |∇h| over the whole surface, dimensionless: the spectral one, or, if the surface
     /// does not repeat, that of the differences between neighbours. Computed at the first call.
     pub fn rms_gradient(&self) -> f64 {
-        *self.rms_gradient.get_or_init(|| {
+        *once(&self.rms_gradient, || {
             let units = Units::of_surface(self);
             let clearance: Vec<f64> = self.clearance.iter().map(|c| c / units.length()).collect();
             let grid = units.grid(&self.grid);

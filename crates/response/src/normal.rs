@@ -2,7 +2,7 @@ use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share, Transform};
 use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes};
-use gfmd_vector::pass;
+use gfmd_vector::{once, pass};
 
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
@@ -143,7 +143,7 @@ impl NormalResponse {
     /// The response in single precision, tabulated when it is first used.
     pub(crate) fn rounded(&self) -> &Rounded {
         let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, .. } = self;
-        rounded.get_or_init(|| Rounded::of(*transform.grid(), share, compliance, *softest))
+        once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest))
     }
 
     /// The rows of this process, all of them if it is alone.
@@ -175,7 +175,8 @@ impl NormalResponse {
     /// 1/G_zz(q) in stress/length of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
         let Self { transform, stiffness_of, body, .. } = self;
-        self.stiffness.get_or_init(|| table_of_lanes(self.grid(), transform.lanes(), 0.0, |q| stiffness_of(body, q)))
+        let table = || table_of_lanes(self.grid(), transform.lanes(), 0.0, |q| stiffness_of(body, q));
+        once::<Vec<f64>>(&self.stiffness, table)
     }
 
     /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).

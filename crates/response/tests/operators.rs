@@ -5,8 +5,9 @@ use std::sync::Arc;
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Material};
-use gfmd_response::{Components, FullResponse, Hermitian, NormalResponse, NormalTransforms};
+use gfmd_response::{Components, FullResponse, Hermitian, NormalResponse, NormalTransforms, RoundedTransforms};
 use proptest::prelude::*;
+use rayon::prelude::*;
 
 fn noise(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|i| ((i as f64 + 1.0) * (0.618_033 + 1e-3 * seed as f64)).fract() - 0.5).collect()
@@ -193,4 +194,29 @@ fn the_modes_of_a_matrix_are_its_eigenvectors() {
         let Hermitian { xx, yy, zz, xy, xz, yz } = difference;
         assert!([xx, yy, zz, xy, xz, yz].iter().all(|entry| entry.abs() < 1e-14), "{difference:?}");
     }
+}
+
+/// A table that is made when it is first asked for is made in parallel; a thread that waits for its parts may take up a task
+/// that asks for the table, too. This must not wait for itself.
+#[test]
+fn tasks_that_ask_for_a_table_at_once_do_not_wait_for_one_another() {
+    let grid = Grid::square(96, 1.0).unwrap();
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.3).unwrap());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+    let (done, ended) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        for _ in 0..1000 {
+            let response = Arc::new(NormalResponse::new(grid, &body));
+            let last = response.stiffness_range()[1];
+            pool.install(|| {
+                (0..64).into_par_iter().for_each(|_| {
+                    let largest = response.stiffness().iter().copied().fold(0.0, f64::max);
+                    assert!((largest / last - 1.0).abs() < 1e-12);
+                    drop(RoundedTransforms::of(&response, None));
+                });
+            });
+        }
+        done.send(()).unwrap();
+    });
+    ended.recv_timeout(std::time::Duration::from_secs(60)).expect("the tasks end");
 }

@@ -42,6 +42,7 @@ mod share;
 mod split;
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 pub use layout::{contiguous, with_contiguous};
 use multiversion::multiversion;
@@ -50,6 +51,18 @@ pub use ranks::{Alone, Letters, Pending, Ranks};
 pub use rehearsal::Rehearsal;
 pub use share::{Share, TooManyRanks};
 pub use split::{Parts, Rows, Split};
+
+/// The value of a cell, made by threads of the pool when it is first asked for.
+///
+/// It is made outside of the cell: a thread that waits for the parts of a value may take up a task that asks for the same cell,
+/// and would wait for itself in [`OnceLock::get_or_init`]. Tasks that ask at once may each make it; all get the first one.
+pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+    if let Some(made) = cell.get() {
+        return made;
+    }
+    let made = make();
+    cell.get_or_init(|| made)
+}
 
 /// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it outweighs
 /// the cost of handing it to a thread.
