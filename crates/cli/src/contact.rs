@@ -10,6 +10,7 @@ mod series;
 mod shared;
 mod slopes;
 mod statistics;
+mod stored;
 mod table;
 mod threshold;
 mod together;
@@ -27,6 +28,7 @@ use gfmd_files::Output;
 use gfmd_green::{Body, Height};
 use gfmd_law::{Kind, Law};
 use gfmd_problem::{Facts, Given, Posed, Rest, Unknown, pose};
+use gfmd_record::repulsion;
 use gfmd_response::Components;
 use gfmd_surface::PowerSpectrum;
 use ndarray::Array2;
@@ -40,7 +42,6 @@ use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
-use crate::load::Recording;
 use crate::lower::{self, LowerArgs};
 use crate::memory::{self, peak_bytes};
 use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
@@ -57,6 +58,7 @@ pub(crate) use page::page;
 pub use report::{Lower, Report};
 use series::Series;
 pub use slopes::Slopes;
+pub use stored::{facts_of, records};
 use vtk::VtkFile;
 
 /// Flags of `contact`.
@@ -271,7 +273,7 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        if let Some(missing) = args.fields.as_ref().and_then(|fields| fields.missing(args.recording(&surface))) {
+        if let Some(missing) = args.fields.as_ref().and_then(|fields| fields.missing(&facts)) {
             let needs = match missing {
                 "plastic_depth" => "--hardness",
                 "displacement_x" | "displacement_y" => "--components all or --finite-slope (a profile has no y)",
@@ -283,11 +285,10 @@ impl Prepared {
             return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
         }
         // The statistics of loads that are kept are measured again.
-        let recording = args.recording(&surface);
         if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
-            && fields.contact_and_gap(recording).is_none()
+            && fields.contact_and_gap(&facts).is_none()
         {
-            let needed = format!("with {} and gap for --statistics with --resume", recording.repulsion());
+            let needed = format!("with {} and gap for --statistics with --resume", repulsion(&facts));
             return Err(Failure::value("--fields", fields, needed));
         }
         args.trace.tracer(&surface.grid, args.axes(&surface))?;
@@ -499,20 +500,6 @@ impl Args {
             of_grid.axes()
         } else {
             &of_grid.axes()[of_grid.normal()..]
-        }
-    }
-
-    /// What each load has in a file.
-    fn recording(&self, surface: &Surface) -> Recording {
-        Recording {
-            with_law: self.law.law != Kind::HardWall,
-            boundary: surface.boundary,
-            is_plastic: self.hardness.is_some(),
-            is_steep: self.finite_slope,
-            statistics: self.statistics,
-            flow: self.flow,
-            lateral: self.axes(surface).len() - 1,
-            is_squeezed: self.lower.flag().is_some(),
         }
     }
 }

@@ -4,7 +4,6 @@ mod check;
 mod figures;
 mod file;
 mod page;
-mod record;
 mod report;
 mod waypoints;
 
@@ -18,12 +17,14 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{
     Boundary, Budget, Drive, Equilibrium as _, Fields as _, Hardness, Refusal, RigidSurface, SolveError, Visit,
 };
+use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
 use gfmd_interface::{Path, Quasistatic as _, Reading, Refinement, Step};
 use gfmd_law::{Kind, Law, Limit};
 use gfmd_measure::Scales;
 use gfmd_problem::{Facts, Friction, Given, Posed, Rest, Task, pose};
+use gfmd_record::{At, Record};
 use serde::Serialize;
 
 use self::file::PathFile;
@@ -43,7 +44,6 @@ use crate::source::{SourceArgs, Surface};
 
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;
-pub use self::record::{ResidualRecord, StepRecord};
 pub use self::report::{Head, Report, Sliding};
 
 /// Flags of `path`.
@@ -306,9 +306,11 @@ impl Prepared {
                         unsettled.push(index);
                     }
                     let record = &log.steps[index];
-                    progress.advance(1.0, &format!("p {:.3e}, area {:.4}", record.mean_pressure, record.area_fraction));
+                    let [pressure, area] = ["mean_pressure", "area_fraction"].map(|name| record.number(name));
+                    progress.advance(1.0, &format!("p {pressure:.3e}, area {area:.4}"));
                     if let Some(kept) = &mut kept {
-                        kept.add(&Part { text: record.to_toml()?, fields });
+                        let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
+                        kept.add(&Part { text, fields });
                         kept.keep_state(|visitor| {
                             path.keep(visitor);
                             log.visit_widest(visitor);
@@ -408,14 +410,14 @@ impl Prepared {
 
 /// The records of the steps so far.
 struct Log<'a> {
-    steps: Vec<StepRecord>,
+    steps: Vec<Record>,
     steps_of_leg: usize,
     file: Option<PathFile<'a>>,
     /// The largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
-    points: [usize; 2],
+    facts: Facts,
+    grid: Grid,
     scales: Scales,
-    has_level: bool,
     tolerance: f64,
 }
 
@@ -427,9 +429,9 @@ impl<'a> Log<'a> {
             steps_of_leg: args.steps as usize,
             file: prepared.output.as_ref().map(create).transpose()?,
             widest: None,
-            points: prepared.surface.grid.points(),
+            facts: prepared.facts,
+            grid: prepared.surface.grid,
             scales: prepared.scales(),
-            has_level: prepared.facts.has_level(),
             tolerance: args.tol,
         })
     }
@@ -438,7 +440,8 @@ impl<'a> Log<'a> {
     fn recall(&mut self, kept: &mut Kept, path: &mut Path<Posed>, drives: &[Drive]) -> Result<(), Failure> {
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
-            self.steps.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?);
+            let step = Record::from_line(&self.facts, &text);
+            self.steps.push(step.map_err(|error| kept.unusable(index, error.to_string()))?);
             if let (Some(file), false) = (&mut self.file, fields.is_empty()) {
                 file.write(index / self.steps_of_leg, &fields)?;
             }
@@ -446,7 +449,7 @@ impl<'a> Log<'a> {
         let (Some(mut stored), Some(index)) = (kept.state(), kept.finished().checked_sub(1)) else { return Ok(()) };
         stored.restore(|visitor| {
             path.resume(drives[index], visitor)?;
-            self.widest = Some((f64::NAN, Shown::zeros(self.points.iter().product())));
+            self.widest = Some((f64::NAN, Shown::zeros(self.grid.len())));
             self.visit_widest(visitor);
             Ok::<_, Refusal>(())
         })
@@ -474,12 +477,11 @@ impl<'a> Log<'a> {
             fields = file.fields(state);
             file.write(index / self.steps_of_leg, &fields)?;
         }
-        let mut record = StepRecord { seconds, ..StepRecord::of(state, &self.scales, reading, step, self.tolerance) };
-        if !self.has_level {
-            record = record.without_level();
-        }
-        if self.widest.as_ref().is_none_or(|(most, _)| record.area_fraction > *most) {
-            self.widest = Some((record.area_fraction, Shown::of(state, None, state.plastic_depth())));
+        let at = At::in_scales(&self.facts, state, &self.scales, &self.grid, self.tolerance);
+        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, *reading)), ..at });
+        let area = record.number("area_fraction");
+        if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
+            self.widest = Some((area, Shown::of(state, None, state.plastic_depth())));
         }
         self.steps.push(record);
         Ok(fields)

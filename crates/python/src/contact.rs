@@ -237,7 +237,7 @@ impl Problem {
         let (pressure, displacement, gap) = (pressure.as_array(), displacement.as_array(), gap.as_array());
         let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
         let lower = lower_pressure.as_ref().map(|lower| lower.as_array());
-        let made = quick(py, || self.loads.recalled(kept, lower.as_deref(), &self.scales))?;
+        let made = quick(py, || self.loads.recalled(kept, lower.as_deref()))?;
         made.map(|rest| State { rest }).map_err(|failure| failed(py, &failure))
     }
 

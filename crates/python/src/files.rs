@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use gfmd_cli::check::{Kind, configuration};
-use gfmd_cli::contact::{Chosen, ContactFile};
+use gfmd_cli::contact::{self, Chosen, ContactFile, facts_of};
 use gfmd_cli::failure::Failure;
-use gfmd_cli::load::{LoadRecord, Recording};
+use gfmd_cli::json;
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
+use gfmd_record::Record;
 use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
@@ -19,9 +20,7 @@ use crate::failure::{failed, refused};
 use crate::surface::grid;
 use crate::worker::quick;
 
-/// The scalars as TOML (which has a NaN), and pressure, displacement, gap, with a hardness also plastic depth, with all
-/// components or finite slopes also u_x and u_y, between two surfaces also pressure, displacement and gap of the lower face,
-/// with a law that has a wall also its pressure.
+/// The scalars as JSON, and the fields, in the order of a file.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
 /// A surface: heights, lengths, unit, description.
@@ -53,34 +52,24 @@ pub(crate) fn save(
     hardness: Option<PyReadonlyArray2<'_, f64>>,
     lower: Option<Given<'_>>,
 ) -> PyResult<()> {
+    let line = surface.0.as_array().ncols() == 1;
+    let facts = facts_of(&config, line).map_err(|failure| refused(py, &failure))?;
     let mut records = Vec::new();
     let mut fields: Vec<Vec<Array2<f64>>> = Vec::new();
     for (record, of_load) in loads {
-        let record: LoadRecord = toml::from_str(&record).map_err(|error| refused(py, &error))?;
-        records.push(record);
+        let record: serde_json::Value = serde_json::from_str(&record).map_err(|error| refused(py, &error))?;
+        records.push(Record::from_json(&facts, &record).map_err(|error| refused(py, &error))?);
         fields.push(of_load.iter().map(|field| field.as_array().to_owned()).collect());
     }
-    let is_free = records.iter().any(|record| record.force.is_some());
-    let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
+    let boundary = facts.boundary;
     let hardness = hardness.map(|field| Hardness::Field(field.as_array().to_owned()));
     let surface = surface_of(py, surface, boundary)?;
     let lower = lower.map(|lower| surface_of(py, lower, boundary)).transpose()?;
     let written = quick(py, || {
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
-        let with_law = records.iter().any(|record| record.law.is_some());
-        let is_plastic = records.iter().any(|record| record.plastic_fraction.is_some());
-        let is_squeezed = records.iter().any(|record| record.lower.is_some());
-        let others = 3 + usize::from(is_plastic) + if is_squeezed { 3 } else { 0 };
-        let lateral = fields.first().map_or(0, |fields| fields.len().saturating_sub(others));
-        let is_steep = records.iter().any(|record| record.mean_shear.is_some());
-        // Beside a law there is no further field but the repulsion.
-        let lateral = if with_law { 0 } else { lateral };
-        let plain = Recording::plain(with_law, boundary);
-        let recording = Recording { is_plastic, is_steep, lateral, is_squeezed, ..plain };
         let provenance = session.provenance(config);
-        let mut file =
-            ContactFile::create(Some(&output), &provenance, &surface, records.len(), recording, Chosen::ALL)?;
+        let mut file = ContactFile::create(Some(&output), &provenance, &surface, records.len(), facts, Chosen::All)?;
         if let Some(lower) = &lower {
             file.write_lower(lower)?;
         }
@@ -103,6 +92,15 @@ pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResu
     let (shape, values) = read.map_err(|error| refused(py, &error))?;
     let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| refused(py, &error))?;
     Ok(array.into_pyarray(py))
+}
+
+/// The scalars of each load in a file of a contact, as JSON.
+#[pyfunction]
+pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<Vec<String>> {
+    let read = quick(py, || contact::records(&Reader::open(path)?))?;
+    // A file that is not there is unusable input, like one of another kind.
+    let records = read.map_err(|failure| refused(py, &failure))?;
+    records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error))).collect()
 }
 
 /// A text attribute of a file.

@@ -3,25 +3,24 @@
 use std::time::Instant;
 
 use gfmd_cli::failure::Failure;
-use gfmd_cli::load::{LoadRecord, UNSOLVED};
-use gfmd_contact::{Boundary, Budget, Equilibrium as _, Fields as _, Load, Refusal, SolveError, Solver, Watch};
-use gfmd_green::Body;
+use gfmd_contact::{Budget, Equilibrium as _, Fields as _, Load, Refusal, SolveError, Solver, Watch};
 use gfmd_interface::Kept;
 use gfmd_measure::Scales;
-use gfmd_problem::{Given, NoStiffness, Posed, pose};
+use gfmd_problem::{Facts, Given, NoStiffness, Posed, pose};
+use gfmd_record::{At, NOT_SOLVED, Record};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.
 pub(crate) struct Loads {
     contact: Posed,
-    boundary: Boundary,
-    body: Body,
+    facts: Facts,
     solver: Solver,
 }
 
 /// A load at rest, or as far as it came.
 pub(crate) struct Rest {
-    pub(crate) record: LoadRecord,
+    /// Of a load that was solved.
+    pub(crate) record: Option<Record>,
     state: gfmd_problem::Rest,
     /// The pressure that follows from a traction, and that of the wall.
     of_traction: Option<[Array2<f64>; 2]>,
@@ -30,8 +29,7 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    fn of(state: gfmd_problem::Rest, scales: &Scales, tolerance: f64, seconds: f64) -> Self {
-        let record = LoadRecord::measure(&state, scales, tolerance, seconds);
+    fn of(state: gfmd_problem::Rest, record: Option<Record>) -> Self {
         let of_traction = state.law().map(|law| [law.pressure(), law.repulsion()].map(|field| field.into_owned()));
         let lower_displacement = state.lower().map(|lower| -&lower.displacement);
         Self { record, state, of_traction, lower_displacement }
@@ -73,7 +71,7 @@ impl Loads {
         if !allowed.contains(&solver) {
             return Err(Refusal::Solver { found: solver, allowed });
         }
-        Ok(Self { contact, boundary: given.facts.boundary, body: given.body.clone(), solver })
+        Ok(Self { contact, facts: given.facts, solver })
     }
 
     /// The remark that single points jump on this grid, if the law is too steep for it.
@@ -108,11 +106,11 @@ impl Loads {
                 }
             }
         };
-        let stiffness = if failure.is_some() { Err(UNSOLVED) } else { self.stiffness(&state) };
-        let mut rest = Rest::of(state, scales, budget.tolerance, started.elapsed().as_secs_f64());
-        rest.record = rest.record.stiff(stiffness);
-        rest.record = rest.record.bounded(self.boundary, self.contact.surface().grid(), &self.body);
-        Ok((rest, failure))
+        let stiffness = if failure.is_some() { Err(NOT_SOLVED) } else { self.stiffness(&state) };
+        let stiffness = stiffness.map_err(Into::into);
+        let at = At::in_scales(&self.facts, &state, scales, self.contact.surface().grid(), budget.tolerance);
+        let record = Record::of(&At { stiffness, seconds: started.elapsed().as_secs_f64(), ..at });
+        Ok((Rest::of(state, Some(record)), failure))
     }
 
     /// The stiffness of a load, or the reason why it has none.
@@ -127,13 +125,8 @@ impl Loads {
     }
 
     /// The state with these fields, as a file keeps them, and the pressure on the lower face if there is one, to start from.
-    pub(crate) fn recalled(
-        &self,
-        kept: Kept<'_>,
-        lower: Option<&ArrayRef2<f64>>,
-        scales: &Scales,
-    ) -> Result<Rest, Failure> {
+    pub(crate) fn recalled(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Failure> {
         let state = self.contact.recall(kept, lower).map_err(|error| Failure::input("start", error))?;
-        Ok(Rest::of(state, scales, f64::INFINITY, 0.0))
+        Ok(Rest::of(state, None))
     }
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use gfmd_cli::load::ResidualRecord;
 use gfmd_cli::session::Session;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -17,7 +16,7 @@ use super::python::{Environment, Script};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Verdict {
     /// The residuals (docs/interface.md).
-    pub residual: ResidualRecord,
+    pub residual: BTreeMap<String, f64>,
     /// Fraction of points with pressure.
     pub area_fraction: f64,
     /// Rigid approach beyond first touch.
@@ -43,7 +42,7 @@ pub(super) const AGREEMENT: f64 = 1e-6;
 impl Verdict {
     /// The largest residual; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
-        self.residual.worst()
+        gfmd_relax::worst(self.residual.values().copied())
     }
 
     /// The reason why this pressure is rejected, if any. On small grids [`AGREEMENT`] is less than one point; one point

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use gfmd_cli::session::{Common, Session};
-use gfmd_contact::{Boundary, Residual, Solver};
+use gfmd_contact::{Boundary, Solver};
 use proptest::prelude::*;
 
 use super::any_load::{AnyLoad, Block, Cell, Kind, LOADS, Row};
@@ -66,8 +66,8 @@ fn what_cannot_be_certified_is_not_found() {
 }
 
 fn verdict(worst: f64, pressure: f64, points: u64) -> Verdict {
-    let residual =
-        Residual { complementarity: 0.1 * worst, penetration: worst, negative_pressure: 0.0, load: 1e-15 }.into();
+    let residual = [("complementarity", 0.1 * worst), ("penetration", worst), ("load", 1e-15)];
+    let residual = residual.map(|(name, value)| (name.to_owned(), value)).into();
     let differs = Difference { points, pressure };
     Verdict { residual, area_fraction: 0.1, approach: 2.0, energy: 0.4, differs }
 }

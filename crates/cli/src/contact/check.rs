@@ -1,19 +1,19 @@
 //! The check of the file of a contact.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Reader;
-use gfmd_green::Body;
 use gfmd_law::Kind;
-use gfmd_measure::{Column, Scales};
+use gfmd_measure::Scales;
 use gfmd_problem::{NoStiffness, Posed, Rest};
+use gfmd_record::{At, NOT_SOLVED, Origin, Record, arrays, repulsion};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
-use super::conductance::Conducting;
 use super::file::{Chosen, ContactFile};
-use super::statistics::{Measured, Stored, arrays, not_calibrated, through};
+use super::statistics::{self, Findings, Measured, Stored};
 use super::{Args, Prepared};
 use crate::base::MovedBase;
 use crate::check::{
@@ -21,13 +21,7 @@ use crate::check::{
     stored_fields, stored_surface, stored_unit,
 };
 use crate::failure::Failure;
-use crate::load::{LoadRecord, Recording, columns};
 use crate::session::Session;
-use crate::source::Surface;
-
-/// The scalars that the fields do not determine: the effort, the way to the state, and the lateral traction that the dynamics left.
-const OF_THE_SOLVE: [&str; 6] =
-    ["iterations", "transform_pairs", "seconds", "passed_instability", "lowest_curvature", "residual_lateral_traction"];
 
 /// The relative differences of the numbers of a law on a patch, over the tolerance of the solve.
 const OF_A_PATCH: f64 = 100.0;
@@ -74,17 +68,14 @@ pub(crate) fn check(
         comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
     }
     let tolerance = args.solver.tol;
-    let recording = args.recording(surface);
+    let facts = prepared.facts;
     let mut file = Checked {
         reader,
-        surface,
-        body,
+        args: &args,
+        prepared: &prepared,
         lift: base.as_ref().map(|base| &base.lift),
         scales,
         tolerance,
-        recording,
-        conducting: &prepared.conducting,
-        not_calibrated: not_calibrated(&args, surface),
         measured: Vec::new(),
         records: Vec::new(),
     };
@@ -98,14 +89,14 @@ pub(crate) fn check(
     file.compare_all(&contact, loads, comparison)?;
     let Checked { measured, records, .. } = file;
     layout(ResultKind::Contact, reader, comparison, |output| {
-        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
+        let chosen = args.fields.clone().unwrap_or_default();
         let provenance = session.provenance(String::new());
         let count = controls.len();
-        let mut file = ContactFile::create(Some(output), &provenance, surface, count, recording, chosen)?;
+        let mut file = ContactFile::create(Some(output), &provenance, surface, count, facts, chosen)?;
         base.as_ref().map_or(Ok(()), |base| file.write_base(base, surface))?;
         lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
         file.write_hardness(prepared.hardness.as_ref(), surface)?;
-        if recording.statistics {
+        if facts.statistics {
             file.write_statistics(surface, &measured)?;
         }
         let path = file.finish(&records, count, None)?;
@@ -121,26 +112,22 @@ fn is_solved(field: &Array2<f64>) -> bool {
 /// The file of a contact, and what its loads must have.
 struct Checked<'a> {
     reader: &'a Reader,
-    surface: &'a Surface,
-    body: &'a Body,
+    args: &'a Args,
+    prepared: &'a Prepared,
     /// What a base that moves adds to the displacement.
     lift: Option<&'a Array2<f64>>,
     scales: Scales,
     tolerance: f64,
-    recording: Recording,
-    conducting: &'a Conducting,
-    /// The reason why the error of the grid is not known.
-    not_calibrated: Option<String>,
     /// The statistics of the loads so far, from the fields of the file.
     measured: Vec<Measured>,
     /// The records of the loads.
-    records: Vec<LoadRecord>,
+    records: Vec<Record>,
 }
 
 impl Checked<'_> {
     fn field(&self, name: &str, index: usize) -> Result<Array2<f64>, Failure> {
         let values = self.reader.slab(&format!("/fields/{name}"), index)?;
-        let made = Array2::from_shape_vec(self.surface.grid.points(), values);
+        let made = Array2::from_shape_vec(self.prepared.surface.grid.points(), values);
         made.map_err(|error| Failure::input("/fields", error))
     }
 
@@ -154,8 +141,8 @@ impl Checked<'_> {
                 let fields: Vec<&ArrayRef2<f64>> = fields.iter().map(|field| &**field).collect();
                 let state = contact.certify(&fields, (*load).into()).map_err(refuse)?;
                 let stiffness = match contact.stiffness(&state) {
-                    Ok(stiffness) | Err(NoStiffness::Inexact(stiffness, _)) => Some(stiffness),
-                    Err(NoStiffness::Undefined(_)) => None,
+                    Ok(stiffness) | Err(NoStiffness::Inexact(stiffness, _)) => Ok(stiffness),
+                    Err(NoStiffness::Undefined(reason)) => Err(reason.into()),
                 };
                 self.compare(index, *load, &state, stiffness, comparison)?;
             }
@@ -168,62 +155,38 @@ impl Checked<'_> {
         index: usize,
         load: Load,
         state: &Rest,
-        stiffness: Option<Stiffness>,
+        stiffness: Result<Stiffness, Cow<'static, str>>,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { reader, surface, body, ref scales, tolerance, recording, .. } = *self;
-        let displacement = match self.lift {
-            Some(lift) => (&state.displacement_z() + lift).into_iter().collect(),
-            None => state.displacement_z().iter().copied().collect(),
-        };
-        let fields = [
-            ("/fields/pressure", state.pressure().iter().copied().collect::<Vec<f64>>()),
-            ("/fields/displacement_z", displacement),
-            ("/fields/gap", state.gap().iter().copied().collect()),
-        ];
-        let depth = state.plastic_depth().map(|depth| ("/fields/plastic_depth", depth.iter().copied().collect()));
-        let lateral = ["/fields/displacement_x", "/fields/displacement_y"].into_iter().zip(state.lateral());
-        let lateral: Vec<_> = lateral.map(|(path, field)| (path, field.iter().copied().collect())).collect();
-        let lower = state.lower().map(|lower| {
-            [
-                ("/fields/lower_pressure", lower.pressure.iter().copied().collect()),
-                ("/fields/lower_displacement_z", lower.displacement.iter().map(|u| -u).collect()),
-                ("/fields/lower_gap", lower.gap.iter().copied().collect()),
-            ]
-        });
-        let repulsion = ("/fields/repulsion", state.repulsion().iter().copied().collect());
-        let repulsion = recording.keeps_repulsion().then_some(repulsion);
+        let Self { reader, prepared, ref scales, tolerance, .. } = *self;
+        let Prepared { facts, surface, .. } = prepared;
         // The displacement outside of a patch is that by the pressure, to the residual.
-        let is_law_on_patch = recording.with_law && surface.boundary == Boundary::Free;
+        let is_law_on_patch = facts.has_law() && facts.boundary == Boundary::Free;
         comparison.accurate_to(if is_law_on_patch { OF_A_PATCH * tolerance } else { 0.0 });
-        let all = fields.iter().chain(&depth).chain(&lateral).chain(lower.iter().flatten()).chain(&repulsion);
-        for (path, values) in all.filter(|(path, _)| reader.contains(path)) {
-            comparison.values(path, &reader.slab::<f64>(path, index)?, values, 0.0);
-        }
-        let record =
-            LoadRecord::measure(state, scales, tolerance, f64::NAN).bounded(surface.boundary, &surface.grid, body);
-        let is_solved = record.converged;
-        let mut record = record.stiff(stiffness.filter(|_| is_solved).ok_or("not recomputed"));
-        if recording.statistics || recording.flow {
-            // From the fields of the file: a number that rounding moves to another bin would be a difference.
-            let stored = |name: &str, made: ArrayView2<f64>| {
-                if reader.contains(&format!("/fields/{name}")) { self.field(name, index) } else { Ok(made.to_owned()) }
-            };
-            let repulsion = stored(recording.repulsion(), state.repulsion().view())?.mapv(|p| p.max(0.0));
-            let gap = stored("gap", state.gap())?;
-            if recording.statistics {
-                self.conducting.measure(&repulsion, &mut record)?;
-                self.measured.push(Measured::of(surface, repulsion.view(), gap.view(), &mut record)?);
-            }
-            if recording.flow
-                && let Ok(found) = through(surface, repulsion.view(), gap.view(), record.mean_gap)
-            {
-                record.set_flow(&found, surface.grid.len(), self.not_calibrated.as_deref());
+        for (array, field) in arrays(facts).zip(Chosen::All.fields(facts, state, self.lift)) {
+            let path = format!("/fields/{}", array.name);
+            if reader.contains(&path) {
+                let values: Vec<f64> = field.iter().copied().collect();
+                comparison.values(&path, &reader.slab::<f64>(&path, index)?, &values, 0.0);
             }
         }
-        for Column { name, value, .. } in
-            columns(recording).iter().filter(|column| !OF_THE_SOLVE.contains(&column.name))
-        {
+        let at = At::in_scales(facts, state, scales, &surface.grid, tolerance);
+        let stiffness = if at.has_converged() { stiffness } else { Err(NOT_SOLVED.into()) };
+        let at = At { stiffness, ..at };
+        // From the fields of the file: a number that rounding moves to another bin would be a difference.
+        let stored = |name: &str, made: ArrayView2<f64>| {
+            if reader.contains(&format!("/fields/{name}")) { self.field(name, index) } else { Ok(made.to_owned()) }
+        };
+        let repulsion = stored(repulsion(facts), state.repulsion().view())?.mapv(|p| p.max(0.0));
+        let gap = stored("gap", state.gap())?;
+        let findings = Findings::of((self.args, prepared), [repulsion.view(), gap.view()], &at, |_, _| {})?;
+        let record = Record::of(&At { measured: findings.borrowed(), ..at });
+        self.measured.extend(findings.arrays);
+        for (column, cell) in record.cells() {
+            let (name, found) = (column.name, cell.number());
+            if matches!(column.origin, Origin::Way | Origin::Clock) {
+                continue;
+            }
             let path = format!("/loads/{name}");
             // The layout tells what is missing.
             if !reader.contains(&path) {
@@ -231,29 +194,27 @@ impl Checked<'_> {
             }
             let stored: Vec<f64> = reader.values(&path)?;
             // Residuals are small beside 1, and rounding makes them.
-            let is_residual = name.trim_start_matches("lower_").starts_with("residual_")
-                || ["stiffness_error", "flow_residual"].contains(name);
             // Equal pressures deviate, and closed gaps gape, by rounding.
-            let floor = match *name {
-                _ if is_residual => 1e-3,
-                "pressure_deviation_in_contact" => record.max_pressure,
+            let floor = match name {
+                _ if column.origin == Origin::Residual => 1e-3,
+                "pressure_deviation_in_contact" => record.number("max_pressure"),
                 "mean_gap" | "lower_mean_gap" => surface.statistics.moments.rms_height(),
                 _ => 0.0,
             };
             let stored = stored.get(index).copied().unwrap_or(f64::NAN);
-            if is_law_on_patch && name.starts_with("residual_") && record.converged {
-                for found in [stored, value(&record)] {
+            if is_law_on_patch && name.starts_with("residual_") && record.is("converged") {
+                for found in [stored, found] {
                     comparison.at_most(&path, found, tolerance);
                 }
             } else {
-                comparison.number(&path, stored, value(&record), floor);
+                comparison.number(&path, stored, found, floor);
             }
-            if *name == "converged" && stored == 1.0 {
+            if name == "converged" && stored == 1.0 {
                 comparison.at_most(&format!("residual of load {index}"), state.worst(), tolerance);
             }
         }
         if let Load::Approach(asked) = load {
-            comparison.number("/loads/displacement", asked, record.displacement, 0.0);
+            comparison.number("/loads/displacement", asked, record.number("displacement"), 0.0);
         }
         comparison.accurate_to(0.0);
         self.records.push(record);
@@ -262,7 +223,7 @@ impl Checked<'_> {
 
     /// Compares the arrays of the statistics of all loads.
     fn compare_statistics(&self, comparison: &mut Comparison) -> Result<(), Failure> {
-        for Stored { path, values } in arrays(&self.measured) {
+        for Stored { path, values } in statistics::arrays(&self.measured) {
             if self.reader.contains(path) {
                 comparison.values(path, &self.reader.values::<f64>(path)?, &values, 0.0);
             } else if !values.is_empty() {

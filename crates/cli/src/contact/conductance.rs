@@ -11,7 +11,6 @@ use ndarray::ArrayRef2;
 
 use super::Args;
 use crate::failure::Failure;
-use crate::load::LoadRecord;
 use crate::source::Surface;
 
 /// What gives the loads of a contact their conductance.
@@ -80,21 +79,22 @@ impl Conducting {
         Ok(conducting)
     }
 
-    /// Measures the conductance of the points that are repelled, for the record of a load that has its stiffness. Returns the
-    /// words of a warning, if it is not exact.
+    /// Measures the conductance of the points that are repelled, of a load that has `converged` to this stiffness, if it has one:
+    /// the conductance, or the reason why there is none, and the words of a warning, if it is not exact.
     ///
     /// # Errors
     /// A conductance that cannot be computed.
     pub(super) fn measure(
         &self,
         repulsion: &ArrayRef2<f64>,
-        record: &mut LoadRecord,
-    ) -> Result<Option<String>, Failure> {
+        converged: bool,
+        stiffness: Option<f64>,
+    ) -> Result<(Result<f64, &'static str>, Option<String>), Failure> {
         let mut warning = None;
-        let (value, reason) = match self.way {
-            _ if !record.converged => (f64::NAN, Some(NOT_CONVERGED)),
-            Way::Undefined(reason) => (f64::NAN, Some(reason)),
-            Way::OfStiffness(factor) => (factor * record.stiffness, None),
+        let value = match self.way {
+            _ if !converged => return Ok((Err(NOT_CONVERGED), None)),
+            Way::Undefined(reason) => return Ok((Err(reason), None)),
+            Way::OfStiffness(factor) => stiffness.map_or(f64::NAN, |stiffness| factor * stiffness),
             Way::Solved => {
                 let failed = |error: &dyn std::fmt::Display| Failure::Computation(format!("the conductance: {error}"));
                 let conductors = self.conductors().map_err(|error| failed(&error))?;
@@ -106,16 +106,11 @@ impl Conducting {
                     }
                     Err(error) => return Err(failed(error)),
                 };
-                (value, None)
+                value
             }
         };
         // In full contact there is no stiffness either.
-        let reason = reason.or((!value.is_finite()).then_some(ALL_TOUCH));
-        record.conductance = Some(if value.is_finite() { value } else { f64::NAN });
-        if let Some(reason) = reason {
-            record.undefined.insert("conductance", reason);
-        }
-        Ok(warning)
+        Ok((if value.is_finite() { Ok(value) } else { Err(ALL_TOUCH) }, warning))
     }
 
     fn conductors(&self) -> Result<&Conductors, gfmd_contact::Refusal> {

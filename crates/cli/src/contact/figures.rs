@@ -22,8 +22,11 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
     for scene in scenes {
         files.extend(scene.draw(prefix)?);
     }
-    if report.loads.len() > 1 && report.loads.iter().all(|load| load.law.is_none()) {
-        let loads = report.loads.iter().map(|load| [load.p_star, load.area_fraction, load.area_fraction_corrected]);
+    if report.loads.len() > 1 && report.loads.iter().all(|load| !load.has("interface_energy")) {
+        let loads = report
+            .loads
+            .iter()
+            .map(|load| ["p_star", "area_fraction", "area_fraction_corrected"].map(|name| load.number(name)));
         let mut chart = area(&loads.collect::<Vec<_>>(), report.n[1] == 1);
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.hardness) {
             // Without the hardness Persson's line hides below that with it.
@@ -38,14 +41,15 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
 /// The points at the hardness, and both areas of Persson's theory with a hardness, against the reduced pressure.
 fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
     let unit = report.e_star * report.rms_gradient;
-    let loads = || report.loads.iter().map(|load| load.p_star);
+    let loads = || report.loads.iter().map(|load| load.number("p_star"));
     let (lowest, highest) = (loads().fold(f64::INFINITY, f64::min), loads().fold(0.0, f64::max));
     let curve = |part: fn(&ElastoplasticArea) -> f64| {
         let pressures = (0..=80).map(|i| lowest * (highest / lowest).powf(f64::from(i) / 80.0));
         let areas = pressures.map(move |p| (p, part(&ElastoplasticArea::new(p * unit, variance, hardness))));
         areas.filter(|(_, area)| *area > 0.0).collect::<Vec<_>>()
     };
-    let found = report.loads.iter().filter_map(|load| Some(Point::new(load.p_star, load.plastic_fraction?)));
+    let found =
+        report.loads.iter().filter_map(|load| Some(Point::new(load.number("p_star"), load.value("plastic_fraction")?)));
     let mut found: Vec<Point> = found.filter(|point| point.y > 0.0).collect();
     found.sort_by(|a, b| a.x.total_cmp(&b.x));
     [
@@ -92,7 +96,7 @@ fn flux<'v>(surface: &Surface, values: &'v [f64], axis: &str) -> Drawn<'v> {
 /// Up to four of so many loads, from the lowest to the highest.
 fn chosen(report: &Report, count: usize) -> Vec<usize> {
     let mut sorted: Vec<usize> = (0..count).collect();
-    sorted.sort_by(|a, b| report.loads[*a].p_star.total_cmp(&report.loads[*b].p_star));
+    sorted.sort_by(|a, b| report.loads[*a].number("p_star").total_cmp(&report.loads[*b].number("p_star")));
     let drawn = count.min(MOST_LOADS);
     (0..drawn).map(|k| sorted[if drawn == 1 { count - 1 } else { k * (count - 1) / (drawn - 1) }]).collect()
 }
@@ -133,7 +137,7 @@ pub(super) fn measured(
     }
     let chosen = chosen(report, gathered.loads.len());
     let scale = report.e_star * report.rms_gradient;
-    let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].p_star));
+    let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].number("p_star")));
     let (mut pressures, mut gaps) = (Vec::new(), Vec::new());
     for (hue, &load) in chosen.iter().enumerate() {
         let found = &gathered.loads[load];
@@ -142,8 +146,8 @@ pub(super) fn measured(
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
         pressures.push(Series::line(&label(load), hue, densities));
         // The theory is one of elastic bodies that do not attract each other.
-        if report.hardness.is_none() && report.loads[load].law.is_none() {
-            let mean = report.loads[load].mean_pressure;
+        if report.hardness.is_none() && !report.loads[load].has("interface_energy") {
+            let mean = report.loads[load].number("mean_pressure");
             let density = |p: &f64| (p / scale, persson_pressure(*p, mean, variance) * scale);
             let theory: Vec<_> = found.pressure.middles.iter().map(density).filter(|(_, p)| *p > 1e-6).collect();
             let name = if hue == 0 { "Persson" } else { "" };

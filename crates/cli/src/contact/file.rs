@@ -8,8 +8,8 @@ use std::str::FromStr;
 use gfmd_contact::{Fields as _, Hardness};
 use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
-use gfmd_measure::Column;
-use gfmd_problem::Rest;
+use gfmd_problem::{Facts, Rest};
+use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
 
 use ndarray::{Array2, CowArray, Ix2};
 use serde::{Serialize, Serializer};
@@ -17,10 +17,10 @@ use serde::{Serialize, Serializer};
 use super::statistics::{self, Measured};
 use super::threshold::{self, Threshold};
 use crate::base::MovedBase;
+use crate::columns::write_columns;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
-use crate::load::{LoadRecord, Recording, Undefined, columns};
 use crate::lower;
 use crate::rows;
 use crate::source::Surface;
@@ -32,101 +32,63 @@ pub struct ContactFile<'a> {
     /// Of the process that writes.
     archive: Option<Archive<'a>>,
     share: Share,
-    recording: Recording,
+    facts: Facts,
     chosen: Chosen,
 }
 
-/// The fields of a load: path, units, meaning.
-const FIELDS: [(&str, &str, &str); 10] = [
-    ("/fields/pressure", "stress", "pressure on the elastic surface, compression positive; attraction is negative"),
-    ("/fields/displacement_z", "length", "normal displacement of the elastic surface, negative downwards"),
-    ("/fields/gap", "length", "distance between the surfaces"),
-    ("/fields/plastic_depth", "length", "depth by which the surfaces are pressed into each other beyond touching"),
-    ("/fields/displacement_x", "length", "displacement of the elastic surface along x"),
-    ("/fields/displacement_y", "length", "displacement of the elastic surface along y"),
-    ("/fields/lower_pressure", "stress", "pressure on the lower face of the slab"),
-    ("/fields/lower_displacement_z", "length", "normal displacement of the lower face of the slab, positive upwards"),
-    ("/fields/lower_gap", "length", "distance between the lower face of the slab and the lower surface"),
-    ("/fields/repulsion", "stress", "repulsive pressure, without attraction; positive at the points in contact"),
-];
-
-/// The number of fields.
-const COUNT: usize = FIELDS.len();
-
 /// The fields of each load that go into a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen([bool; COUNT]);
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Chosen {
+    /// All that there are.
+    #[default]
+    All,
+    /// Those with these names.
+    Named(Vec<&'static str>),
+}
 
 /// Words that name no fields.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("it must be none, or some of {}, with commas between them", names().collect::<Vec<_>>().join(", "))]
 pub struct ChosenError;
 
-/// The names of the fields.
+/// The names of the fields that loads may have.
 fn names() -> impl Iterator<Item = &'static str> {
-    FIELDS.into_iter().map(|(path, ..)| path.trim_start_matches("/fields/"))
-}
-
-impl Recording {
-    /// The fields that the loads have.
-    fn fields(self) -> [bool; COUNT] {
-        let Self { is_plastic, lateral, is_squeezed, .. } = self;
-        let attracts = self.keeps_repulsion();
-        [true, true, true, is_plastic, lateral > 0, lateral > 1, is_squeezed, is_squeezed, is_squeezed, attracts]
-    }
-
-    /// The name of the field whose positive values are those of the points in contact.
-    pub(super) fn repulsion(self) -> &'static str {
-        if self.keeps_repulsion() { "repulsion" } else { "pressure" }
-    }
+    ARRAYS.iter().map(|array| array.name).filter(|name| !name.starts_with("shear"))
 }
 
 impl Chosen {
-    /// All fields.
-    pub const ALL: Self = Self([true; COUNT]);
+    /// The chosen ones of the fields of a problem.
+    fn of<'s>(&'s self, facts: &'s Facts) -> impl Iterator<Item = &'static Array> + 's {
+        arrays(facts).filter(move |array| match self {
+            Self::All => true,
+            Self::Named(names) => names.contains(&array.name),
+        })
+    }
 
     /// The first of the fields named that the loads do not have.
-    pub(super) fn missing(&self, recording: Recording) -> Option<&'static str> {
-        let named = self.0.map(|chosen| chosen && *self != Self::ALL);
-        let mut fields = names().zip(named.into_iter().zip(recording.fields()));
-        fields.find(|(_, (named, has))| *named && !has).map(|(name, _)| name)
+    pub(super) fn missing(&self, facts: &Facts) -> Option<&'static str> {
+        let Self::Named(names) = self else { return None };
+        names.iter().copied().find(|name| arrays(facts).all(|array| array.name != *name))
     }
 
     /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
-    pub(super) fn contact_and_gap(&self, recording: Recording) -> Option<[usize; 2]> {
-        let place = |wanted: &str| {
-            written(recording, self).position(|(path, ..)| path.trim_start_matches("/fields/") == wanted)
-        };
-        Some([place(recording.repulsion())?, place("gap")?])
+    pub(super) fn contact_and_gap(&self, facts: &Facts) -> Option<[usize; 2]> {
+        let place = |wanted: &str| self.of(facts).position(|array| array.name == wanted);
+        Some([place(repulsion(facts))?, place("gap")?])
     }
 
-    /// The chosen ones of the items, one for each field.
-    fn of<T>(&self, items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
-        items.into_iter().zip(self.0).filter(|(_, chosen)| *chosen).map(|(item, _)| item)
-    }
-
-    /// The chosen ones of the fields that a state has, in the order of the file.
+    /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the displacement.
     pub(super) fn fields<'s>(
         &self,
-        recording: Recording,
+        facts: &Facts,
         state: &'s Rest,
         lift: Option<&Array2<f64>>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
-        let displacement = match lift {
-            Some(lift) => (&state.displacement_z() + lift).into(),
-            None => state.displacement_z().into(),
+        let lifted = |array: &Array| match lift {
+            Some(lift) if array.name == "displacement_z" => Some((&state.displacement_z() + lift).into()),
+            _ => (array.value)(state, facts),
         };
-        let [x, y] = [0, 1].map(|axis| state.lateral().get(axis).map(|field| field.view().into()));
-        let depth = state.plastic_depth().map(|depth| depth.view().into());
-        let normal = [Some(state.pressure()), Some(displacement), Some(state.gap().into()), depth, x, y];
-        let lower = match state.lower() {
-            Some(lower) => {
-                [lower.pressure.view().into(), (-&lower.displacement).into(), lower.gap.view().into()].map(Some)
-            }
-            None => [const { None }; 3],
-        };
-        let repulsion = recording.keeps_repulsion().then(|| state.repulsion());
-        self.of(normal.into_iter().chain(lower).chain([repulsion])).flatten().collect()
+        self.of(facts).filter_map(lifted).collect()
     }
 }
 
@@ -134,21 +96,24 @@ impl FromStr for Chosen {
     type Err = ChosenError;
 
     fn from_str(text: &str) -> Result<Self, ChosenError> {
-        let mut chosen = [false; COUNT];
         if text == "none" {
-            return Ok(Self(chosen));
+            return Ok(Self::Named(Vec::new()));
         }
-        for word in text.split(',') {
-            chosen[names().position(|name| name == word).ok_or(ChosenError)?] = true;
+        let words: Vec<&str> = text.split(',').collect();
+        if words.iter().any(|word| names().all(|name| name != *word)) {
+            return Err(ChosenError);
         }
-        Ok(Self(chosen))
+        Ok(Self::Named(names().filter(|name| words.contains(name)).collect()))
     }
 }
 
 impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.of(names()).collect();
-        f.write_str(&if names.is_empty() { "none".into() } else { names.join(",") })
+        match self {
+            Self::All => f.write_str(&names().collect::<Vec<_>>().join(",")),
+            Self::Named(names) if names.is_empty() => f.write_str("none"),
+            Self::Named(names) => f.write_str(&names.join(",")),
+        }
     }
 }
 
@@ -156,11 +121,6 @@ impl Serialize for Chosen {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
-}
-
-/// The fields that the loads have and that are chosen.
-fn written(recording: Recording, chosen: &Chosen) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
-    chosen.of(FIELDS.into_iter().zip(recording.fields())).filter(|(_, has)| *has).map(|(field, _)| field)
 }
 
 /// A field of a state, named as in a file.
@@ -171,11 +131,14 @@ pub(super) struct Field<'s> {
 }
 
 /// All fields of a state; a base that moves adds `lift` to the displacement.
-pub(super) fn fields<'s>(recording: Recording, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
-    let all = written(recording, &Chosen::ALL).zip(Chosen::ALL.fields(recording, state, lift));
-    let named =
-        all.map(|((path, units, _), values)| Field { name: path.trim_start_matches("/fields/"), units, values });
-    named.collect()
+pub(super) fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+    let values = Chosen::All.fields(facts, state, lift);
+    arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
+}
+
+/// The path of a field in a file.
+fn path_of(array: &Array) -> String {
+    format!("/fields/{}", array.name)
 }
 
 impl<'a> ContactFile<'a> {
@@ -188,7 +151,7 @@ impl<'a> ContactFile<'a> {
         provenance: &Provenance,
         surface: &Surface,
         loads: usize,
-        recording: Recording,
+        facts: Facts,
         chosen: Chosen,
     ) -> Result<Self, Failure> {
         let (mut archive, failed) = match output.map(|output| Archive::create(output, provenance)).transpose() {
@@ -206,12 +169,13 @@ impl<'a> ContactFile<'a> {
         }
         failed?;
         if let Some(archive) = &mut archive {
-            for (path, units, long_name) in written(recording, &chosen) {
-                let units = if units == "length" { unit } else { units };
-                archive.define(path, &Variable { dimensions: &[&load, &x, &y], units, long_name })?;
+            for array in chosen.of(&facts) {
+                let units = if array.unit == "length" { unit } else { array.unit };
+                let variable = Variable { dimensions: &[&load, &x, &y], units, long_name: array.meaning(&facts) };
+                archive.define(&path_of(array), &variable)?;
             }
         }
-        Ok(Self { archive, share: surface.share.clone(), recording, chosen })
+        Ok(Self { archive, share: surface.share.clone(), facts, chosen })
     }
 
     /// Writes the group `/base`.
@@ -246,7 +210,7 @@ impl<'a> ContactFile<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
-        self.write_fields(index, self.chosen.fields(self.recording, state, lift))
+        self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
     }
 
     /// As [`write`](Self::write), from the values of the fields row by row.
@@ -255,8 +219,8 @@ impl<'a> ContactFile<'a> {
     /// A file that cannot be written.
     pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         let Some(archive) = &mut self.archive else { return Ok(()) };
-        for ((path, ..), field) in written(self.recording, &self.chosen).zip(fields) {
-            archive.write_slab(path, index, field)?;
+        for (array, field) in self.chosen.of(&self.facts).zip(fields) {
+            archive.write_slab(&path_of(array), index, field)?;
         }
         Ok(())
     }
@@ -270,9 +234,10 @@ impl<'a> ContactFile<'a> {
         index: usize,
         fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
     ) -> Result<(), Failure> {
-        let Self { archive, share, recording, chosen } = self;
+        let Self { archive, share, facts, chosen } = self;
         let mut outcome = Ok(());
-        for ((path, ..), field) in written(*recording, chosen).zip(fields) {
+        for (array, field) in chosen.of(facts).zip(fields) {
+            let path = &*path_of(array);
             let written = match archive {
                 Some(archive) if share.is_whole() => Ok(archive.write_slab(path, index, &contiguous(&field))?),
                 _ => rows::write(share, field.view(), archive.as_mut(), (path, Some(index)), |_| {}),
@@ -304,20 +269,13 @@ impl<'a> ContactFile<'a> {
     /// A file that cannot be written.
     pub fn finish(
         self,
-        loads: &[LoadRecord],
+        loads: &[Record],
         count: usize,
         not_converged: Option<&NotConverged>,
     ) -> Result<Option<PathBuf>, Failure> {
         let Some(mut archive) = self.archive else { return Ok(None) };
         let load = Dimension::index("load", count, "load step");
-        for Column { name, units, long_name, value } in columns(self.recording) {
-            let values: Vec<f64> = (0..count).map(|i| loads.get(i).map_or(f64::NAN, value)).collect();
-            let path = format!("/loads/{name}");
-            archive.write(&path, &Variable { dimensions: &[&load], units, long_name }, &values)?;
-            if let Some(reason) = Undefined::of_column(loads.iter().map(|load| &load.undefined), name) {
-                archive.attribute(&path, "undefined", &*reason)?;
-            }
-        }
+        write_columns(&mut archive, ("/loads", &load, ["load", "loads"]), &self.facts, loads, count)?;
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         Ok(Some(archive.finish()?))
     }

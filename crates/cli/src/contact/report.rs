@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use gfmd_problem::{Facts, Unknown};
+use gfmd_record::Record;
 use serde::Serialize;
 
 use super::is_normal;
@@ -12,7 +13,6 @@ use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
 use crate::law::Adhesion;
-use crate::load::LoadRecord;
 use crate::scan::Scan;
 use crate::session::Session;
 use crate::source::Second;
@@ -52,7 +52,7 @@ pub struct Report {
     /// With an attraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adhesion: Option<Adhesion>,
-    pub loads: Vec<LoadRecord>,
+    pub loads: Vec<Record>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<Trace>,
     /// Along x and along y.
@@ -74,7 +74,7 @@ impl Report {
     pub(super) fn warn_of_slopes(&self, facts: &Facts, session: &Session) {
         let Self { rms_gradient, max_slope, e_star, loads, .. } = self;
         let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
-        let strain = loads.iter().map(|load| load.max_pressure / e_star).fold(0.0, f64::max);
+        let strain = loads.iter().map(|load| load.number("max_pressure") / e_star).fold(0.0, f64::max);
         session.warn(Slopes::CODE, slopes.told(strain));
     }
 }

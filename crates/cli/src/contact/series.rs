@@ -5,21 +5,21 @@ use std::time::Instant;
 
 use gfmd_contact::{Equilibrium as _, Fields as _, Refusal, Resumable as _, SolveError, Stiffness};
 use gfmd_files::contiguous;
-use gfmd_flow::{Flow, FlowError};
+use gfmd_flow::Flow;
 use gfmd_measure::Scales;
 use gfmd_problem::{NoStiffness, Posed, Rest};
+use gfmd_record::{At, NOT_SOLVED, Record};
 use ndarray::{Array2, ArrayView2};
 
-use super::file::{Chosen, ContactFile};
+use super::file::ContactFile;
 use super::report::Report;
-use super::statistics::{Measured, not_calibrated, through};
+use super::statistics::{Findings, Measured};
 use super::watching::Watching;
 use super::whole::Whole;
 use super::{Args, Prepared, figures, file};
 use crate::convergence::{History, NotConverged};
 use crate::failure::{Failure, reached};
 use crate::figures::{Face, Scene, Shown, rough};
-use crate::load::{LoadRecord, UNSOLVED};
 use crate::progress::Progress;
 use crate::resume::{Kept, Part};
 use crate::session::Session;
@@ -53,7 +53,7 @@ impl Series<'_> {
         config: String,
     ) -> Result<Option<Failure>, Failure> {
         let Self {
-            prepared: Prepared { surface, body, base, lower, hardness, conducting, controls, output, .. },
+            prepared: Prepared { facts, surface, base, lower, hardness, controls, output, .. },
             contact,
             args,
             heights,
@@ -61,11 +61,10 @@ impl Series<'_> {
         } = *self;
         let budget = args.solver.budget();
         let provenance = session.provenance(config);
-        let recording = args.recording(surface);
-        let chosen = args.fields.clone().unwrap_or(Chosen::ALL);
+        let chosen = args.fields.clone().unwrap_or_default();
         let create = || {
             let loads = controls.len();
-            ContactFile::create(output.as_ref(), &provenance, surface, loads, recording, chosen.clone())
+            ContactFile::create(output.as_ref(), &provenance, surface, loads, *facts, chosen.clone())
         };
         // All processes take part in writing; if the first one fails, all end.
         let mut file = args.out.as_ref().map(|_| session.agree(create())).transpose()?;
@@ -119,19 +118,21 @@ impl Series<'_> {
                 }
                 other => other?,
             };
-            let record = LoadRecord::measure(&state, &scales, budget.tolerance, started.elapsed().as_secs_f64());
-            let stiffness = self.stiffness(index, &state, stopped.is_some());
-            let mut record = record.bounded(surface.boundary, &surface.grid, body).stiff(stiffness);
-            if args.statistics
-                && let Some(warning) = conducting.measure(&state.repulsion(), &mut record)?
-            {
-                session.warn("conductance", format!("load {index}: {warning}"));
-            }
-            record.seconds = started.elapsed().as_secs_f64();
-            self.gather(index, &state.repulsion().view(), &state.gap(), &mut record, &mut gathered, true)?;
-            progress.advance(1.0, &format!("p* {:.3e}, area {:.4}", record.p_star, record.area_fraction));
-            record.check(index)?;
+            let stiffness = self.stiffness(index, &state, stopped.is_some()).map_err(Into::into);
+            let at = At { stiffness, ..At::in_scales(facts, &state, &scales, &surface.grid, budget.tolerance) };
+            let warn = |code, text: String| session.warn(code, format!("load {index}: {text}"));
+            let findings = {
+                let repulsion = state.repulsion();
+                Findings::of((args, self.prepared), [repulsion.view(), state.gap()], &at, warn)
+            };
+            let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
+            let seconds = started.elapsed().as_secs_f64();
+            let record = Record::of(&At { seconds, measured: findings.borrowed(), ..at });
+            progress.advance(1.0, &told(&record));
+            check_range(index, &record)?;
             report.loads.push(record.clone());
+            gathered.loads.extend(findings.arrays);
+            gathered.flow = findings.flow.or(gathered.flow.take());
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, &state, budget.tolerance, &why, history);
                 unmet.tell("load");
@@ -148,9 +149,9 @@ impl Series<'_> {
             // The file of a series that is complete follows at once.
             let is_last = index + 1 == controls.len() && !args.flow_threshold;
             if let (Some(kept), false) = (&mut kept, is_last) {
-                let fields = chosen.fields(recording, &state, lift);
+                let fields = chosen.fields(facts, &state, lift);
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
-                kept.add(&Part { text: record.to_toml()?, fields });
+                kept.add(&Part { text: line(&record)?, fields });
                 kept.keep_state(|visitor| contact.keep(&mut state, visitor))?;
             }
             last = Some(state);
@@ -168,7 +169,7 @@ impl Series<'_> {
         }
         if let (None, Some(state), true) = (&failure, &last, args.plots.is_some() || args.vtk.is_some()) {
             let shown = Shown::of(state, lift, state.plastic_depth());
-            let fields = if args.vtk.is_some() { file::fields(recording, state, lift) } else { Vec::new() };
+            let fields = if args.vtk.is_some() { file::fields(facts, state, lift) } else { Vec::new() };
             let whole = Whole::of(self.prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(state, &whole, &gathered, report)))?;
         }
@@ -229,7 +230,7 @@ impl Series<'_> {
     /// The stiffness of a load that converged.
     fn stiffness(&self, index: usize, state: &Rest, stopped: bool) -> Result<Stiffness, &'static str> {
         if stopped {
-            return Err(UNSOLVED);
+            return Err(NOT_SOLVED);
         }
         match self.contact.stiffness(state) {
             Ok(stiffness) => Ok(stiffness),
@@ -239,42 +240,6 @@ impl Series<'_> {
                 Ok(reached)
             }
         }
-    }
-
-    /// Measures what `--statistics` asks for and, of a load that is not kept, computes the flow.
-    fn gather(
-        &self,
-        index: usize,
-        repulsion: &ArrayView2<f64>,
-        gap: &ArrayView2<f64>,
-        record: &mut LoadRecord,
-        gathered: &mut Gathered,
-        is_new: bool,
-    ) -> Result<(), Failure> {
-        let Self { prepared: Prepared { surface, .. }, args, session, .. } = *self;
-        if args.statistics || (args.flow && is_new) {
-            // In contact are the points that are repelled.
-            let repulsion = repulsion.mapv(|p| p.max(0.0));
-            if args.statistics {
-                gathered.loads.push(Measured::of(surface, repulsion.view(), *gap, record)?);
-            }
-            if args.flow && is_new {
-                let found = match through(surface, repulsion.view(), *gap, record.mean_gap) {
-                    Err(FlowError::NotConverged { state, .. }) => {
-                        session
-                            .warn("flow", format!("load {index}: the residual of the flow is {:.1e}", state.residual));
-                        *state
-                    }
-                    found => {
-                        found.map_err(|error| Failure::Computation(error.to_string()).at(&format!("load {index}")))?
-                    }
-                };
-                let not_calibrated = not_calibrated(args, surface);
-                record.set_flow(&found, surface.grid.len(), not_calibrated.as_deref());
-                gathered.flow = Some(found);
-            }
-        }
-        Ok(())
     }
 
     /// Takes over the loads that are kept; returns the state of the last one.
@@ -287,24 +252,44 @@ impl Series<'_> {
         progress: &Progress,
     ) -> Result<Option<Rest>, Failure> {
         let shape = self.prepared.surface.grid.points();
-        let recording = self.args.recording(&self.prepared.surface);
-        let places = self.args.fields.as_ref().unwrap_or(&Chosen::ALL).contact_and_gap(recording);
+        let places = self.args.fields.clone().unwrap_or_default().contact_and_gap(&self.prepared.facts);
         for index in 0..kept.finished() {
             let Part { text, fields } = kept.part(index)?;
-            let mut record: LoadRecord =
-                toml::from_str(&text).map_err(|error| kept.unusable(index, error.message()))?;
-            if let Some([repulsion, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
+            let record = Record::from_line(&self.prepared.facts, &text);
+            report.loads.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
+            let measured = places.filter(|_| self.args.statistics);
+            if let Some([repulsion, gap]) = measured.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
                 let field = |values| ArrayView2::from_shape(shape, values);
                 let unusable = |error: ndarray::ShapeError| kept.unusable(index, error.to_string());
                 let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
-                self.gather(index, &repulsion, &gap, &mut record, gathered, false)?;
+                let repulsion = repulsion.mapv(|p| p.max(0.0));
+                gathered.loads.push(Measured::of(&self.prepared.surface, repulsion.view(), gap)?.0);
             }
-            report.loads.push(record);
             file.write_values(index, &fields)?;
             progress.advance(1.0, "kept");
         }
         let Some(index) = kept.finished().checked_sub(1) else { return Ok(None) };
         let load = self.prepared.controls[index];
         kept.state().map(|mut stored| stored.restore(|visitor| self.contact.restore(load.into(), visitor))).transpose()
+    }
+}
+
+/// A record as a line of progress.
+fn told(record: &Record) -> String {
+    format!("p* {:.3e}, area {:.4}", record.number("p_star"), record.number("area_fraction"))
+}
+
+/// A record as a line of a journal.
+pub(super) fn line(record: &Record) -> Result<String, Failure> {
+    record.to_line().map_err(|error| Failure::Computation(error.to_string()))
+}
+
+/// Refuses units in which a number of load `index` that converged is not finite.
+fn check_range(index: usize, record: &Record) -> Result<(), Failure> {
+    match record.overflow() {
+        Some((name, found)) if record.is("converged") => Err(Failure::Computation(format!(
+            "load {index}: {name} is {found}; it must be finite, which other units of stress or length make it"
+        ))),
+        _ => Ok(()),
     }
 }

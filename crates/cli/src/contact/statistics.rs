@@ -6,15 +6,15 @@ use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_flow::{Flow, FlowError, flow};
 use gfmd_green::Height;
 use gfmd_law::Kind;
-use gfmd_measure::{Distribution, GridLimit, Patches, density_over_decades};
+use gfmd_measure::{Distribution, Patches, density_over_decades};
 use gfmd_problem::Unknown;
+use gfmd_record::At;
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
-use super::Args;
+use super::{Args, Prepared};
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
-use crate::load::{FlowRecord, LoadRecord, PatchRecord};
 use crate::source::Surface;
 
 /// Number of bins of a distribution.
@@ -52,8 +52,7 @@ pub(super) fn patches(surface: &Surface, repulsion: ArrayView2<f64>) -> Patches 
 }
 
 impl Measured {
-    /// Measures the fields of a load and completes its record. The `pressure` is the repulsive part alone, which is zero out
-    /// of contact.
+    /// Measures the fields of a load, and its patches. The `pressure` is the repulsive part alone, which is zero out of contact.
     ///
     /// # Errors
     /// Fields that do not fit the grid.
@@ -61,16 +60,10 @@ impl Measured {
         surface: &Surface,
         pressure: ArrayView2<f64>,
         gap: ArrayView2<f64>,
-        record: &mut LoadRecord,
-    ) -> Result<Self, Failure> {
+    ) -> Result<(Self, Patches), Failure> {
         let (grid, found) = (&surface.grid, patches(surface, pressure));
         let [dx, dy] = grid.spacing();
         let points = grid.len();
-        record.patches = Some(PatchRecord {
-            count: found.patches.len() as u64,
-            largest_fraction: found.largest() as f64 / points as f64,
-            percolates: found.percolate(),
-        });
         let forces = found.sums(pressure);
         let rows = found.patches.iter().zip(forces).map(|(patch, force)| {
             let perimeter = patch.links[0] as f64 * dy + patch.links[1] as f64 * dx;
@@ -78,13 +71,14 @@ impl Measured {
             [patch.points as f64 * dx * dy, perimeter, force * dx * dy, x * dx, y * dy]
         });
         let apart = || gap.iter().zip(pressure).filter(|(_, p)| **p <= 0.0).map(|(gap, _)| *gap);
-        Ok(Self {
+        let measured = Self {
             patches: rows.collect(),
             pressure: Distribution::of(pressure.iter().copied(), points, BINS),
             gap: Distribution::of(apart(), points, BINS),
             gap_decades: density_over_decades(apart(), points, DECADES, BINS_PER_DECADE),
             spectra: (surface.boundary == Boundary::Periodic).then(|| spectra(grid, pressure)).transpose()?,
-        })
+        };
+        Ok((measured, found))
     }
 
     /// The wavenumbers and densities of the spectrum of the pressure.
@@ -121,7 +115,7 @@ fn spectra(grid: &Grid, pressure: ArrayView2<f64>) -> Result<Spectra, Failure> {
 ///
 /// # Errors
 /// A flow that cannot be computed.
-pub(super) fn through(
+fn through(
     surface: &Surface,
     repulsion: ArrayView2<f64>,
     gap: ArrayView2<f64>,
@@ -135,14 +129,11 @@ pub(super) fn through(
     flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
 }
 
-/// The columns of the flow that are relative to the mean gap.
-const RELATIVE: [&str; 4] = ["flow_xx", "flow_xy", "flow_yx", "flow_yy"];
-
 /// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
 const UNRESOLVED: f64 = 0.01;
 
 /// The reason why the error of the grid is not known for this kind of contact; `None` if it is.
-pub(super) fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
+fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
     let BodyArgs { height, others, .. } = &args.body;
     let is_half_space = *height == Height::Infinite && others.layer.is_empty() && others.second_body.is_none();
     let other = [
@@ -166,53 +157,68 @@ pub(super) fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
     })
 }
 
-impl LoadRecord {
-    /// Records the flow through the gap of so many `points`, with the error of the grid unless there is a reason why it is
-    /// not known.
-    pub(super) fn set_flow(&mut self, flow: &Flow, points: usize, not_calibrated: Option<&str>) {
-        let Flow { mut conductivity, percolates, residual, .. } = *flow;
-        if self.mean_gap <= 0.0 {
-            conductivity = [[f64::NAN; 2]; 2];
-            let reason = if self.mean_gap == 0.0 {
-                "the gap is closed everywhere; a conductivity is relative to a uniform gap of the mean height"
-                    .to_owned()
-            } else {
-                format!(
-                    "the mean gap is {:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height",
-                    self.mean_gap
-                )
-            };
-            RELATIVE.iter().for_each(|name| self.undefined.insert(name, &*reason));
-        }
-        let [mut limit, mut limit_error, mut grid_error] = [[[f64::NAN; 2]; 2]; 3];
-        for (axis, name) in ["flow_xx", "flow_yy"].into_iter().enumerate() {
-            let value = conductivity[axis][axis];
-            let found = match not_calibrated {
-                Some(reason) => Err(reason.to_owned()),
-                None => GridLimit::of_flow(value, self.contact_nodes, self.boundary_links, points)
-                    .map_err(|reason| reason.to_string()),
-            };
-            match found {
-                Ok(found) => {
-                    limit[axis][axis] = found.limit;
-                    limit_error[axis][axis] = found.half_width;
-                    grid_error[axis][axis] = found.error_of(value);
-                }
-                Err(reason) => {
-                    for kind in ["limit", "limit_error", "grid_error"] {
-                        self.undefined.insert(&format!("{name}_{kind}"), &*reason);
-                    }
-                }
+/// All that is measured of one load if it is asked for.
+#[derive(Default)]
+pub(super) struct Findings {
+    pub(super) arrays: Option<Measured>,
+    pub(super) flow: Option<Flow>,
+    patches: Option<Patches>,
+    conductance: Option<Result<f64, &'static str>>,
+    not_calibrated: Option<String>,
+}
+
+impl Findings {
+    /// Measures a load by its repulsive pressure and its gap; `at` has its summary, its residuals and its stiffness, and `warn`
+    /// takes the code and the words of numbers that are less exact than they should be.
+    ///
+    /// # Errors
+    /// Fields that do not fit the grid, a flow or a conductance that cannot be computed.
+    pub(super) fn of(
+        (args, prepared): (&Args, &Prepared),
+        [repulsion, gap]: [ArrayView2<f64>; 2],
+        at: &At,
+        mut warn: impl FnMut(&'static str, String),
+    ) -> Result<Self, Failure> {
+        let Prepared { surface, conducting, .. } = prepared;
+        let mut found = Self::default();
+        if args.statistics {
+            let stiffness = at.stiffness.as_ref().ok().map(|found| found.value);
+            let (conductance, warning) = conducting.measure(&repulsion, at.has_converged(), stiffness)?;
+            found.conductance = Some(conductance);
+            if let Some(warning) = warning {
+                warn("conductance", warning);
             }
         }
-        self.flow = Some(FlowRecord {
-            conductivity,
-            conductivity_limit: limit,
-            conductivity_limit_error: limit_error,
-            conductivity_grid_error: grid_error,
-            percolates,
-            residual,
-        });
+        if args.statistics || args.flow {
+            // In contact are the points that are repelled.
+            let repulsion = repulsion.mapv(|p| p.max(0.0));
+            if args.statistics {
+                let (arrays, patches) = Measured::of(surface, repulsion.view(), gap)?;
+                (found.arrays, found.patches) = (Some(arrays), Some(patches));
+            }
+            if args.flow {
+                let flow = match through(surface, repulsion.view(), gap, at.summary.mean_gap) {
+                    Err(FlowError::NotConverged { state, .. }) => {
+                        warn("flow", format!("the residual of the flow is {:.1e}", state.residual));
+                        *state
+                    }
+                    flow => flow.map_err(|error| Failure::Computation(error.to_string()))?,
+                };
+                found.flow = Some(flow);
+                found.not_calibrated = not_calibrated(args, surface);
+            }
+        }
+        Ok(found)
+    }
+
+    /// What columns need of it.
+    pub(super) fn borrowed(&self) -> gfmd_record::Measured<'_> {
+        gfmd_record::Measured {
+            patches: self.patches.as_ref(),
+            conductance: self.conductance.map(|found| found.map_err(Into::into)),
+            flow: self.flow.as_ref(),
+            not_calibrated: self.not_calibrated.clone(),
+        }
     }
 }
 

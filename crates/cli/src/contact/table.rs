@@ -4,10 +4,10 @@ use std::fmt;
 
 use gfmd_contact::Boundary;
 use gfmd_problem::Unknown;
+use gfmd_record::{Record, lines};
 
 use super::Report;
 use crate::digits::uncertain;
-use crate::load::Undefined;
 use crate::session::list_files;
 
 impl fmt::Display for Report {
@@ -48,7 +48,7 @@ impl fmt::Display for Report {
             )?;
         }
         if let Some(hardness) = &self.hardness {
-            let shares = self.loads.iter().map(|load| format!("{:.6}", load.plastic_fraction.unwrap_or(f64::NAN)));
+            let shares = self.loads.iter().map(|load| format!("{:.6}", load.number("plastic_fraction")));
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
         writeln!(
@@ -68,29 +68,27 @@ impl fmt::Display for Report {
             "residual"
         )?;
         for load in &self.loads {
-            let equilibrium = load.law.map_or(0.0, |law| law.residual_equilibrium);
-            let worst = gfmd_relax::worst([load.residual.worst(), equilibrium]);
             writeln!(
                 f,
                 "{:>11.4e} {:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>7.4} {:>11.4e} {:>11.4e} {:>11.4e} {:>7} {:>8.1} {:>9.1e}{}",
-                load.mean_pressure,
-                load.p_star,
-                load.displacement,
-                load.area_fraction,
-                load.area_fraction_corrected,
-                load.kappa,
-                load.mean_gap,
-                load.max_pressure,
-                load.stiffness,
-                load.iterations,
-                load.transform_pairs,
-                worst,
-                if load.converged { "" } else { "  NOT CONVERGED" }
+                load.number("mean_pressure"),
+                load.number("p_star"),
+                load.number("displacement"),
+                load.number("area_fraction"),
+                load.number("area_fraction_corrected"),
+                load.number("kappa"),
+                load.number("mean_gap"),
+                load.number("max_pressure"),
+                load.number("stiffness"),
+                load.number("iterations"),
+                load.number("transform_pairs"),
+                load.worst(),
+                if load.is("converged") { "" } else { "  NOT CONVERGED" }
             )?;
         }
         self.lower_face(f)?;
         self.statistics(f)?;
-        for line in Undefined::lines(self.loads.iter().map(|load| &load.undefined), ["load", "loads"]) {
+        for line in lines(&self.loads, ["load", "loads"], |_| true) {
             writeln!(f, "{line}")?;
         }
         list_files(f, self.vtk.as_deref(), &[])?;
@@ -110,17 +108,19 @@ impl Report {
             )?;
         }
         for load in &self.loads {
-            let Some(lower) = load.lower else { continue };
+            if !load.has("lower_mean_gap") {
+                continue;
+            }
             writeln!(
                 f,
                 "{:>11.4e} {:>11.4e} {:>9.6} {:>9.6} {:>11.4e} {:>11.4e} {:>9.1e}",
-                load.p_star,
-                lower.displacement,
-                lower.area_fraction,
-                lower.area_fraction_corrected,
-                lower.mean_gap,
-                lower.max_pressure,
-                lower.residual.worst()
+                load.number("p_star"),
+                load.number("lower_displacement"),
+                load.number("lower_area_fraction"),
+                load.number("lower_area_fraction_corrected"),
+                load.number("lower_mean_gap"),
+                load.number("lower_max_pressure"),
+                load.worst_of("lower_residual")
             )?;
         }
         Ok(())
@@ -128,42 +128,46 @@ impl Report {
 
     /// The lines of `--statistics` and `--flow`.
     fn statistics(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let yes = |[x, y]: [bool; 2]| match (x, y) {
-            (true, true) => "x, y",
-            (true, false) => "x",
-            (false, true) => "y",
+        let yes = |load: &Record, name: &str| match ["x", "y"].map(|axis| load.is(&format!("{name}_{axis}"))) {
+            [true, true] => "x, y",
+            [true, false] => "x",
+            [false, true] => "y",
             _ => "-",
         };
-        if self.loads.iter().any(|load| load.patches.is_some()) {
+        if self.loads.iter().any(|load| load.has("patches")) {
             writeln!(f, "\n{:>11} {:>9} {:>11} {:>10} {:>11}", "p*", "patches", "largest", "percolate", "conductance")?;
         }
         for load in &self.loads {
-            let Some(patches) = load.patches else { continue };
+            if !load.has("patches") {
+                continue;
+            }
             writeln!(
                 f,
                 "{:>11.4e} {:>9} {:>11.6} {:>10} {:>11.4e}",
-                load.p_star,
-                patches.count,
-                patches.largest_fraction,
-                yes(patches.percolates),
-                load.conductance.unwrap_or(f64::NAN)
+                load.number("p_star"),
+                load.number("patches"),
+                load.number("largest_patch_fraction"),
+                yes(load, "percolates"),
+                load.number("conductance")
             )?;
         }
-        if self.loads.iter().any(|load| load.flow.is_some()) {
+        if self.loads.iter().any(|load| load.has("flow_xx")) {
             let [xx, yy, xy] = ["flow xx", "flow yy", "flow xy"];
             let limit = "fine grid";
             writeln!(f, "\n{:>11} {xx:>8} {limit:>12} {yy:>8} {limit:>12} {xy:>8} {:>10}", "p*", "percolate")?;
         }
         for load in &self.loads {
-            let Some(flow) = load.flow else { continue };
-            let [[xx, xy], [_, yy]] = flow.conductivity;
+            if !load.has("flow_xx") {
+                continue;
+            }
+            let [xx, xy, yy] = ["xx", "xy", "yy"].map(|of| load.number(&format!("flow_{of}")));
             let limit =
-                |axis: usize| uncertain(flow.conductivity_limit[axis][axis], flow.conductivity_limit_error[axis][axis]);
-            let ([along_x, along_y], through) = ([0, 1].map(limit), yes(flow.percolates));
+                |of: &str| uncertain(load.number(&format!("{of}_limit")), load.number(&format!("{of}_limit_error")));
+            let ([along_x, along_y], through) = (["flow_xx", "flow_yy"].map(limit), yes(load, "flow_percolates"));
             writeln!(
                 f,
                 "{:>11.4e} {xx:>8.1e} {along_x:>12} {yy:>8.1e} {along_y:>12} {xy:>8.1e} {through:>10}",
-                load.p_star
+                load.number("p_star")
             )?;
         }
         for (axis, found) in ["x", "y"].iter().zip(self.flow_threshold.iter().flatten()) {

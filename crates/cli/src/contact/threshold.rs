@@ -3,14 +3,14 @@
 use gfmd_contact::{Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::{Patches, Scales};
-use gfmd_problem::Rest;
+use gfmd_problem::{Facts, Rest};
+use gfmd_record::{At, Record};
 use serde::Serialize;
 
 use super::watching::Watching;
 use super::{Args, Series};
 use crate::convergence::History;
 use crate::failure::{Failure, reached};
-use crate::load::LoadRecord;
 use crate::progress::Progress;
 
 /// The relative width of the interval at which the bisection ends.
@@ -30,14 +30,14 @@ pub struct Threshold {
 
 impl Threshold {
     fn between(open: &Sample, closed: &Sample) -> Self {
-        let both = |of: fn(&LoadRecord) -> f64| [of(&open.record), of(&closed.record)];
+        let both = |name: &str| [open, closed].map(|sample| sample.record.number(name));
         Self {
-            mean_pressure: both(|r| r.mean_pressure),
-            p_star: both(|r| r.p_star),
-            displacement: both(|r| r.displacement),
-            area_fraction: both(|r| r.area_fraction),
-            area_fraction_corrected: both(|r| r.area_fraction_corrected),
-            mean_gap: both(|r| r.mean_gap),
+            mean_pressure: both("mean_pressure"),
+            p_star: both("p_star"),
+            displacement: both("displacement"),
+            area_fraction: both("area_fraction"),
+            area_fraction_corrected: both("area_fraction_corrected"),
+            mean_gap: both("mean_gap"),
         }
     }
 }
@@ -45,7 +45,7 @@ impl Threshold {
 /// A load of the bisection.
 struct Sample {
     asked: f64,
-    record: LoadRecord,
+    record: Record,
     /// True along x (y) if something can flow.
     open: [bool; 2],
 }
@@ -127,13 +127,19 @@ impl Series<'_> {
         if let Some(stopped) = stopped {
             return Err(stopped.at(&format!("--flow-threshold, load {asked:e}")));
         }
-        let record = LoadRecord::measure(&state, scales, budget.tolerance, 0.0);
+        // Neither statistics nor flow are measured on the way.
+        let plain = Facts { statistics: false, flow: false, ..prepared.facts };
+        let record = Record::of(&At::in_scales(&plain, &state, scales, &surface.grid, budget.tolerance));
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
         let open = Patches::of(conducting.view(), surface.boundary.surroundings()).percolate();
         progress.advance(
             0.0,
-            &format!("threshold of the flow: p* {:.4e}, area {:.4}", record.p_star, record.area_fraction),
+            &format!(
+                "threshold of the flow: p* {:.4e}, area {:.4}",
+                record.number("p_star"),
+                record.number("area_fraction")
+            ),
         );
         *last = Some(state);
         Ok(Sample { asked, record, open })

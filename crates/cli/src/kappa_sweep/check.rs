@@ -5,13 +5,13 @@ use std::path::Path;
 use gfmd_contact::{Contact, Effort, Load, Residual};
 use gfmd_files::{Output, Reader};
 use gfmd_measure::Summary;
+use gfmd_record::Origin;
 use gfmd_sweep::{Analysis, Config, Example, Plan, Pressed, Study, run_one};
 use ndarray::Array2;
 
 use super::file;
 use crate::check::{Against, Comparison, Folder, Kind, Pair};
 use crate::failure::Failure;
-use crate::load::SCALARS;
 use crate::session::Session;
 
 /// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit only.
@@ -175,10 +175,11 @@ fn again(study: &Study, sample: Option<u64>, comparison: &mut Comparison, sessio
         }
         let loads = run_one(&study.plan, run, &())?;
         for (stored, found) in study.runs[run].iter().zip(&loads) {
-            for scalar in SCALARS {
-                let [stored, found] = [stored, found].map(|pressed| (scalar.value)(&file::record(pressed)));
-                let floor = if scalar.name.starts_with("residual_") { 1e-3 } else { 0.0 };
-                comparison.number(&format!("/runs/{} of run {run}", scalar.name), stored, found, floor);
+            let [stored, found] = [stored, found].map(file::record);
+            for column in file::scalars() {
+                let floor = if column.origin == Origin::Residual { 1e-3 } else { 0.0 };
+                let [stored, found] = [&stored, &found].map(|record| record.number(column.name));
+                comparison.number(&format!("/runs/{} of run {run}", column.name), stored, found, floor);
             }
         }
     }

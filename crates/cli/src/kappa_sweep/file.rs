@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
+use gfmd_problem::Facts;
+use gfmd_record::{At, COLUMNS, Measured, NOT_SOLVED, Record};
 use gfmd_sweep::{
     Analysis, Area, Config, Control, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study,
 };
@@ -12,7 +14,6 @@ use ndarray::Array2;
 
 use super::protocol;
 use crate::failure::Failure;
-use crate::load::{LoadRecord, SCALARS};
 
 /// Writes a study; the file appears under its name when it is complete.
 ///
@@ -84,11 +85,12 @@ fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Resu
     let seed = Variable { dimensions: &[&run], units: "1", long_name: "seed of the surface" };
     let seeds: Vec<i64> = rows.iter().map(|(run, _)| exact(run.seed)).collect();
     archive.write("/runs/seed", &seed, &seeds)?;
-    let records: Vec<LoadRecord> = runs.iter().flatten().map(record).collect();
-    for scalar in SCALARS {
-        let values: Vec<f64> = records.iter().map(scalar.value).collect();
-        let variable = Variable { dimensions: &[&run], units: scalar.units, long_name: scalar.long_name };
-        archive.write(&format!("/runs/{}", scalar.name), &variable, &values)?;
+    let records: Vec<Record> = runs.iter().flatten().map(record).collect();
+    let facts = Facts::default();
+    for column in scalars() {
+        let values: Vec<f64> = records.iter().map(|record| record.number(column.name)).collect();
+        let variable = Variable { dimensions: &[&run], units: column.unit, long_name: column.meaning(&facts) };
+        archive.write(&format!("/runs/{}", column.name), &variable, &values)?;
     }
     Ok(())
 }
@@ -98,9 +100,32 @@ fn exact(seed: u64) -> i64 {
     seed as i64
 }
 
+/// The columns of a run: those of a hard wall, but what a sweep does not measure and what differs between identical runs.
+pub(super) fn scalars() -> impl Iterator<Item = &'static gfmd_record::Column> {
+    let facts = Facts::default();
+    COLUMNS.iter().filter(move |column| {
+        (column.present)(&facts) && !["stiffness", "stiffness_error", "seconds"].contains(&column.name)
+    })
+}
+
 /// The record of a load, as in files of `contact`. A load that does not converge ends the sweep, so every load here has.
-pub(super) fn record(load: &Pressed) -> LoadRecord {
-    LoadRecord::of(&load.summary, load.approach, load.effort, load.residual.into(), true, f64::NAN)
+pub(super) fn record(load: &Pressed) -> Record {
+    let facts = Facts::default();
+    Record::of(&At {
+        facts: &facts,
+        rest: None,
+        lengths: [f64::NAN; 2],
+        points: 0,
+        summary: load.summary,
+        approach: load.approach,
+        effort: load.effort,
+        residuals: load.residual.parts().into(),
+        tolerance: f64::INFINITY,
+        seconds: f64::NAN,
+        stiffness: Err(NOT_SOLVED.into()),
+        measured: Measured::default(),
+        step: None,
+    })
 }
 
 fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Result<(), Failure> {

@@ -5,12 +5,12 @@ use gfmd_files::Reader;
 use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_law::Limit;
 use gfmd_problem::{Posed, Rest};
+use gfmd_record::{At, Column, Origin, Record, columns};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::{Array2, ArrayRef2};
 use std::path::Path;
 
 use super::file::PathFile;
-use super::record::{StepRecord, scalars};
 use super::{Args, Prepared};
 use crate::check::{
     Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
@@ -18,22 +18,6 @@ use crate::check::{
 };
 use crate::failure::Failure;
 use crate::session::Session;
-
-/// The scalars that follow from the fields of one state alone.
-const OF_THE_STATE: [&str; 12] = [
-    "mean_pressure",
-    "p_star",
-    "displacement",
-    "lateral_x",
-    "lateral_y",
-    "area_fraction",
-    "mean_gap",
-    "elastic_energy",
-    "interface_energy",
-    "plastic_fraction",
-    "plastic_volume",
-    "residual",
-];
 
 /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
 pub(crate) fn check(
@@ -54,11 +38,10 @@ pub(crate) fn check(
         let file = PathFile::create(output, &prepared, &args, session)?;
         file.finish(&[], prepared.drives.len(), None)
     })?;
-    let present =
-        scalars(prepared.facts.hardness, false).filter(|scalar| reader.contains(&format!("/path/{}", scalar.name)));
-    let columns = present.map(|scalar| {
-        let values = reader.values::<f64>(&format!("/path/{}", scalar.name))?;
-        Ok((scalar.name, values))
+    let names = columns(&prepared.facts).filter(|column| (column.in_file)(&prepared.facts)).map(|column| column.name);
+    let columns = names.filter(|name| reader.contains(&format!("/path/{name}"))).map(|name| {
+        let values = reader.values::<f64>(&format!("/path/{name}"))?;
+        Ok((name, values))
     });
     let columns: Vec<(&str, Vec<f64>)> = columns.collect::<Result<_, Failure>>()?;
     let stored = |name: &str, step: usize| -> f64 {
@@ -189,8 +172,10 @@ impl StateCheck<'_> {
             self.displacement(waypoint, &state, comparison)?;
         }
         let reading = contact.reading(&state);
-        let record = StepRecord::of(&state, &prepared.scales(), &reading, &Step::default(), args.tol);
-        self.scalars(record, comparison, stored);
+        let at = At::in_scales(&prepared.facts, &state, &self.prepared.scales(), &prepared.surface.grid, args.tol);
+        let step = Step::default();
+        let record = Record::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at });
+        self.scalars(&record, comparison, stored);
         Ok(())
     }
 
@@ -207,14 +192,12 @@ impl StateCheck<'_> {
     }
 
     /// Compares the scalars that follow from a state.
-    fn scalars(&self, record: StepRecord, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
-        let record = if self.prepared.facts.has_level() { record } else { record.without_level() };
-        let of_state =
-            scalars(self.prepared.facts.hardness, false).filter(|scalar| OF_THE_STATE.contains(&scalar.name));
-        for scalar in of_state {
-            let (path, stored, found) =
-                (format!("/path/{}", scalar.name), stored(scalar.name), (scalar.value)(&record));
-            match scalar.name {
+    fn scalars(&self, record: &Record, comparison: &mut Comparison, stored: &dyn Fn(&str) -> f64) {
+        let in_file = |column: &Column| (column.in_file)(&self.prepared.facts);
+        let of_state = |origin| matches!(origin, Origin::Fields | Origin::Residual);
+        for (column, cell) in record.cells().filter(|(column, _)| in_file(column) && of_state(column.origin)) {
+            let (path, stored, found) = (format!("/path/{}", column.name), stored(column.name), cell.number());
+            match column.name {
                 // The displacement outside of a patch is that by the pressure, to the residual.
                 "residual" if self.is_law_on_patch() => {
                     for residual in [stored, found] {
@@ -223,7 +206,7 @@ impl StateCheck<'_> {
                 }
                 "residual" => comparison.number(&path, stored, found, 1e-3),
                 _ if self.is_law_on_patch() => {
-                    let unit = match scalar.units {
+                    let unit = match column.unit {
                         "stress" => self.stress(),
                         "length" => self.height(),
                         "stress*length" => self.stress() * self.height(),

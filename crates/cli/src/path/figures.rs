@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_record::Record;
 
-use super::{Report, StepRecord};
+use super::Report;
 use crate::failure::Failure;
 use crate::figures::{Scene, named};
 
@@ -19,16 +20,16 @@ pub(super) fn draw(
     let unit = report.head.unit.as_deref().unwrap_or("length");
     let mut files = scene.draw(prefix)?;
     let unit_pressure = report.head.e_star * report.head.rms_gradient;
-    let legs = |of: &dyn Fn(&StepRecord) -> (f64, f64)| -> Vec<Series> {
+    let legs = |of: &dyn Fn(&Record) -> (f64, f64)| -> Vec<Series> {
         legs(&report.steps.iter().map(of).collect::<Vec<_>>(), steps_of_leg)
     };
-    let lateral = |step: &StepRecord| report.along(step.lateral);
-    let shear = |step: &StepRecord| report.along(step.mean_shear);
+    let lateral = |step: &Record| report.along(step.vector("lateral"));
+    let shear = |step: &Record| report.along(step.vector("mean_shear"));
     let reduced = "*p*/(*E*\\* *ḡ*)";
     let panels = if report.moves_sideways() {
         let x = Axis::linear(&format!("lateral displacement / {unit}"));
-        let share = |step: &StepRecord| step.stick_fraction.unwrap_or(step.area_fraction);
-        let sticking = report.steps.iter().any(|step| step.stick_fraction.is_some());
+        let share = |step: &Record| step.value("stick_fraction").unwrap_or_else(|| step.number("area_fraction"));
+        let sticking = report.steps.iter().any(|step| step.value("stick_fraction").is_some());
         let area = if sticking { "sticking area" } else { "contact area" };
         vec![
             Panel {
@@ -43,7 +44,7 @@ pub(super) fn draw(
         let approach = Panel {
             x: Axis::linear(&format!("approach / {unit}")),
             y: Axis::linear(reduced),
-            series: legs(&|step| (step.displacement, step.p_star)),
+            series: legs(&|step| (step.number("displacement"), step.number("p_star"))),
             ..Panel::default()
         };
         let mut panels = vec![
@@ -51,11 +52,11 @@ pub(super) fn draw(
             Panel {
                 x: Axis::linear(reduced),
                 y: Axis::linear("contact area"),
-                series: legs(&|step| (step.p_star, step.area_fraction)),
+                series: legs(&|step| (step.number("p_star"), step.number("area_fraction"))),
                 ..Panel::default()
             },
         ];
-        if report.steps.iter().all(|step| step.undefined.has("displacement")) {
+        if report.steps.iter().all(|step| step.value("displacement").is_none()) {
             panels.remove(0);
         }
         panels

@@ -3,14 +3,13 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use gfmd_record::{Record, lines};
 use serde::Serialize;
 
-use super::StepRecord;
 use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
 use crate::law::Adhesion;
-use crate::load::Undefined;
 use crate::memory::peak_bytes;
 use crate::scan::Scan;
 use crate::session::list_files;
@@ -55,7 +54,7 @@ pub struct Head {
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
-    pub steps: Vec<StepRecord>,
+    pub steps: Vec<Record>,
     /// Stiffness and friction of each leg with lateral motion.
     pub sliding: Vec<Sliding>,
     /// Energy lost along the path, per area; `None` if the tractions have no energy.
@@ -88,15 +87,15 @@ pub struct Sliding {
 
 impl Report {
     /// Collects the results of the steps; a leg has `steps_of_leg` steps.
-    pub(super) fn new(head: Head, steps: Vec<StepRecord>, steps_of_leg: usize) -> Self {
-        let sum = |of: fn(&StepRecord) -> Option<f64>| steps.iter().filter_map(of).reduce(|a, b| a + b);
+    pub(super) fn new(head: Head, steps: Vec<Record>, steps_of_leg: usize) -> Self {
+        let sum = |name: &str| steps.iter().filter_map(|step| step.value(name)).reduce(|a, b| a + b);
         let mut report = Self {
             head,
             sliding: Vec::new(),
-            dissipated: sum(|step| step.dissipated),
-            dissipated_error: sum(|step| step.dissipated_error),
-            extra_solves: steps.iter().map(|step| step.extra_solves).sum(),
-            lowest_mean_pressure: steps.iter().map(|step| step.mean_pressure).fold(f64::INFINITY, f64::min),
+            dissipated: sum("dissipated"),
+            dissipated_error: sum("dissipated_error"),
+            extra_solves: steps.iter().map(|step| step.number("extra_solves") as u64).sum(),
+            lowest_mean_pressure: steps.iter().map(|step| step.number("mean_pressure")).fold(f64::INFINITY, f64::min),
             parted_at: None,
             not_converged: None,
             peak_bytes: peak_bytes(),
@@ -115,7 +114,7 @@ impl Report {
 
     /// Returns true if the rigid surface moves sideways.
     pub fn moves_sideways(&self) -> bool {
-        self.steps.iter().any(|step| step.lateral != self.steps[0].lateral)
+        self.steps.iter().any(|step| step.vector("lateral") != self.steps[0].vector("lateral"))
     }
 
     /// The stiffness and the friction of each leg with lateral motion.
@@ -123,9 +122,10 @@ impl Report {
         let last = self.steps.len().saturating_sub(1);
         let leg = |(number, start): (usize, usize)| {
             let leg = &self.steps[start..=(start + steps_of_leg).min(last)];
-            let [moved, sheared] = [|step: &StepRecord| step.lateral, |step: &StepRecord| step.mean_shear]
-                .map(|of| self.along(of(&leg[1])) - self.along(of(&leg[0])));
-            let coefficient = |step: &StepRecord| (self.along(step.mean_shear) / step.mean_pressure).abs();
+            let [moved, sheared] =
+                ["lateral", "mean_shear"].map(|name| self.along(leg[1].vector(name)) - self.along(leg[0].vector(name)));
+            let coefficient =
+                |step: &Record| (self.along(step.vector("mean_shear")) / step.number("mean_pressure")).abs();
             (moved != 0.0).then(|| Sliding {
                 leg: number + 1,
                 tangential_stiffness: sheared / moved,
@@ -136,38 +136,45 @@ impl Report {
     }
 }
 
+/// The columns of the table that may be without a value although others of their kind have one.
+const TABLE: [&str; 4] = ["displacement", "elastic_energy", "dissipated", "passed_instability"];
+
 /// A column of the table: its head, and its entry for a step.
-type Column<'a> = (&'static str, Box<dyn Fn(&StepRecord) -> String + 'a>);
+type Column<'a> = (&'static str, Box<dyn Fn(&Record) -> String + 'a>);
 
 impl Report {
     /// The columns that apply to any of the steps.
     fn columns(&self) -> Vec<Column<'_>> {
-        fn short<'a>(of: impl Fn(&StepRecord) -> f64 + 'a) -> Box<dyn Fn(&StepRecord) -> String + 'a> {
+        fn short<'a>(of: impl Fn(&Record) -> f64 + 'a) -> Box<dyn Fn(&Record) -> String + 'a> {
             Box::new(move |step| format!("{:>12.4e}", of(step)))
         }
-        fn share(of: fn(&StepRecord) -> f64) -> Box<dyn Fn(&StepRecord) -> String> {
-            Box::new(move |step| format!("{:>12.6}", of(step)))
+        fn share(name: &'static str) -> Box<dyn Fn(&Record) -> String> {
+            Box::new(move |step| format!("{:>12.6}", step.number(name)))
         }
-        let any = |of: fn(&StepRecord) -> Option<f64>| self.steps.iter().any(|step| of(step).is_some());
+        let number = |name: &'static str| short(move |step| step.number(name));
+        let any = |name: &str| self.steps.iter().any(|step| step.value(name).is_some());
         let sideways = self.moves_sideways();
         let columns: [(bool, Column); 14] = [
-            (true, ("pressure", short(|step| step.mean_pressure))),
-            (true, ("approach", short(|step| step.displacement))),
-            (sideways, ("lateral", short(|step| self.along(step.lateral)))),
-            (sideways, ("shear", short(|step| self.along(step.mean_shear)))),
-            (true, ("area", share(|step| step.area_fraction))),
-            (any(|step| step.stick_fraction), ("stick", share(|step| step.stick_fraction.unwrap_or(f64::NAN)))),
-            (true, ("energy", short(|step| step.elastic_energy + step.interface_energy.unwrap_or(0.0)))),
-            (any(|step| step.plastic_volume), ("plastic", share(|step| step.plastic_fraction.unwrap_or(f64::NAN)))),
-            (any(|step| step.plastic_volume), ("depth", short(|step| step.plastic_volume.unwrap_or(f64::NAN)))),
-            (any(|step| step.dissipated), ("dissipated", short(|step| step.dissipated.unwrap_or(f64::NAN)))),
-            (any(|step| step.dissipated_error), ("+-", short(|step| step.dissipated_error.unwrap_or(f64::NAN)))),
+            (true, ("pressure", number("mean_pressure"))),
+            (true, ("approach", number("displacement"))),
+            (sideways, ("lateral", short(|step| self.along(step.vector("lateral"))))),
+            (sideways, ("shear", short(|step| self.along(step.vector("mean_shear"))))),
+            (true, ("area", share("area_fraction"))),
+            (any("stick_fraction"), ("stick", share("stick_fraction"))),
             (
-                self.steps.iter().any(|step| step.increments > Some(1)),
-                ("increments", Box::new(|step| format!("{:>12}", step.increments.unwrap_or(1)))),
+                true,
+                ("energy", short(|step| step.number("elastic_energy") + step.value("interface_energy").unwrap_or(0.0))),
             ),
-            (true, ("steps", Box::new(|step| format!("{:>12}", step.iterations)))),
-            (true, ("residual", Box::new(|step| format!("{:>12.1e}", step.residual.worst())))),
+            (any("plastic_volume"), ("plastic", share("plastic_fraction"))),
+            (any("plastic_volume"), ("depth", number("plastic_volume"))),
+            (any("dissipated"), ("dissipated", number("dissipated"))),
+            (any("dissipated_error"), ("+-", number("dissipated_error"))),
+            (
+                self.steps.iter().any(|step| step.number("increments") > 1.0),
+                ("increments", Box::new(|step| format!("{:>12}", step.number("increments")))),
+            ),
+            (true, ("steps", Box::new(|step| format!("{:>12}", step.number("iterations"))))),
+            (true, ("residual", Box::new(|step| format!("{:>12.1e}", step.worst())))),
         ];
         columns.into_iter().filter(|(applies, _)| *applies).map(|(_, column)| column).collect()
     }
@@ -198,8 +205,8 @@ impl fmt::Display for Report {
             writeln!(
                 f,
                 "{index:>5}{values}{}{}",
-                if step.passed_instability == Some(true) { "  passed an instability" } else { "" },
-                if step.converged { "" } else { "  NOT CONVERGED" }
+                if step.is("passed_instability") { "  passed an instability" } else { "" },
+                if step.is("converged") { "" } else { "  NOT CONVERGED" }
             )?;
         }
         if let Some(step) = self.parted_at {
@@ -220,7 +227,7 @@ impl fmt::Display for Report {
             }
         }
         writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
-        for line in Undefined::lines(self.steps.iter().map(|step| &step.undefined), ["step", "steps"]) {
+        for line in lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column)) {
             writeln!(f, "{line}")?;
         }
         list_files(f, self.out.as_deref(), &self.plots)

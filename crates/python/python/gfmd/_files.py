@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -15,27 +14,10 @@ from ._body import Body, Law
 from ._check import Array
 from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
 from ._errors import InputError
-from ._record import Record, Residual
+from ._record import json_of, of_load
 from ._surface import Surface, _surface
 
-_COUNTS = ("contact_nodes", "boundary_links", "iterations")
-_FLAGS = ("converged", "passed_instability")
-_STIFFNESS = ("stiffness", "stiffness_error")
 _CONTROLS = ("pressure", "p_star", "displacement")
-_RESIDUALS = ("complementarity", "penetration", "negative_pressure", "load")
-
-
-def _toml(values: Mapping[str, Any], under: str = "") -> str:
-    """Scalars as TOML, which has NaN; parts as tables."""
-
-    def text(value: Any) -> str:
-        return str(value).lower() if isinstance(value, bool) else repr(value)
-
-    rows = [f"{name} = {text(value)}" for name, value in values.items() if not isinstance(value, Mapping)]
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            rows += [f"[{under}{name}]", _toml(value, f"{under}{name}.")]
-    return "\n".join(rows)
 
 
 def _others(body: Body) -> dict[str, Any]:
@@ -75,7 +57,7 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         "law": law.name,
         **({"param": [[name, value] for name, value in law.parameters.items()]} if law.parameters else {}),
     }
-    loads = [(_toml(contact._values), list(contact._fields().values())) for contact in contacts]
+    loads = [(json_of(contact._values), list(contact._fields().values())) for contact in contacts]
     field = None if first.hardness is None or isinstance(first.hardness, float) else first.hardness
     lower = None if first.lower_surface is None else _given(first.lower_surface)
     _gfmd.save(_check.path("path", name), _given(surface), loads, _gfmd.json_to_toml(json.dumps(config)), field, lower)
@@ -100,42 +82,6 @@ def _array(name: str, dataset: str, shape: tuple[int, ...]) -> Array:
     found = _gfmd.read_array(name, dataset)
     if found.shape != shape:
         raise InputError(f"{name}: {dataset} has the shape {list(found.shape)}; it must be {list(shape)}")
-    return found
-
-
-def _lower(name: str, loads: tuple[int]) -> list[Record]:
-    """The contacts of the lower face in a file."""
-    keys = ["mean_pressure", "displacement", "area_fraction", "area_fraction_corrected", "contact_nodes", "boundary_links"]
-    keys += ["mean_gap", "max_pressure", "mean_pressure_in_contact"]
-    columns = {key: _array(name, f"/loads/lower_{key}", loads) for key in keys}
-    residuals = {part: _array(name, f"/loads/lower_residual_{part}", loads) for part in _RESIDUALS}
-
-    def one(index: int) -> Record:
-        residual = Residual({part: float(values[index]) for part, values in residuals.items()})
-        return Record({**{key: _number(key, float(column[index])) for key, column in columns.items()}, "residual": residual})
-
-    return [one(index) for index in range(len(columns["mean_gap"]))]
-
-
-def _number(key: str, value: float) -> Any:
-    if key in _COUNTS and np.isfinite(value):
-        return int(value)
-    return bool(value) if key in _FLAGS else value
-
-
-def _reasons(name: str, keys: Sequence[str], loads: int) -> list[dict[str, str]]:
-    """The reasons why numbers of each load have no value, from the attributes `undefined` of a file."""
-    found: list[dict[str, str]] = [{} for _ in range(loads)]
-    for key in keys:
-        try:
-            text = _gfmd.read_text(name, f"/loads/{key}", "undefined")
-        except InputError:
-            continue
-        for part in re.split(r"; (?=loads? \d)", text):
-            some = re.match(r"loads? ([\d, ]+): ", part)
-            reason = part[some.end() :] if some else part
-            for index in [int(number) for number in some[1].split(",")] if some else range(loads):
-                found[index][key] = reason
     return found
 
 
@@ -169,46 +115,11 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     young, height = None if e_star is not None else config.get("young"), None if height == "inf" else height
     body = Body(young, config.get("poisson", 0.0), e_star=e_star, height=height, layers=config.get("layer", ()), **below)
     law = Law(config.get("law", "hard-wall"), {key: float("nan" if value is None else value) for key, value in config.get("param", [])})
-    names = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "kappa", "kappa_corrected"]
-    names += ["contact_nodes", "boundary_links", "mean_gap", "max_pressure", "mean_pressure_in_contact", "pressure_deviation_in_contact"]
-    names += ["pressure_moment_2", "elastic_energy", "stiffness", "stiffness_error", "iterations", "transform_pairs", "converged", "residual", "seconds"]
-    if law.name != "hard-wall":
-        names += ["interface_energy", "passed_instability", "lowest_curvature", "residual_equilibrium"]
-    if config.get("boundary") == "free":
-        names.append("force")
-    if hardness is not None:
-        names += ["plastic_fraction", "plastic_volume"]
-    if finite_slope:
-        names += ["mean_shear", "projected_area_fraction"]
+    records = [of_load(record) for record in _gfmd.read_records(name)]
+    shape = (len(records), *surface.heights.shape)
     components = str(config.get("components", "normal"))
-    parts = [*_RESIDUALS, *(["saturation"] if hardness is not None else [])]
-    parts += ["lateral_traction"] * (components == "all") + ["lateral_displacement"] * finite_slope
-    pressures = _gfmd.read_array(name, "/loads/mean_pressure")
-    if pressures.ndim != 1:
-        raise InputError(f"{name}: /loads/mean_pressure has the shape {list(pressures.shape)}; it must be [loads]")
-    loads = pressures.shape
-    shape = (*loads, *surface.heights.shape)
-    residuals = {part: _array(name, f"/loads/residual_{part}", loads) for part in parts}
-    columns = {key: _array(name, f"/loads/{key}", loads) for key in names if key not in ("residual", "mean_shear", *_STIFFNESS)}
-    if finite_slope:
-        columns["mean_shear"] = np.stack([_array(name, f"/loads/mean_shear_{axis}", loads) for axis in "xy"], axis=1)
-    for key in _STIFFNESS:
-        try:
-            column = _array(name, f"/loads/{key}", loads)
-        except InputError:  # a file of an earlier version
-            column = np.full_like(columns["mean_pressure"], np.nan)
-        # Infinite in full contact: no number, as in JSON.
-        columns[key] = np.where(np.isinf(column), np.nan, column)
     fields = [_array(name, f"/fields/{field}", shape) for field in ("pressure", "displacement_z", "gap")]
 
-    def scalar(key: str, index: int) -> Any:
-        if key == "residual":
-            return Residual({part: float(values[index]) for part, values in residuals.items()})
-        if key == "mean_shear":
-            return columns[key][index].tolist()
-        return _number(key, float(columns[key][index]))
-
-    faces = _lower(name, loads) if between else []
     lateral = LATERAL[: 1 if surface.n[1] == 1 else 2] if components == "all" or finite_slope else ()
     further = (*(() if hardness is None else ("plastic_depth",)), *lateral, *(LOWER if between else ()))
     others = {field: _array(name, f"/fields/{field}", shape) for field in further}
@@ -221,16 +132,11 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     settings = Settings(*told, hardness, components, finite_slope, lower)
     control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))
 
-    reasons = _reasons(name, [*columns, *(f"residual_{part}" for part in residuals)], len(fields[0]))
-
     def contact(index: int) -> Contact:
         pressure, displacement, gap = (np.ascontiguousarray(field[index]) for field in fields)
-        values = {**{key: scalar(key, index) for key in names}, **({"lower": faces[index]} if between else {})}
-        if reasons[index]:
-            values["undefined"] = reasons[index]
         own = {field: np.ascontiguousarray(column[index]) for field, column in others.items()}
         load = (control, float(asked[index])) if index < len(asked) and asked[index] is not None else None
-        return Contact(values, (surface, body, law), (pressure, displacement, gap), settings._replace(load=load), None, own)
+        return Contact(records[index], (surface, body, law), (pressure, displacement, gap), settings._replace(load=load), None, own)
 
-    contacts = [contact(index) for index in range(len(fields[0])) if np.isfinite(columns["mean_pressure"][index])]
+    contacts = [contact(index) for index, record in enumerate(records) if np.isfinite(record["mean_pressure"])]
     return contacts[0] if len(contacts) == 1 else Contacts(contacts)

@@ -132,3 +132,28 @@ def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
         return math.nan if value is None else value
 
     return {name: told(value) for name, value in values.items()}
+
+
+def of_load(record: str) -> dict[str, Any]:
+    """The numbers of a load, from its JSON: parts as Records, NaN in place of null."""
+
+    def part(name: str, value: Any) -> Any:
+        if not isinstance(value, dict) or name == "undefined":
+            return value
+        kind = Residual if name == "residual" else Record
+        return kind(without_null({key: part(key, entry) for key, entry in value.items()}))
+
+    return without_null({name: part(name, value) for name, value in parsed(record).items()})
+
+
+def json_of(values: Mapping[str, Any]) -> str:
+    """The numbers of a load as JSON, which has no NaN."""
+
+    def told(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {name: told(entry) for name, entry in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [told(entry) for entry in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    return json.dumps(told(values))

@@ -15,7 +15,7 @@ from ._command import body_flags
 from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
-from ._record import Record, Residual, parsed, without_null
+from ._record import of_load
 from ._surface import Surface, as_hardness, as_lower, as_surface
 
 
@@ -133,10 +133,7 @@ class _Setup:
 
     def solved(self, problem: Any, control: str, value: float, start: Any, progress: Progress) -> Contact:
         state, record, failure, raised = problem.solve(control, value, self.tolerance, self.max_iterations, start, self.threads, progress.tick)
-        values = parsed(record)
-        values["residual"] = Residual(without_null(values["residual"]))
-        if "lower" in values:
-            values["lower"] = Record({**without_null(values["lower"]), "residual": Residual(without_null(values["lower"]["residual"]))})
+        values = of_load(record)
         parts = (self.surface, self.body, self.law)
         pressure, displacement, gap = state.fields
         load = (_FLAGS[control], value)
@@ -145,7 +142,7 @@ class _Setup:
         others.update(zip(LOWER, state.lower or ()))
         if state.repulsion is not None:
             others[REPULSION] = state.repulsion
-        contact = Contact(without_null(values), parts, (pressure, displacement, gap), settings, state, others)
+        contact = Contact(values, parts, (pressure, displacement, gap), settings, state, others)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:

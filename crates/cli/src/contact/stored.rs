@@ -1,0 +1,60 @@
+//! The records in the file of a contact.
+
+use gfmd_files::Reader;
+use gfmd_problem::Facts;
+use gfmd_record::{Record, reason_of};
+
+use super::Args;
+use crate::check::{Configuration, Kind, parsed};
+use crate::failure::Failure;
+use crate::session::{Common, Session};
+
+/// The facts of the configuration of a contact, whose surface may be a `line`.
+///
+/// # Errors
+/// A configuration of another kind, or of flags that cannot be.
+pub fn facts_of(config: &str, line: bool) -> Result<Facts, Failure> {
+    let config = Configuration::read(Kind::Contact, config)?;
+    let args: Args = parsed(&config.words(&[]))?;
+    let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
+    Ok(args.facts(line, &session))
+}
+
+/// The records of all loads of a file. A number that the file does not have is NaN.
+///
+/// # Errors
+/// A file that is no result of a contact.
+pub fn records(reader: &Reader) -> Result<Vec<Record>, Failure> {
+    let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
+    let config = reader.text("/", "config").map_err(refuse)?;
+    let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
+    let facts = facts_of(&config, line)?;
+    let shape = reader.shape("/loads/mean_pressure").map_err(refuse)?;
+    let &[count] = &shape[..] else {
+        let path = reader.path().display();
+        return Err(Failure::Input(format!(
+            "{path}: /loads/mean_pressure has the shape {shape:?}; it must be [loads]"
+        )));
+    };
+    let mut columns = std::collections::BTreeMap::new();
+    for column in gfmd_record::columns(&facts) {
+        let path = format!("/loads/{}", column.name);
+        let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
+        if !values.is_empty() && values.len() != count {
+            let file = reader.path().display();
+            return Err(Failure::Input(format!(
+                "{file}: {path} has the shape [{}]; it must be [{count}]",
+                values.len()
+            )));
+        }
+        columns.insert(column.name, (values, reader.text(&path, "undefined").ok()));
+    }
+    let record = |row: usize| {
+        Record::stored(&facts, |column| {
+            let (values, reasons) = &columns[column.name];
+            let value = values.get(row).copied().unwrap_or(f64::NAN);
+            (value, reasons.as_ref().filter(|_| value.is_nan()).and_then(|reasons| reason_of(reasons, row)))
+        })
+    };
+    Ok((0..count).map(record).collect())
+}

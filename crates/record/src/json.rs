@@ -1,0 +1,194 @@
+//! Records as JSON: nested, as they are printed, or flat, by the names of a file.
+
+use std::collections::BTreeMap;
+
+use gfmd_problem::Facts;
+use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
+use serde_json::Value;
+
+use crate::columns::columns;
+use crate::{Cell, Column, Record};
+
+/// The key of the reasons.
+const UNDEFINED: &str = "undefined";
+
+/// Error: JSON that is no record of a problem.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// Text that is no JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// A value of another type.
+    #[error("{column} is {found}; it must be a number, true, false or null")]
+    Value {
+        /// The column.
+        column: &'static str,
+        /// The value found.
+        found: String,
+    },
+}
+
+/// Nested JSON, in the order of the columns. Keys that are numbers are the places in a list, whose gaps are `null`.
+#[derive(Default)]
+struct Tree<'a>(Vec<(&'static str, Branch<'a>)>);
+
+enum Branch<'a> {
+    Leaf(&'a Cell),
+    Tree(Tree<'a>),
+}
+
+impl<'a> Tree<'a> {
+    fn put(&mut self, path: &'static str, cell: &'a Cell) {
+        let Some((key, rest)) = path.split_once('.') else {
+            self.0.push((path, Branch::Leaf(cell)));
+            return;
+        };
+        let place = self.0.iter().position(|(other, _)| *other == key).unwrap_or_else(|| {
+            self.0.push((key, Branch::Tree(Tree::default())));
+            self.0.len() - 1
+        });
+        if let Branch::Tree(tree) = &mut self.0[place].1 {
+            tree.put(rest, cell);
+        }
+    }
+
+    /// The length of the list that the tree is; `None` if it is no list.
+    fn length(&self) -> Option<usize> {
+        self.0.iter().map(|(key, _)| key.parse::<usize>().ok().map(|place| place + 1)).max()?
+    }
+
+    /// Writes a list of at least so many entries.
+    fn list<S: Serializer>(&self, serializer: S, length: usize) -> Result<S::Ok, S::Error> {
+        // Lists in a list have one length.
+        let inner = self.0.iter().filter_map(|(_, branch)| match branch {
+            Branch::Tree(tree) => tree.length(),
+            Branch::Leaf(_) => None,
+        });
+        let inner = inner.max();
+        let mut list = serializer.serialize_seq(Some(length))?;
+        for place in 0..length {
+            let entry = self.0.iter().find(|(key, _)| key.parse() == Ok(place));
+            match entry.map(|(_, branch)| branch) {
+                Some(Branch::Leaf(cell)) => list.serialize_element(cell)?,
+                Some(Branch::Tree(tree)) => list.serialize_element(&Padded(tree, inner))?,
+                None => list.serialize_element(&())?,
+            }
+        }
+        list.end()
+    }
+}
+
+/// A tree whose list has at least so many entries.
+struct Padded<'t, 'a>(&'t Tree<'a>, Option<usize>);
+
+impl Serialize for Padded<'_, '_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match (self.0.length(), self.1) {
+            (Some(own), padded) => self.0.list(serializer, own.max(padded.unwrap_or(0))),
+            (None, _) => self.0.serialize(serializer),
+        }
+    }
+}
+
+impl Serialize for Tree<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if let Some(length) = self.length() {
+            return self.list(serializer, length);
+        }
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (key, branch) in &self.0 {
+            match branch {
+                Branch::Leaf(cell) => map.serialize_entry(key, cell)?,
+                Branch::Tree(tree) => map.serialize_entry(key, tree)?,
+            }
+        }
+        map.end()
+    }
+}
+
+/// As it is printed: nested, with the reasons of numbers without a value.
+impl Serialize for Record {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tree = Tree::default();
+        self.cells
+            .iter()
+            .filter(|(column, _)| !column.json.is_empty())
+            .for_each(|(column, cell)| tree.put(column.json, cell));
+        let reasons: BTreeMap<&str, &str> = self.undefined().collect();
+        let mut map = serializer.serialize_map(None)?;
+        for (key, branch) in &tree.0 {
+            match branch {
+                Branch::Leaf(cell) => map.serialize_entry(key, cell)?,
+                Branch::Tree(tree) => map.serialize_entry(key, tree)?,
+            }
+        }
+        if !reasons.is_empty() {
+            map.serialize_entry(UNDEFINED, &reasons)?;
+        }
+        map.end()
+    }
+}
+
+/// A record as a journal keeps it: flat, by the names of a file.
+struct Flat<'a>(&'a Record);
+
+impl Serialize for Flat<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let reasons: BTreeMap<&str, &str> = self.0.undefined().collect();
+        let mut map = serializer.serialize_map(None)?;
+        self.0.cells.iter().try_for_each(|(column, cell)| map.serialize_entry(column.name, cell))?;
+        map.serialize_entry(UNDEFINED, &reasons)?;
+        map.end()
+    }
+}
+
+impl Record {
+    /// The record as one line, from which [`from_line`](Self::from_line) makes it again, to the last bit.
+    ///
+    /// # Errors
+    /// None for numbers.
+    pub fn to_line(&self) -> Result<String, RecordError> {
+        Ok(serde_json::to_string(&Flat(self))?)
+    }
+
+    /// The record of a problem from its line.
+    ///
+    /// # Errors
+    /// Text that is no such line.
+    pub fn from_line(facts: &Facts, line: &str) -> Result<Self, RecordError> {
+        Self::read(facts, &serde_json::from_str(line)?, |column| column.name)
+    }
+
+    /// The record of a problem from its nested JSON. Numbers that JSON does not have are without a value.
+    ///
+    /// # Errors
+    /// A value that is no number.
+    pub fn from_json(facts: &Facts, value: &Value) -> Result<Self, RecordError> {
+        Self::read(facts, value, |column| column.json)
+    }
+
+    fn read(facts: &Facts, value: &Value, place: fn(&Column) -> &'static str) -> Result<Self, RecordError> {
+        let reasons = value.get(UNDEFINED);
+        let cells = columns(facts).map(|column| {
+            let found = place(column).split('.').try_fold(value, |value, key| match key.parse::<usize>() {
+                Ok(index) => value.get(index),
+                Err(_) => value.get(key),
+            });
+            let reason = reasons.and_then(|reasons| reasons.get(column.name)?.as_str());
+            let cell = match (found, reason) {
+                (_, Some(reason)) => Cell::undefined(reason.to_owned()),
+                (None | Some(Value::Null), None) => Cell::Real(f64::NAN),
+                (Some(Value::Bool(flag)), None) => Cell::Flag(*flag),
+                (Some(Value::Number(number)), None) => match (number.as_u64(), number.as_f64()) {
+                    (Some(count), _) => Cell::Count(count),
+                    (None, found) => Cell::Real(found.unwrap_or(f64::NAN)),
+                },
+                (Some(other), None) => {
+                    return Err(RecordError::Value { column: column.name, found: other.to_string() });
+                }
+            };
+            Ok((column, cell))
+        });
+        Ok(Self { cells: cells.collect::<Result<_, _>>()? })
+    }
+}
