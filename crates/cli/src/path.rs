@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
+use clap::builder::ArgPredicate;
 use gfmd_contact::{
     Boundary, Budget, Drive, Equilibrium as _, Fields as _, Hardness, Refusal, RigidSurface, SolveError, Visit,
 };
@@ -45,6 +46,10 @@ use crate::source::{SourceArgs, Surface};
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;
 pub use self::report::{Head, Report, Sliding};
+
+/// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
+const FRICTION_SOLVES: [(&str, ArgPredicate, &str); 2] =
+    [("friction", ArgPredicate::IsPresent, "10"), ("shear_strength", ArgPredicate::IsPresent, "10")];
 
 /// Flags of `path`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -94,12 +99,19 @@ pub struct Args {
     /// Largest number of iterations for one step
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
-    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction also twice
-    /// the largest change of the shear, as an energy, when the increments of a step are halved
+    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction
+    /// also twice the largest change of the shear in a step, as an energy, when its increments are halved, and its root
+    /// that of the part of the contact that sticks, when the last one is
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
-    /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the shear; 0 for none
-    #[arg(long, default_value_t = Refinement::default().solves_per_step, value_name = "N")]
+    /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
+    /// shear; 0 for none; with friction the default is 10
+    #[arg(
+        long,
+        default_value_t = Refinement::default().solves_per_step,
+        default_value_ifs = FRICTION_SOLVES,
+        value_name = "N"
+    )]
     energy_solves: u64,
     #[command(flatten)]
     #[serde(skip)]
@@ -287,7 +299,7 @@ impl Prepared {
             progress.advance(log.steps.len() as f64, "kept");
         }
         let (mut parted_at, mut failure, mut not_converged) = (None, None, None);
-        let mut unsettled = Vec::new();
+        let (mut unsettled, mut settling_solves) = (Vec::new(), 0);
         for (index, drive) in self.drives.iter().enumerate().skip(log.steps.len()) {
             let started = Instant::now();
             let mut history = History::default();
@@ -304,6 +316,7 @@ impl Prepared {
                     let fields = log.write(state, &problem.reading(state), &step, seconds)?;
                     if step.is_unsettled {
                         unsettled.push(index);
+                        settling_solves = settling_solves.max(path.settling_solves(&step));
                     }
                     let record = &log.steps[index];
                     let [pressure, area] = ["mean_pressure", "area_fraction"].map(|name| record.number(name));
@@ -356,8 +369,9 @@ impl Prepared {
             session.warn(
                 "increments",
                 format!(
-                    "step {first}{others}: shear and lost energy may change by more than --energy-tol {energy_tol} with more increments; \
-                     --energy-solves {energy_solves} did not suffice: raise it, or take more --steps"
+                    "step {first}{others}: shear, lost energy and sticking points may change by more than \
+                     --energy-tol {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: \
+                     about {settling_solves} should, or take more --steps"
                 ),
             );
         }

@@ -127,3 +127,30 @@ fn the_error_of_the_grid_of_a_flow_contains_the_flow_on_a_grid_eight_times_finer
     assert!(all >= 16 && f64::from(covered) >= 0.85 * f64::from(all), "{covered} of {all}");
     assert!(largest > 0.03, "the grid matters: {largest}");
 }
+
+#[test]
+fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let surface = "--n 32 --rms-height 0.02 --json --displacement";
+    let words = |command: &'static str, displacement: &'static str, more: &'static str| {
+        let words = [command].into_iter().chain(surface.split(' ')).chain([displacement]);
+        words.chain(more.split_whitespace()).collect::<Vec<_>>()
+    };
+    // Without a hardness it is beyond full contact.
+    let refused = gfmd(folder.path(), &words("path", "0.1", ""));
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && told.contains("less than the mean clearance"), "{told}");
+    let contact = &json(folder.path(), &words("contact", "0.1", "--hardness 0.05"))["loads"][0];
+    let path = json(folder.path(), &words("path", "0.06,0.1", "--hardness 0.05 --steps 1 --out p.h5"));
+    let steps = path["steps"].as_array().unwrap();
+    // Nearly all of the surface carries the hardness, whose depth the step before began.
+    let [mean, first, last] = [contact, &steps[0], &steps[1]].map(|state| number(state, "mean_pressure"));
+    assert!(mean > 0.95 * 0.05 && first < 0.8 * mean);
+    approx::assert_relative_eq!(last, mean, max_relative = 1e-3);
+    assert!(number(&steps[1], "dissipated") > 0.5 * 0.04 * mean);
+    assert_eq!(json(folder.path(), &["check", "p.h5", "--rerun", "--json"])["differing"], 0);
+    // So pressed, the surfaces are flat to one another: they part when the approach is reduced.
+    let parted = gfmd(folder.path(), &words("path", "0.1,0.05", "--hardness 0.05 --steps 1"));
+    let told = String::from_utf8_lossy(&parted.stderr).into_owned();
+    assert!(!parted.status.success() && told.contains("where the flattened surfaces touch"), "{told}");
+}

@@ -16,9 +16,16 @@ pub trait Quasistatic: Equilibrium {
         false
     }
 
-    /// The change from a state to another one under the same drive, reached in other increments: the energy of their
-    /// difference over that of the forces that depend on the way.
-    fn change(&self, _from: &Self::State, _to: &Self::State) -> f64 {
+    /// The change from a state to another one under the same drive, both reached from `start`, or from the undeformed
+    /// surface, in different numbers of increments: the energy of their difference over that of the forces that depend
+    /// on the way from `start`.
+    fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
+        0.0
+    }
+
+    /// The change of the fraction of the contact that sticks, between two states under the same drive. Points slip in
+    /// the last increment at the end, so that this fraction depends on its length even where the tractions hardly do.
+    fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 }
@@ -26,8 +33,14 @@ pub trait Quasistatic: Equilibrium {
 /// A state at rest, and its forces and energies.
 type Reached<S> = (S, Reading);
 
-/// The end of a divided step, and the sum of the losses of its parts.
-type Divided<S> = Result<(Reached<S>, f64), SolveError<S>>;
+/// A step in equal increments.
+struct Divided<S> {
+    /// The state before the last increment, if there is one.
+    before: Option<Reached<S>>,
+    end: Reached<S>,
+    /// The sum of the losses of all increments.
+    lost: f64,
+}
 
 /// The numbers of a state at rest that the energy balance needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,10 +71,11 @@ pub enum Loss {
 /// The accuracy of the energy balance of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
-    /// With an energy, the largest error of a step, relative to the work exchanged in the step or to the mean of that work
-    /// over the steps so far, if that is larger. Where a loss is [known](Loss::Known), the largest
-    /// error of the loss over that work, and twice the largest [change](Quasistatic::change) of the state when its increments
-    /// are halved.
+    /// With an energy, the largest error of a step, relative to the work exchanged in the step or to the mean of that
+    /// work over the steps so far, if that is larger. Where a loss is [known](Loss::Known), the largest error of the
+    /// loss over that work, and twice the largest [change](Quasistatic::change) of the state when its increments are
+    /// halved; its square root is the largest change of the [sticking fraction](Quasistatic::change_of_stick) when the
+    /// last increment is halved.
     pub tolerance: f64,
     /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0 no
     /// step is divided.
@@ -84,11 +98,13 @@ pub struct Step {
     /// step, or if extra solves did not suffice to halve the step.
     pub dissipated_error: Option<f64>,
     /// The number of equal increments in which the state was reached, where the loss is [known](Loss::Known); else 0.
+    /// The last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
     /// The [change](Quasistatic::change) of the state from half as many increments; `None` if its division changes nothing,
     /// NaN if it may do so and extra solves did not suffice to halve the step.
     pub change: Option<f64>,
-    /// True if more increments may change the state by more than the tolerance: the extra solves did not suffice.
+    /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance: the
+    /// extra solves did not suffice.
     pub is_unsettled: bool,
     /// True if a jump was enclosed in the step: two states so close that the forces between them, if they change
     /// monotonically, explain less than the energy that is missing. False if no piece of the step loses more energy than
@@ -107,10 +123,11 @@ pub struct Step {
 /// lost, or until a jump is enclosed between two states so close that the work between them is negligible: the energy that
 /// is missing is then the loss.
 ///
-/// With friction the state itself depends on the number of increments in which it is reached, as long as they are few: slip
-/// counts from the start of an increment, and where the contact grows this is too early. A step, also the first one, whose
-/// drive then begins at no load, is made in 1, 2, 4, ... equal increments until the state does not change. Steps that change neither the
-/// limits of the shear nor the direction of slip, or that have no shear, are made in one.
+/// With friction the state itself depends on the number of increments in which it is reached, as long as they are few:
+/// slip counts from the start of an increment, and where the contact grows this is too early. A step, also the first
+/// one, whose drive then begins at no load, is made in 1, 2, 4, ... equal increments until the state does not change.
+/// The last of them is then halved until the fraction of the contact that sticks does not change. Steps that change
+/// neither the limits of the shear nor the direction of slip, or that have no shear, are made in one.
 ///
 /// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
 ///
@@ -168,6 +185,21 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     /// The last state.
     pub fn state(&self) -> Option<&P::State> {
         self.last.as_ref().map(|(state, _)| state)
+    }
+
+    /// The [solves per step](Refinement::solves_per_step) that would probably have settled `step`, the last one, if it
+    /// is unsettled: its change falls to a quarter from one division to the next. Never less than those of this path.
+    pub fn settling_solves(&self, step: &Step) -> u64 {
+        let Refinement { tolerance, solves_per_step } = self.refinement;
+        if !step.is_unsettled {
+            return solves_per_step;
+        }
+        let excess = step.change.unwrap_or(f64::NAN) / (OF_A_CHANGE * tolerance);
+        let divisions =
+            if excess.is_finite() { (0.5 * excess.log2()).ceil().clamp(1.0, MOST_DIVISIONS) } else { DIVISIONS };
+        // 2 m + 4 m + ... solves, with m increments so far.
+        let needed = 2.0 * step.increments as f64 * (divisions.exp2() - 1.0) - self.allowance as f64;
+        solves_per_step.saturating_add((needed.max(1.0) / (IN_ADVANCE + 1) as f64).ceil() as u64)
     }
 
     /// Visits everything from which [`resume`](Self::resume) continues the path bit for bit; nothing before the first step.
@@ -263,6 +295,10 @@ const OF_A_JUMP: f64 = 0.25;
 /// The change from half as many increments that a step may have, over the tolerance. The next change would be a little more
 /// than half of it in the tractions, since their order in the length of an increment is a little below one.
 const OF_A_CHANGE: f64 = 0.5;
+/// The number of divisions of a step expected if nothing is known of its change, that of the first load of a sphere,
+/// and the largest number.
+const DIVISIONS: f64 = 4.0;
+const MOST_DIVISIONS: f64 = 30.0;
 /// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step then get
 /// a state in their middle, without which their error is hardly known.
 const RESERVE: u64 = 5;
@@ -292,55 +328,86 @@ impl<P: Quasistatic> Search<'_, P> {
     fn divide(
         &mut self,
         start: Option<&Reached<P::State>>,
-        mut end: Reached<P::State>,
+        end: Reached<P::State>,
         drive: Drive,
         tolerance: f64,
     ) -> Result<Reached<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let mut lost = end.1.lost();
+        let mut made = Divided { before: None, lost: end.1.lost(), end };
         self.step.increments = 1;
-        let mut settles = !self.problem.depends_on_division(state, &end.0, tolerance);
+        let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
+        let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
         if !settles {
             self.step.change = Some(f64::NAN);
         }
         while !settles && 2 * self.step.increments <= self.allowance {
             let increments = 2 * self.step.increments;
-            let (finer, sum) = match self.in_increments(state, &begin, drive, increments) {
+            let finer = match self.in_increments(state, &begin, drive, increments) {
                 Ok(finer) => finer,
                 Err(error @ SolveError::Interrupted { .. }) => return Err(error),
                 // The step itself was solved; its change is not known.
                 Err(_) => break,
             };
-            let (change, error) = (self.problem.change(&end.0, &finer.0), (sum - lost).abs());
-            settles =
-                change <= OF_A_CHANGE * tolerance && error <= tolerance * Balance::between(&begin, &finer.1).exchanged;
+            let (change, error) =
+                (self.problem.change(state, &made.end.0, &finer.end.0), (finer.lost - made.lost).abs());
+            change_of_stick = self.problem.change_of_stick(&made.end.0, &finer.end.0);
+            settles = change <= OF_A_CHANGE * tolerance
+                && error <= tolerance * Balance::between(&begin, &finer.end.1).exchanged;
             (self.step.increments, self.step.change) = (increments, Some(change));
             self.step.dissipated_error = Some(error);
-            (end, lost) = (finer, sum);
+            made = finer;
         }
-        self.step.dissipated = Some(lost);
-        self.step.is_unsettled = !settles;
-        Ok(end)
+        // The sticking fraction needs a short last increment only.
+        let mut last = 1.0 / self.step.increments as f64;
+        let sticks = |change: f64| change <= tolerance.sqrt();
+        while settles && !sticks(change_of_stick) && self.allowance >= 2 {
+            last *= 0.5;
+            let halved = match self.halve_last(&made, &begin, drive, last) {
+                Ok(halved) => halved,
+                Err(error @ SolveError::Interrupted { .. }) => return Err(error),
+                Err(_) => break,
+            };
+            change_of_stick = self.problem.change_of_stick(&made.end.0, &halved.end.0);
+            made = halved;
+        }
+        self.step.dissipated = Some(made.lost);
+        self.step.is_unsettled = !settles || !sticks(change_of_stick);
+        Ok(made.end)
     }
 
-    /// The end of a step in so many equal increments, and the sum of their losses.
+    /// A step in so many equal increments.
     fn in_increments(
         &mut self,
         start: Option<&P::State>,
         begin: &Reading,
         drive: Drive,
         increments: u64,
-    ) -> Divided<P::State> {
-        let (mut here, mut lost): (Option<Reached<P::State>>, f64) = (None, 0.0);
+    ) -> Result<Divided<P::State>, SolveError<P::State>> {
+        let (mut before, mut lost): (Option<Reached<P::State>>, f64) = (None, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
-            let reached = self.further(drive, here.as_ref().map_or(start, |(state, _)| Some(state)))?;
+            let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
             lost += reached.1.lost();
-            here = Some(reached);
+            before = Some(reached);
         }
-        let end = self.further(drive, here.as_ref().map_or(start, |(state, _)| Some(state)))?;
+        let end = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
         lost += end.1.lost();
-        Ok((end, lost))
+        Ok(Divided { before, end, lost })
+    }
+
+    /// A step whose last increment is made in two, the second one of the fraction `last` of the step.
+    fn halve_last(
+        &mut self,
+        made: &Divided<P::State>,
+        begin: &Reading,
+        drive: Drive,
+        last: f64,
+    ) -> Result<Divided<P::State>, SolveError<P::State>> {
+        let before = made.before.as_ref().map(|(state, _)| state);
+        let middle = self.further(begin.towards(drive, 1.0 - last), before)?;
+        let end = self.further(drive, Some(&middle.0))?;
+        let lost = made.lost - made.end.1.lost() + middle.1.lost() + end.1.lost();
+        Ok(Divided { before: Some(middle), end, lost })
     }
 
     /// The state at rest under `drive`, by a further solve.
@@ -537,7 +604,11 @@ impl Quasistatic for FrictionalContact {
         FrictionalContact::depends_on_division(self, start, end, tolerance)
     }
 
-    fn change(&self, from: &FrictionState, to: &FrictionState) -> f64 {
-        self.distance(from, to)
+    fn change(&self, start: Option<&FrictionState>, from: &FrictionState, to: &FrictionState) -> f64 {
+        self.distance(start, from, to)
+    }
+
+    fn change_of_stick(&self, from: &FrictionState, to: &FrictionState) -> f64 {
+        (to.stick_fraction - from.stick_fraction).abs() / to.contact_fraction
     }
 }

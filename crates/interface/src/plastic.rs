@@ -179,6 +179,13 @@ impl Equilibrium for PlasticContact {
         watch: &mut dyn Watch,
     ) -> Result<PlasticState, SolveError<PlasticState>> {
         let (contact, depth) = self.after(start)?;
+        if let Load::Approach(found) = drive.load {
+            let touch = contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min);
+            // The first touch of undeformed surfaces is at 0, which `check` refuses.
+            if touch > 0.0 && found <= touch {
+                return Err(Refusal::Apart { found, touch }.into());
+            }
+        }
         let start = start.map(|state| &state.solution);
         match contact.equilibrate(drive, solver, budget, start, watch) {
             Ok(solution) => Ok(PlasticState::new(&self.contact, solution, depth)),

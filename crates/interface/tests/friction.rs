@@ -232,7 +232,7 @@ fn spence(coefficient: f64, poisson: f64) -> f64 {
 #[test]
 fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_loaded() {
     // By self-similarity the share of the radius is the same for every load.
-    for (coefficient, poisson, a, numbers) in [(0.3, 0.3, 0.2, &[1][..]), (0.3, 0.3, 0.15, &[1])] {
+    for (coefficient, poisson, a, numbers) in [(0.3, 0.3, 0.2, &[1, 2, 5][..]), (0.3, 0.3, 0.15, &[1, 2])] {
         let contact = free_sphere(poisson, Limit::Coulomb(coefficient));
         let wanted = spence(coefficient, poisson);
         // The edge of the sticking part lies between two points.
@@ -241,7 +241,8 @@ fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_
         for steps in numbers {
             let drives: Vec<Drive> =
                 (1..=*steps).map(|k| pressed(hertz(a) * f64::from(k) / f64::from(*steps), 0.0)).collect();
-            let (made, state) = along(&contact, &drives, 12);
+            // The default number of solves suffices.
+            let (made, state) = along(&contact, &drives, Refinement::default().solves_per_step);
             let found = share(&state);
             assert!((found - wanted).abs() < spacing, "{coefficient} {poisson} {a}, {steps} steps: {found} {wanted}");
             assert!(made.iter().all(|step| !step.is_unsettled && step.change <= Some(1e-3)), "{made:?}");
@@ -251,6 +252,32 @@ fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_
         let one = share(&contact.press(pressed(hertz(a), 0.0)).solve().unwrap());
         assert!(one < wanted - 5.0 * spacing, "one increment: {one} {wanted}");
     }
+}
+
+#[test]
+fn a_sphere_loaded_unloaded_and_loaded_again_ends_alike_in_one_and_in_three_steps_each() {
+    let contact = free_sphere(0.3, Limit::Coulomb(0.3));
+    let waypoints = [0.2, 0.1, 0.2].map(hertz);
+    let ends = [1_u32, 3].map(|steps| {
+        let mut drives = Vec::new();
+        let mut from = 0.0;
+        for to in waypoints {
+            let of_step = |k: u32| pressed(from + (to - from) * f64::from(k) / f64::from(steps), 0.0);
+            drives.extend((1..=steps).map(of_step));
+            from = to;
+        }
+        let (made, state) = along(&contact, &drives, 12);
+        assert!(made.iter().all(|step| !step.is_unsettled), "{made:?}");
+        state
+    });
+    // The energy of the difference of the shear, over that of a shear at its limit everywhere.
+    let [a, b] = &ends;
+    let apart = (&a.traction - &b.traction) * (&a.displacement - &b.displacement);
+    let apart = 0.5 * apart.sum() / b.gap.len() as f64 / (0.3_f64.powi(2) * b.elastic_energy);
+    assert!(apart.abs() < 1e-3, "{apart:e}");
+    let [a, b] = ends.map(|state| (state.stick_fraction / state.contact_fraction).sqrt());
+    // The spacing of the points over the radius.
+    assert!((a - b).abs() < 0.5 / 64.0 / 0.2, "{a} {b}");
 }
 
 #[test]

@@ -175,8 +175,12 @@ impl Kind for FrictionalContact {
         Quasistatic::depends_on_division(self, start, end, tolerance)
     }
 
-    fn change(&self, from: &FrictionState, to: &FrictionState) -> f64 {
-        Quasistatic::change(self, from, to)
+    fn change(&self, start: Option<&FrictionState>, from: &FrictionState, to: &FrictionState) -> f64 {
+        Quasistatic::change(self, start, from, to)
+    }
+
+    fn change_of_stick(&self, from: &FrictionState, to: &FrictionState) -> f64 {
+        Quasistatic::change_of_stick(self, from, to)
     }
 }
 

@@ -48,8 +48,13 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
         false
     }
 
-    /// The change between two states under one drive ([`Quasistatic::change`]).
-    fn change(&self, _from: &Self::State, _to: &Self::State) -> f64 {
+    /// The change between two states under one drive, both reached from `start` ([`Quasistatic::change`]).
+    fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
+        0.0
+    }
+
+    /// The change of the part of the contact that sticks ([`Quasistatic::change_of_stick`]).
+    fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 
@@ -180,7 +185,8 @@ trait Erased: Send + Sync {
     fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness>;
     fn reading(&self, state: &Rest) -> Reading;
     fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool;
-    fn change(&self, from: &Rest, to: &Rest) -> f64;
+    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64;
+    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64;
     fn trapping(&self) -> Option<Trapping>;
 }
 
@@ -251,8 +257,13 @@ impl<K: Kind> Erased for K {
         end.get().is_some_and(|end| Kind::depends_on_division(self, start.and_then(Rest::get), end, tolerance))
     }
 
-    fn change(&self, from: &Rest, to: &Rest) -> f64 {
-        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| Kind::change(self, from, to))
+    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64 {
+        let both = from.get().zip(to.get());
+        both.map_or(f64::NAN, |(from, to)| Kind::change(self, start.and_then(Rest::get), from, to))
+    }
+
+    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64 {
+        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| Kind::change_of_stick(self, from, to))
     }
 
     fn trapping(&self) -> Option<Trapping> {
@@ -356,8 +367,12 @@ impl Quasistatic for Posed {
         self.0.depends_on_division(start, end, tolerance)
     }
 
-    fn change(&self, from: &Rest, to: &Rest) -> f64 {
-        self.0.change(from, to)
+    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64 {
+        self.0.change(start, from, to)
+    }
+
+    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64 {
+        self.0.change_of_stick(from, to)
     }
 }
 
