@@ -69,7 +69,7 @@ pub struct LoadRecord {
     /// With the flow through the gap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<FlowRecord>,
-    /// Of the lower face of a slab between two surfaces.
+    /// The numbers of the lower face of a slab between two surfaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lower: Option<LowerRecord>,
     /// The reasons why columns have no value.

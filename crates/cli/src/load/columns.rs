@@ -312,7 +312,7 @@ const MEANINGS_WITH_LAW: &[(&str, &str)] = &[
     ("residual_load", per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
 ];
 
-/// What decides which scalars and fields a load has.
+/// The properties that decide which scalars and fields a load has.
 #[derive(Clone, Copy, Debug)]
 pub struct Recording {
     /// True if a law acts across the gap.

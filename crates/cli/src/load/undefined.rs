@@ -58,8 +58,8 @@ impl Undefined {
         (!reasons.is_empty()).then(|| reasons.iter().map(text).collect::<Vec<_>>().join("; "))
     }
 
-    /// The lines below a table of rows that have a `name`, in singular and plural: a reason once, with all columns that it leaves without
-    /// a value.
+    /// The lines below a table of rows that have a `name`, in singular and plural: a reason once, with all columns that
+    /// it leaves without a value.
     pub fn lines<'a>(rows: impl IntoIterator<Item = &'a Self> + Clone, name: [&str; 2]) -> Vec<String> {
         let columns: BTreeSet<&str> = rows.clone().into_iter().flat_map(Self::iter).map(|(column, _)| column).collect();
         let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
