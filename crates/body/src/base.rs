@@ -5,7 +5,8 @@ use gfmd_response::Components;
 use crate::InteriorError;
 use crate::interior::check_finite;
 
-/// What is prescribed on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on a line, component after component.
+/// The prescription on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on a line, component
+/// after component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BaseField {
     /// Displacement (length) of a bonded base; of a sliding base u_z, with lateral components that are zero.

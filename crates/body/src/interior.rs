@@ -52,7 +52,7 @@ pub enum InteriorError {
     /// A field for another base.
     #[error("the {given} of the base is given; the body must be {allowed}")]
     Base {
-        /// What was given.
+        /// The field that was given.
         given: &'static str,
         /// The bodies that have it.
         allowed: &'static str,
@@ -94,9 +94,9 @@ pub enum InteriorError {
 }
 
 impl Interior {
-    /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on a line.
-    /// Of a [pair](Body::against) of bodies it is the relative displacement, and the interior is that of the first body, which
-    /// takes its share.
+    /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on
+    /// a line. The relative displacement of a [pair](Body::against) of bodies; then the interior is that of the first
+    /// body, which takes its share.
     ///
     /// The mean displacement is measured against the mean level of what does not hold the body
     /// ([`Body::level_compliance`]): it strains slabs and layers, a half-space moves with it.
@@ -240,8 +240,9 @@ impl Interior {
         }
     }
 
-    /// The same with a base that moves by `displacement` (length), component after component, while the surface has the displacement given: for one slab on a
-    /// bonded base. The field is that of the slab whose base is at rest, and that of the same slab upside down, whose surface is at rest (theory.md, section 5).
+    /// The same with a base that moves by `displacement` (length), component after component, while the surface has the
+    /// displacement given: for one slab on a bonded base. The field is that of the slab whose base is at rest, and that
+    /// of the same slab upside down, whose surface is at rest (theory.md, section 5).
     ///
     /// # Errors
     /// Another body; a displacement of the wrong length or with a value that is not finite.
@@ -260,8 +261,8 @@ impl Interior {
         Ok(self)
     }
 
-    /// The same with what a base that moves by `displacement` (length) adds to it while the surface is free of traction, at the surface, too: for one slab on a bonded
-    /// base (theory.md, section 4.2).
+    /// The same with what a base that moves by `displacement` (length) adds to it while the surface is free of
+    /// traction, at the surface, too: for one slab on a bonded base (theory.md, section 4.2).
     ///
     /// # Errors
     /// As [`with_base`](Self::with_base).

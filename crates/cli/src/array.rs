@@ -4,7 +4,8 @@ use gfmd_files::legible::line;
 use gfmd_files::{CONSISTENT_UNITS, FileError, Reader, convert_lengths, is_length_unit, npy, split_dataset};
 use ndarray::ArrayD;
 
-/// The kind of quantity that an array must hold. A dataset of HDF5 may say its unit, in the attribute `units` or `unit`.
+/// The kind of quantity that an array must hold. A dataset of HDF5 may say its unit, in the attribute `units` or
+/// `unit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity<'a> {
     /// Lengths, in the unit of the surface if that has one.
@@ -19,7 +20,8 @@ impl Quantity<'_> {
     /// Brings values in the `unit` of a file to that of the problem.
     ///
     /// # Errors
-    /// A unit of another quantity; a unit of length where that of the surface is not known, or another that is not known.
+    /// A unit of another quantity; a unit of length where that of the surface is not known, or another that is not
+    /// known.
     fn convert(self, values: &mut [f64], unit: &str) -> Result<(), String> {
         let wrong = |allowed: &str| Err(format!("the unit is {}; it must be {allowed}", line(unit)));
         match self {

@@ -37,7 +37,7 @@ pub struct MovedBase {
     pub lift: Array2<f64>,
 }
 
-/// What is prescribed.
+/// The quantity that is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Displacement,

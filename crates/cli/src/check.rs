@@ -230,7 +230,7 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
     let path = Path::new(&file);
     let state = match path.exists() {
         false => InputState::Missing,
-        // What is no regular file may have no end.
+        // A file that is not regular may have no end.
         true if Checksum::of_file(path).map_err(|error| Failure::Input(error.to_string()))? == sha256 => {
             InputState::Unchanged
         }

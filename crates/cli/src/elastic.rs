@@ -30,7 +30,7 @@ pub struct BodyArgs {
     #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(serialize_with = "serialize_height")]
     pub height: Height,
-    /// What lies below the top layer, and the second body.
+    /// The parts below the top layer, and the second body.
     #[command(flatten)]
     #[serde(flatten)]
     pub others: OtherArgs,
@@ -285,8 +285,8 @@ impl OtherArgs {
         *self == Self::default()
     }
 
-    /// What these flags add to the words for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a half-space".
-    /// The words `below` stand in place of those of the base.
+    /// The words that these flags add to those for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a
+    /// half-space". The words `below` stand in place of those of the base.
     pub fn words(&self, below: Option<&str>) -> String {
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         let mut parts: Vec<String> = Vec::new();
@@ -386,7 +386,7 @@ impl RecordedBodyArgs {
         })
     }
 
-    /// What lies below the top layer, and the second body, of the configuration of a run.
+    /// The parts below the top layer, and the second body, of the configuration of a run.
     ///
     /// # Errors
     /// A record that no run writes.

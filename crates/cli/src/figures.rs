@@ -35,8 +35,8 @@ pub(crate) fn check_names(prefix: &Path) -> Result<(), String> {
     let name = |path: &Path| path.file_name().unwrap_or_default().len();
     match std::fs::symlink_metadata(&longest) {
         Err(error) if error.kind() == std::io::ErrorKind::InvalidFilename => Err(format!(
-            "the name has {} bytes, and {} with -{LONGEST_NAME}.svg, the longest name of a figure, which is too long here; it must be \
-             shorter",
+            "the name has {} bytes, and {} with -{LONGEST_NAME}.svg, the longest name of a figure, which is too long \
+             here; it must be shorter",
             name(prefix),
             name(&longest)
         )),

@@ -71,7 +71,7 @@ pub fn undefined(report: &serde_json::Value) -> Option<&str> {
             serde_json::Value::Null => ALWAYS.contains(&key).then_some(key),
             serde_json::Value::Array(values) => values.iter().find_map(|value| find(key, value)),
             serde_json::Value::Object(entries) => {
-                // What was asked of a surface, and how a search went, may lack any of them.
+                // Any of them may be missing in the request for a surface and in the record of a search.
                 let parts =
                     entries.iter().filter(|(key, _)| !["asked", "not_converged", "input"].contains(&key.as_str()));
                 let missing = |key: &str| {

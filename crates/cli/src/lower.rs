@@ -24,7 +24,7 @@ pub struct LowerArgs {
     pub lower_seed: Option<u64>,
 }
 
-/// What the words for a slab say in place of its base.
+/// The words for a slab in place of those for its base.
 pub(crate) const BETWEEN: &str = "between two rigid surfaces";
 
 /// The group of a file.

@@ -148,7 +148,7 @@ fn told_by_linux(file: &str, name: &str) -> Option<u64> {
 
 /// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
-    // What `getrusage` tells on Linux is at least the memory of the process that started this one.
+    // The number of `getrusage` on Linux is at least the memory of the process that started this one.
     if let Some(bytes) = told_by_linux("/proc/self/status", "VmHWM:") {
         return bytes;
     }

@@ -96,8 +96,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(Report { file: file.clone(), kind, figures: page.figures.len(), remarks: page.remarks, out })
 }
 
-/// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a user may have written
-/// a page of that name.
+/// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a
+/// user may have written a page of that name.
 fn check_replaceable(path: &Path) -> Result<(), Failure> {
     let mut start = Vec::new();
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {

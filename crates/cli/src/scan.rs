@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::memory;
 use crate::source::{Detrend, SourceArgs};
 
-/// What a file says of its heights, and what was done to them.
+/// The words of a file about its heights, and the changes made to them.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Scan {

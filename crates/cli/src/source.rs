@@ -95,7 +95,8 @@ pub struct Surface {
     pub boundary: Boundary,
     /// The origin of the heights and the operations on them.
     pub description: String,
-    /// What the file says, if the heights come from one; of several processes the first one has this, and what follows.
+    /// The words of the file, if the heights come from one; the first of several processes has them, and the fields
+    /// that follow.
     pub scan: Option<Scan>,
     /// The file that the heights were read from, and its SHA-256.
     pub origin: Option<(String, String)>,
@@ -235,7 +236,7 @@ impl Surface {
 /// The group of the surface in a file.
 const GROUP: &str = "/surface";
 
-/// What its heights are.
+/// The kind of its heights.
 const LONG_NAME: &str = "height of the rigid surface, peaks towards the elastic body";
 
 /// The ratio of the steps across the periodic seam to those inside above which a warning is given.

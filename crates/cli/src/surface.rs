@@ -76,7 +76,7 @@ impl Window {
     }
 }
 
-/// What the command prints.
+/// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Printed {

@@ -113,7 +113,7 @@ pub struct AsperityRecord {
 pub struct AreaRecord {
     pub area_fraction: f64,
     pub standard_error: f64,
-    /// Of a spectrum that ends, as the generator's does.
+    /// The area of a spectrum that ends, as the generator's does.
     pub of_band: f64,
     /// As counted on the grid.
     pub counted: f64,

@@ -82,7 +82,7 @@ impl Serialize for PointOf {
     }
 }
 
-/// What is known of every step; NaN, in JSON `null`, where the method does not move the displacement.
+/// The numbers of every step; NaN, in JSON `null`, where the method does not move the displacement.
 #[derive(Clone, Debug, Default, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Trace {

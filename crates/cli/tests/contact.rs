@@ -579,8 +579,8 @@ fn residuals(record: &Value) -> Vec<(String, f64)> {
     all
 }
 
-/// A load has `converged` if all of its residuals are at most the tolerance, and else not: in JSON and in the file, for every kind of
-/// contact, for searches that succeed and for those that are cut off.
+/// A load has `converged` if all of its residuals are at most the tolerance, and else not: in JSON and in the file, for
+/// every kind of contact, for searches that succeed and for those that are cut off.
 #[test]
 fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() {
     let folder = tempfile::tempdir().unwrap();
@@ -605,7 +605,8 @@ fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() 
         for (tolerance, iterations) in [(1e-3, 100_000), (1e-8, 100_000), (1e-8, 1), (1e-8, 4), (1e-8, 12), (1e-10, 30)]
         {
             let line = format!(
-                "contact --n 16 --eps-f-inv 4 {flags} --tol {tolerance:e} --max-iter {iterations} --json --out c.h5 --quiet"
+                "contact --n 16 --eps-f-inv 4 {flags} --tol {tolerance:e} --max-iter {iterations} --json --quiet \
+                 --out c.h5"
             );
             let output = gfmd(folder, &line.split_whitespace().collect::<Vec<_>>());
             let message = String::from_utf8_lossy(&output.stderr);

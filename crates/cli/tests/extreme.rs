@@ -436,7 +436,7 @@ fn every_case_ends_well() {
     assert_eq!(names(), before, "no case leaves a file");
 }
 
-/// What exists and is no regular file is refused as `--out`, named as what it is, and stays.
+/// An existing path that is no regular file is refused as `--out` by its kind, and stays.
 #[cfg(unix)]
 #[test]
 fn special_files_are_not_replaced() {
@@ -609,7 +609,7 @@ fn prefixes_that_are_too_long_for_the_names_of_figures_are_refused() {
     assert!(names(folder.path()).len() > before.len());
 }
 
-/// What a file says does not steer the terminal, as a table, a note, a warning or an error, which stays one line.
+/// The text of a file does not steer the terminal, as a table, a note, a warning or an error, which stays one line.
 #[test]
 fn texts_of_files_do_not_steer_the_terminal() {
     let folder = tempfile::tempdir().unwrap();

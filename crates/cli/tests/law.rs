@@ -104,7 +104,7 @@ fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
     for step in steps {
         assert!(number(step, "dissipated") >= -number(step, "dissipated_error"), "{step}");
         assert!(step["stick_fraction"].is_null());
-        // What is lost beyond the error is lost in a jump.
+        // Energy lost beyond the error is lost in a jump.
         if number(step, "dissipated") > number(step, "dissipated_error") {
             assert_eq!(step["passed_instability"], true, "{step}");
         }

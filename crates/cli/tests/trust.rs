@@ -405,7 +405,7 @@ fn every_part_is_verified_as_the_page_says() {
                 }
                 *(if is_noticed { &mut verified } else { &mut unnoticed }) += 1;
             }
-            // What is noticed without a second run is noticed with one.
+            // A change that is noticed without a second run is noticed with one.
             if plain != Way::Verified && kind != Kind::KappaSweep && rerun != Way::InPart {
                 let is_noticed = run(folder, &["check", name, "--json", "--rerun"]).status != Some(0);
                 if is_noticed != (rerun == Way::Verified) {

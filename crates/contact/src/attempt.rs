@@ -22,7 +22,7 @@ pub(crate) struct Ended {
     pub(crate) ending: Ending,
 }
 
-/// What a solver has reached. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
+/// The end of a search. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
 pub(crate) enum Reached {
     Pressure(Vec<f64>),
     /// The certificate of the pressure, which the solver has asked for itself. Its effort is that of the solver.

@@ -32,7 +32,7 @@ const LONGER_PATIENCE: u64 = 5000;
 
 /// The quadratic function whose minimum is the pressure.
 pub(crate) struct Dual<'a> {
-    /// Of the periodic modes; it has no use with free boundaries.
+    /// The stiffness of the periodic modes; it has no use with free boundaries.
     compliance: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
     /// True if the approach is free, because the mean pressure is prescribed.

@@ -31,12 +31,13 @@
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are [`RigidSurface`], [`Load`], [`Drive`], [`Solver`],
-//! [`Effort`], [`Equilibrium`] with its builder [`Press`], [`Fields`] of a state, [`Refusal`] and [`SolveError`].
-//! [`Resumable`] contacts keep their states outside of the process. [`FullContact`] includes the lateral displacement of the surface,
-//! [`Contact::held_sideways`] holds it; [`Dynamics`] are time step and damping. [`SqueezedContact`] is a slab between two rigid
-//! surfaces, [`SteepContact`] does not take slopes as small; [`Conductors`] touch at the points of any contact. Other crates generate heights (`gfmd-surface`),
-//! have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
+//! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are
+//! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
+//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. [`Resumable`] contacts keep their states outside of the
+//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] holds it;
+//! [`Dynamics`] are time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
+//! does not take slopes as small; [`Conductors`] touch at the points of any contact. Other crates generate heights
+//! (`gfmd-surface`), have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod boundary;
 mod effort;

@@ -63,7 +63,7 @@ impl<'a> Known<'a> {
     }
 }
 
-/// What lies beyond the edges of the grid.
+/// The surroundings of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Edges {
     /// The opposite edge.
@@ -351,7 +351,7 @@ fn words_of<T: Default>([rows, columns]: [usize; 2]) -> Vec<T> {
     (0..rows * columns.div_ceil(BITS)).map(|_| T::default()).collect()
 }
 
-/// What belongs to the words of row i.
+/// The parts that belong to the words of row i.
 fn words<T>(of_all: &[T], i: usize, columns: usize) -> &[T] {
     let words = columns.div_ceil(BITS);
     &of_all[i * words..][..words]

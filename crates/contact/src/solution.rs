@@ -27,7 +27,7 @@ pub struct Solution {
     pub residual: Residual,
     /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
-    /// What gives way, if the contact has a hardness.
+    /// The plastic part, if the contact has a hardness.
     pub plastic: Option<Plastic>,
     /// The scale of lengths in the residuals, in length.
     pub(crate) length_scale: f64,
@@ -66,7 +66,7 @@ pub struct Residual {
     pub load: f64,
 }
 
-/// What a solution follows from, beside its pressure and the displacement by it.
+/// The data that a solution follows from, beside its pressure and the displacement by it.
 #[derive(Clone, Copy)]
 pub(crate) struct Conditions<'a> {
     /// The uniform displacement of the body downwards, which the displacement does not contain.

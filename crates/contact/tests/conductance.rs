@@ -207,7 +207,8 @@ fn profiles_have_the_conductance_of_a_dense_solution() {
             let exact = dense_periodic(&state.pressure, [1.3, 1.0], height);
             assert_relative_eq!(found(Boundary::Periodic, &grid, height, &state.pressure), exact, max_relative = 1e-9);
         }
-        // Of a line of current on a slab the potential is -ln tanh(π x/(4 H))/π, whose logarithm is integrated in closed form.
+        // The potential of a line of current on a slab is -ln tanh(π x/(4 H))/π, whose logarithm is integrated in
+        // closed form.
         let state = free.press(Load::MeanPressure(mean)).tolerance(1e-10).solve().unwrap();
         let side = 1.3 / 40.0;
         for h in [0.05, 0.3, 2.0] {

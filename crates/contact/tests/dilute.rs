@@ -39,7 +39,7 @@ fn compare(contact: &Contact, load: Load) -> [f64; 2] {
         assert!((*few > 0.0) == (*all > 0.0) || few.max(*all) < 1e-5 * highest, "{load:?}: {few} {all}");
     }
     assert!(few.residual.worst() <= TOLERANCE && few.pressure.iter().all(|p| *p >= 0.0));
-    // What the search has asked for is the certificate of its pressure, whoever asks.
+    // The certificate of a pressure is the one that the search has asked for, whoever asks.
     let mut certificate = contact.certify(&few.pressure, load).unwrap();
     certificate.effort = few.effort;
     assert!(certificate == few, "{load:?}: {:?} {:?}", certificate.residual, few.residual);

@@ -121,8 +121,8 @@ fn with_all_components(solver: Option<Solver>, modulus: f64, lateral: f64) -> Ve
     all
 }
 
-/// Contacts with all components and with finite slopes have no units of their own: their numbers are homogeneous, and no square of a
-/// modulus leaves the range of a number.
+/// Contacts with all components and with finite slopes have no units of their own: their numbers are homogeneous, and
+/// no square of a modulus leaves the range of a number.
 #[test]
 fn lateral_components_and_finite_slopes_scale_with_the_units() {
     let grid = Grid::square(4, 1.0).unwrap();

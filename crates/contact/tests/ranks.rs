@@ -227,7 +227,7 @@ fn what_cannot_be_shared_is_refused_by_all() {
         let refused = case.over(ranks).equilibrate(load, Solver::Verlet, &Budget::default(), None, &mut ());
         assert!(matches!(refused, Err(SolveError::Refused(Refusal::Solver { .. }))));
     });
-    // What only one of them sees.
+    // A refusal that only one of them sees.
     let mut broken = case.clone();
     broken.heights[[40, 3]] = f64::NAN;
     let state = case.alone().press(Load::MeanPressure(0.005)).solve().unwrap();

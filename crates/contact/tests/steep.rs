@@ -48,7 +48,7 @@ fn the_mean_pressure_is_the_derivative_of_the_energy() {
         let state = at(approach);
         assert!(state.worst() <= 1e-12);
         approx::assert_relative_eq!(slope, state.normal.mean_pressure, max_relative = 1e-6);
-        // Of the contact with small slopes it is so, too, but at another pressure.
+        // The contact with small slopes has this, too, but at another pressure.
         let flat = Contact::new(&body(nu), &grid, &heights).unwrap().press(Load::Approach(approach)).solve().unwrap();
         assert!((flat.mean_pressure / state.normal.mean_pressure - 1.0).abs() > 0.01);
     }

@@ -116,7 +116,7 @@ impl Row {
         let unit = PI / self.period;
         let decay = (-q * y.abs()).exp();
         let phase = Complex64::cis(-q * source.place[0]) * decay;
-        // Of the complex function e^(iqx) above the row, of its conjugate below it.
+        // The complex function is e^(iqx) above the row, its conjugate below it.
         let sign = if y >= 0.0 { 1.0 } else { -1.0 };
         let turned = gamma.conj() - gamma;
         let normal = Complex64::new(0.0, -4.0 * sign * unit) * (0.5 * gamma.re + 0.5 * sign * y * q * gamma);

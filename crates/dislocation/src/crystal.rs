@@ -55,7 +55,7 @@ pub struct Obstacle {
     pub strength: f64,
 }
 
-/// What has happened to the energy (per length along the lines) since the start.
+/// The changes of the energy (per length along the lines) since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// The work of the punch.
@@ -316,7 +316,7 @@ impl Crystal {
                     (place, obstacle) = (o.place, Some(number));
                 }
             }
-            // What goes beyond the surface leaves in the events of this step.
+            // Dislocations that go beyond the surface leave in the events of this step.
             place = place.min(-0.5 * self.slip.capture);
             if let Some(lowest) = lowest {
                 place = place.max(lowest + self.slip.capture);

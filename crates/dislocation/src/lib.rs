@@ -11,8 +11,9 @@
 //! - [`Domain`], [`State`]: body, punch, and their equilibrium with given dislocations: pressure, stresses, forces, energy.
 //! - [`Crystal`]: dynamics on a [`SlipSystem`], with a [`Balance`] of energy.
 //!
-//! The image is made of the waves of the grid: closer to the surface than about two spacings the image force is too weak. Small strains; the body is a half-space
-//! or one slab on a bonded base; the mean strain along x is zero far below. The punch does not let go where it pulls. Equations: theory.md, section 15.
+//! The image is made of the waves of the grid: closer to the surface than about two spacings the image force is too
+//! weak. Small strains; the body is a half-space or one slab on a bonded base; the mean strain along x is zero far
+//! below. The punch does not let go where it pulls. Equations: theory.md, section 15.
 //!
 //! The force on one dislocation below a free surface is that of its image (Head 1953):
 //!

@@ -159,7 +159,7 @@ fn obstacles_hold_up_to_their_strength_and_sources_wait() {
     assert!(fed.events().nucleated > 0);
     let never = run(100.0, &[Source { strength: 50.0, ..source }]);
     assert_eq!(never.events().nucleated, 0);
-    // What was sent out lowers the pressure at the same depth, and the balance closes over the jumps.
+    // The dislocations that were sent out lower the pressure at the same depth, and the balance closes over the jumps.
     assert!(fed.state().mean_pressure() < never.state().mean_pressure());
     let balance = fed.balance();
     assert!(balance.error().abs() < 0.02 * balance.dissipated, "{balance:?}");

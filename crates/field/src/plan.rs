@@ -220,7 +220,7 @@ impl<T: Real> Plan<T> {
         }
     }
 
-    /// Of a kernel that is even along x, too, a quarter suffices.
+    /// A quarter of a kernel that is even along x, too, suffices.
     fn check_kernel(&self, kernel: &[T]) -> Result<(), ShapeError> {
         let [nx, _] = self.points;
         let is_quarter = !matches!(self.kind, Kind::Line(_)) && kernel.len() == (nx / 2 + 1) * self.lanes().len();

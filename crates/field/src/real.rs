@@ -48,10 +48,10 @@ mod private {
     /// Plans of transforms ahead and back. The planners are generic: called in functions that are not, they are compiled here only,
     /// and not in every crate that has a transform.
     pub trait Plans: Sized {
-        /// Of real rows.
+        /// Transforms of real rows.
         fn real(points: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
 
-        /// Of complex rows.
+        /// Transforms of complex rows.
         fn complex(points: usize) -> (Arc<dyn Fft<Self>>, Arc<dyn Fft<Self>>);
 
         /// In cosines, of rows of either number of points.

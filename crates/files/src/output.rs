@@ -258,7 +258,7 @@ mod tests {
 
     use super::*;
 
-    /// What is no regular file stays what it is, as a target and under the names beside it.
+    /// A path that is no regular file stays as it is, as a target and under the names beside it.
     #[test]
     fn special_files_are_refused_and_stay() {
         let folder = tempfile::tempdir().unwrap();

@@ -19,7 +19,7 @@ use number::Stored;
 pub(crate) use number::Decode;
 pub use number::Number;
 
-/// What one byte of a file can become: deflate makes at most 1032 bytes from one.
+/// The most bytes that one byte of a file can become: deflate makes at most 1032 bytes from one.
 const LARGEST_RATIO: usize = 1032;
 
 /// The bytes that a small file may become.

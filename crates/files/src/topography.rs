@@ -98,7 +98,7 @@ pub struct Topography {
     pub channels: Vec<String>,
     /// The conversion of the heights to the unit of the lengths, with its factor, if the file has different units.
     pub conversion: Option<String>,
-    /// What the file says of instrument and measurement: key and value.
+    /// The words of the file about instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
     /// Remarks on this file.
     pub notes: Vec<String>,

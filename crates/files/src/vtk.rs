@@ -1,5 +1,5 @@
-//! What the XML files of VTK have in common: arrays declared in a header, whose values follow it in binary form ("appended",
-//! "raw", little-endian, lengths of 64 bits).
+//! The common parts of the XML files of VTK: arrays declared in a header, whose values follow it in binary form
+//! ("appended", "raw", little-endian, lengths of 64 bits).
 
 use std::fmt::Write;
 

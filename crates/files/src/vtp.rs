@@ -61,7 +61,7 @@ pub fn write(output: &Output, sheet: &Sheet, arrays: &[Values]) -> Result<PathBu
     Ok(output.path().to_path_buf())
 }
 
-/// What lies between the points.
+/// The cells between the points.
 enum Cells {
     /// One line through all.
     Line,

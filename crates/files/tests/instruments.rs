@@ -7,7 +7,7 @@ use gfmd_files::{Archive, Dimension, Output, Provenance, Topography, Variable};
 use made::{POINTS, UNDEFINED, height};
 use zip::CompressionMethod;
 
-/// What a file must hold, besides the heights of [`height`] times a scale.
+/// The content of a file besides the heights of [`height`] times a scale.
 struct Expected {
     format: &'static str,
     channel: &'static str,
@@ -535,7 +535,7 @@ fn sizes_and_scales_that_are_not_there_are_not_made_up() {
     }
     assert!(x3p("double.x3p", &|xml| xml).is_ok(), "floats are heights without an increment");
 
-    // Of both channels, of which the first is no height.
+    // Both channels are listed, of which the first is no height.
     let missing = (0..2).fold(made::nanosurf(), |bytes, _| edited(bytes, "Dim1Unit=m", "Dim1Unix=m"));
     assert!(refusal(missing).ends_with("has no Dim1Unit; it must have it"));
     let gsf = |sizes: &str| {

@@ -31,7 +31,7 @@ pub(crate) type Parent = (usize, f64);
 /// The independent rows of a fit, in the order of the data.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
-    /// What is fitted.
+    /// The values that are fitted.
     pub(crate) means: Means,
     /// Standard error of each row.
     errors: Vec<f64>,

@@ -33,21 +33,21 @@ impl Links {
     }
 }
 
-/// What flows with a potential.
+/// The flow with a potential.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Balance {
     /// Mean flux along x and y.
     pub(crate) flux: [f64; 2],
     /// Power per area, which is the conductivity along the axis.
     pub(crate) power: f64,
-    /// What is missing in the balance of a cell over the mean flow through a face, the deviation of the flow through a section from their
-    /// mean, and of the power from the flux: the largest of all, relative.
+    /// The residual of the balance of a cell over the mean flow through a face, the deviation of the flow through a
+    /// section from their mean, and of the power from the flux: the largest of all, relative.
     pub(crate) residual: f64,
-    /// What flows into each cell, if all is not in balance.
+    /// The flow into each cell, if all is not in balance.
     pub(crate) missing: Vec<f64>,
 }
 
-/// What flows in a part of the cells.
+/// The flow in a part of the cells.
 struct Sums {
     flux: [f64; 2],
     power: f64,
@@ -73,7 +73,7 @@ impl Potential {
     fn over(self, Self([high, low]): Self, drop: f64) -> f64 {
         let Self([here, rest]) = self;
         let difference = here - high;
-        // What is lost by its rounding (Knuth).
+        // The part that is lost by its rounding (Knuth).
         let part = difference - here;
         let lost = (here - (difference - part)) - (high + part);
         (difference + drop) + ((rest - low) + lost)
@@ -175,7 +175,7 @@ impl<'a> Cells<'a> {
         links
     }
 
-    /// What flows out of a cell through one of its faces.
+    /// The flow out of a cell through one of its faces.
     fn out(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
         let beside = face.beside.map_or(Potential::default(), |beside| potential[beside as usize]);
         let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
@@ -187,7 +187,7 @@ impl<'a> Cells<'a> {
         self.surroundings == Surroundings::Repeats && std::ptr::eq(self.numbering, other.numbering)
     }
 
-    /// What flows in the part of cells with the numbers from `start`.
+    /// The flow in the part of cells with the numbers from `start`.
     fn sums(&self, potential: &[Potential], start: usize, cells: &[u32]) -> Sums {
         let points = self.grid.points();
         let stride = if self.axis == 0 { points[1] } else { 1 };
@@ -218,7 +218,7 @@ impl<'a> Cells<'a> {
         sums
     }
 
-    /// What flows with a potential, from each cell's faces anew.
+    /// The flow with a potential, from each cell's faces anew.
     pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
         let (lengths, points) = (self.grid.lengths(), self.grid.points());
         let parts = self.numbering.open.par_chunks(PART).enumerate();

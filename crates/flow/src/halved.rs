@@ -38,7 +38,8 @@ impl Cells<'_> {
         })
     }
 
-    /// What flows into the cells of the graph if `missing` flows into all cells, and the power that those which are gone take up.
+    /// The flow into the cells of the graph if `missing` flows into all cells, and the power that those which are gone
+    /// take up.
     pub(crate) fn fold<const N: usize>(&self, missing: &[Vec<f64>; N], out: &mut [[f64; N]]) -> [f64; N] {
         let kept = self.numbering().kept();
         let of = |number: usize| -> [f64; N] { std::array::from_fn(|k| missing[k][number]) };

@@ -1,10 +1,10 @@
 //! Flow through a thin gap, or current through a thin layer: div(k ∇p) = 0 with a unit mean gradient along x and along y.
 //!
-//! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The equation is
-//! balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face between two cells is
-//! the harmonic mean of their k, which is exact for layers in series and side by side (theory.md, section 9.1). Conjugate
-//! gradients are preconditioned by an approximate elimination of the cells, block by block in all threads, whose quality depends neither on the shape of channels and
-//! dams nor on their contrast.
+//! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The
+//! equation is balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face
+//! between two cells is the harmonic mean of their k, which is exact for layers in series and side by side (theory.md,
+//! section 9.1). Conjugate gradients are preconditioned by an approximate elimination of the cells, block by block in
+//! all threads, whose quality depends neither on the shape of channels and dams nor on their contrast.
 //!
 //! ```
 //! use gfmd_field::Grid;

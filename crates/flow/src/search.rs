@@ -19,7 +19,7 @@ const REDUCTION: f64 = 1e-10;
 /// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of it.
 const MARGIN: f64 = 0.3;
 
-/// What a search finds.
+/// The findings of a search.
 pub(crate) struct Found {
     pub(crate) potential: Vec<Potential>,
     pub(crate) balance: Balance,

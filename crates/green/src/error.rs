@@ -43,7 +43,8 @@ pub enum GreenError {
     FreePlate,
     /// Layers that are too thin for a patch.
     #[error(
-        "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: about 1/200 of the diagonal of the patch or of the profile, and 1/4 of the spacing"
+        "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: \
+         about 1/200 of the diagonal of the patch or of the profile, and 1/4 of the spacing"
     )]
     ThinLayer {
         /// The height.

@@ -11,11 +11,12 @@
 //! | two bodies               | 1/(G_zz of one + G_zz of the other)                 | theory.md, section 4.1 |
 //! | slab pressed on two faces| [`Plate`]                                           | theory.md, section 4.3 |
 //!
-//! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives the stiffness of a wave
-//! vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and stresses inside, [`Layer`] to
-//! a layer whose two faces both move, a [`Conductor`] conducts heat or electric current. Displacement u and traction t are those of the body's surface, +z out of the body;
-//! fields go like e^(+i q·r). The mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact,
-//! and no product q·height overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
+//! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives
+//! the stiffness of a wave vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and
+//! stresses inside, [`Layer`] to a layer whose two faces both move, a [`Conductor`] conducts heat or electric current.
+//! Displacement u and traction t are those of the body's surface, +z out of the body; fields go like e^(+i q·r). The
+//! mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact, and no product q·height
+//! overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! [`patch_compliance`] has the displacements of a half-space that is loaded on a patch of its surface, which does not
 //! repeat: one number for each distance between two cells.

@@ -100,7 +100,8 @@ impl FrictionalContact {
         Ok(Self { response, surface, limit, given, contact_modulus, units })
     }
 
-    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
+    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share. The problem is
+    /// solved in the units of the response, whatever its size.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.

@@ -46,8 +46,8 @@ pub struct State {
 }
 
 /// Distance of a state from equilibrium; zero for the exact state. Stresses are over the largest traction, or over the
-/// softest stiffness times the rms height if that is larger and the contact has a law beside a wall. Lengths are over the rms height, or in the unit of length for a
-/// flat surface.
+/// softest stiffness times the rms height if that is larger and the contact has a law beside a wall. Lengths are over
+/// the rms height, or in the unit of length for a flat surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms) of the wall pressure p, in magnitude. It never exceeds the penetration.

@@ -134,7 +134,7 @@ macro_rules! pointer_is_law {
 pointer_is_law!(Box<dyn Law>);
 pointer_is_law!(Arc<dyn Law>);
 
-/// What a law does at one normal separation, without sliding.
+/// The response of a law at one normal separation, without sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Opening {
     /// Potential of T_n(Δ_n, 0), energy per area.

@@ -1,6 +1,6 @@
 use ndarray::{Array2, ArrayView2};
 
-/// What lies beyond the edges of a field.
+/// The surroundings of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surroundings {
     /// The field again: points at opposite edges are neighbours.

@@ -126,8 +126,8 @@ pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView
     Ok(elastic_energy_over(&share, &contiguous(&pressure), &contiguous(&displacement)))
 }
 
-/// The elastic energy per area of fields of which each process has its rows; NaN on all processes if the fields of one have different
-/// sizes.
+/// The elastic energy per area of fields of which each process has its rows; NaN on all processes if the fields of one
+/// have different sizes.
 pub(crate) fn elastic_energy_over(share: &Share, pressure: &[f64], displacement: &[f64]) -> f64 {
     let alike = pressure.len() == displacement.len();
     let work = |range: Range<usize>| match displacement.get(range.clone()) {

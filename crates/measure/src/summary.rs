@@ -51,8 +51,8 @@ pub struct Summary {
 
 impl Summary {
     /// Measures the fields of a contact. Where surfaces attract each other, `pressure` is the repulsive part alone: its
-    /// points are those in contact. `mean_pressure` is that of all forces. Of a displacement of another size than the pressure the elastic
-    /// energy is NaN, of such a gap its mean.
+    /// points are those in contact. `mean_pressure` is that of all forces. Of a displacement of another size than the
+    /// pressure the elastic energy is NaN, of such a gap its mean.
     pub fn of(
         pressure: ArrayView2<f64>,
         displacement_z: ArrayView2<f64>,

@@ -1,4 +1,4 @@
-//! What starts processes, by the variables that it sets for each.
+//! Programs that start processes, by the variables that they set for each.
 
 /// A launcher that has started this process among others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -69,7 +69,7 @@ pub(crate) enum Begun {
     Addresses(Functions<usize>),
 }
 
-/// What a library says of itself.
+/// The words of a library about itself.
 pub(crate) struct About {
     pub(crate) version: String,
     pub(crate) rank: usize,

@@ -95,7 +95,7 @@ macro_rules! of {
 }
 
 impl World {
-    /// What the library says of itself.
+    /// The words of the library about itself.
     pub fn version(&self) -> &str {
         &self.version
     }

@@ -103,7 +103,10 @@ def test_heights_through_numpy_lose_nothing(run_program, tmp_path):
 
 
 SURFACES = {
-    "spectrum": (["--n=64,48", "--hurst=0.3", "--eps-t-inv=3", "--eps-f-inv=5", "--seed=9223372036854775807", "--length=2,1.5"], dict(n=(64, 48), hurst=0.3, eps_t_inv=3, eps_f_inv=5, seed=2**63 - 1, size=(2, 1.5))),
+    "spectrum": (
+        ["--n=64,48", "--hurst=0.3", "--eps-t-inv=3", "--eps-f-inv=5", "--seed=9223372036854775807", "--length=2,1.5"],
+        dict(n=(64, 48), hurst=0.3, eps_t_inv=3, eps_f_inv=5, seed=2**63 - 1, size=(2, 1.5)),
+    ),
     "rms height": (["--n=64", "--rms-height=0.02", "--amplitudes=fixed"], dict(n=64, rms_height=0.02, amplitudes="fixed")),
     "roll-off": (["--n=64", "--roll-off=0.3", "--roll-off-shape=smooth"], dict(n=64, roll_off=0.3, roll_off_shape="smooth")),
     "points per wave": (["--eps-t-inv=1", "--eps-f-inv=8", "--eps-c-inv=6"], dict(eps_t_inv=1, eps_f_inv=8, eps_c_inv=6)),

@@ -138,7 +138,7 @@ fn means_that_do_not_answer_are_told() {
     assert!(FullResponse::new(grid, &slab).uniform_compliance().iter().all(|g| *g > 0.0));
     let [x, _, z] = FullResponse::new(grid, &rubber).uniform_compliance();
     assert!(x > 0.0 && z == 0.0);
-    // What does not hold a body is the reference of its layers.
+    // A base that does not hold a body is the reference of its layers.
     for body in [sliding, plate] {
         let bonded = Body::new(*body.material(), body.height()).unwrap();
         let [found, wanted] = [&body, &bonded].map(|body| FullResponse::new(grid, body).uniform_compliance());

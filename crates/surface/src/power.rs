@@ -10,7 +10,8 @@ use crate::self_affine::Ring;
 use crate::statistics::checked;
 use crate::{Dimension, SurfaceError};
 
-/// The relative slack within which a wave is half-way between two rings, or the last one at the end: far above the rounding of |q|.
+/// The relative slack within which a wave is half-way between two rings, or the last one at the end: far above the
+/// rounding of |q|.
 const ON_THE_EDGE: f64 = 1e-12;
 
 /// The fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding of heights stored in single
@@ -77,8 +78,9 @@ impl PowerSpectrum {
     }
 
     /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
-    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. A wave half-way between two
-    /// multiples, whatever the rounding of its wavenumber, is in the ring of the larger one. For a profile every mode is a ring.
+    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. A wave
+    /// half-way between two multiples, whatever the rounding of its wavenumber, is in the ring of the larger one. For a
+    /// profile every mode is a ring.
     pub fn radial(&self) -> Vec<RadialBin> {
         let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
         let along = if self.grid.is_line() { 1 } else { 2 };

@@ -250,7 +250,8 @@ fn a_smooth_roll_off_bends_the_spectrum_as_its_formula() {
     }
 }
 
-/// Sides of 1 and 0.75: the waves (2, 0) and (6, 0) are half-way between two rings, and belong to the upper one in every unit.
+/// Sides of 1 and 0.75: the waves (2, 0) and (6, 0) are half-way between two rings, and belong to the upper one in
+/// every unit.
 #[test]
 fn a_wave_half_way_between_two_rings_is_in_the_upper_one() {
     for unit in [1.0, 0.1, 3.7, 1e-6, 0.986_041] {

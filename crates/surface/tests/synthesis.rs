@@ -68,7 +68,8 @@ fn nothing_lies_outside_the_ring_and_its_edges_lie_inside() {
     }
 }
 
-/// Lengths given as decimals, as quotients and as products: the same waves are in the band, whatever the rounding of the lengths.
+/// Lengths given as decimals, as quotients and as products: the same waves are in the band, whatever the rounding of
+/// the lengths.
 #[test]
 fn waves_of_exactly_the_length_of_a_cut_off_are_in_the_band() {
     for length in [1.0, 0.1, 0.25, 3.7, 1e-7] {

@@ -93,7 +93,7 @@ pub struct BodyConfig {
     /// Height of the slab, or of the top layer, over the cell length, or `"inf"`.
     #[serde(with = "height")]
     pub height: Height,
-    /// What the lowest layer stands on: `"bonded"`, `"sliding"`, `"free"` or `"half-space"`.
+    /// The support of the lowest layer: `"bonded"`, `"sliding"`, `"free"` or `"half-space"`.
     #[serde(with = "base", skip_serializing_if = "is_bonded")]
     pub base: BaseKind,
     /// Young's modulus of the half-space below.
@@ -150,7 +150,7 @@ pub enum Design {
 pub struct LoadsConfig {
     /// Reduced pressures p/(E* g), ascending: each starts from the one before.
     pub p_star: Vec<f64>,
-    /// What is prescribed at the loads between the first and the last.
+    /// The quantity that is prescribed at the loads between the first and the last.
     pub control: Control,
 }
 

@@ -10,7 +10,7 @@ impl Estimator {
             Self::Ratio => area.kappa(&loads[load]),
             Self::Slope => slope(loads.iter().map(|load| {
                 let p_star = load.summary.p_star;
-                // Of a pair, kappa is a_r/p*.
+                // The kappa of a pair is a_r/p*.
                 (p_star, area.kappa(load) * p_star)
             })),
         }

@@ -72,7 +72,7 @@ fn grow(plan: &Plan, result: &Extrapolation, wanted: f64, surfaces: &mut [u64]) 
     }
     let now = |point: usize, surfaces: &[u64]| surfaces[point] as f64;
     let of_shares: f64 = shares.iter().map(|(point, share, _)| share / now(*point, surfaces)).sum();
-    // What no point alone contributes is taken to stay.
+    // The part that no point alone contributes is taken to stay.
     let rest = (whole - of_shares).max(0.0);
     let number = |scale: f64, (point, share, work): &(usize, f64, f64)| {
         let least = now(*point, surfaces);

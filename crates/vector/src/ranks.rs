@@ -16,15 +16,15 @@ pub trait Ranks: Send + Sync {
     fn post(&self, letters: Letters) -> Box<dyn Pending + '_>;
 }
 
-/// What each rank gets of this one and this one gets of each, one after another. The exchange owns it while it lasts, so that
-/// nobody can touch it; it is made once and used again.
+/// The words that each rank gets of this one and this one gets of each, one after another. The exchange owns it while
+/// it lasts, so that nobody can touch it; it is made once and used again.
 #[derive(Clone, Debug, Default)]
 pub struct Letters {
-    /// What is sent, first to rank 0.
+    /// The words that are sent, first to rank 0.
     pub out: Vec<u64>,
     /// The number of words for each rank.
     pub out_lengths: Vec<usize>,
-    /// What is received, first from rank 0.
+    /// The words that are received, first from rank 0.
     pub into: Vec<u64>,
     /// The number of words from each rank.
     pub into_lengths: Vec<usize>,

@@ -15,7 +15,7 @@ pub struct Rehearsal {
     post: Arc<Post>,
 }
 
-/// What is under way between the threads.
+/// The words that are under way between the threads.
 #[derive(Default)]
 struct Post {
     /// By the number of the exchange, sender and receiver.
@@ -31,7 +31,7 @@ struct Sent {
 }
 
 impl Rehearsal {
-    /// What each of `size` ranks returns from `play`.
+    /// The results of `play` on each of `size` ranks.
     ///
     /// # Panics
     /// If a rank panics.

@@ -148,11 +148,11 @@ pub struct Row {
     pub p_star: f64,
     /// Contact area fraction by the first contestant.
     pub contact: Option<f64>,
-    /// What each contestant reached.
+    /// The results of each contestant.
     pub cells: Vec<Cell>,
 }
 
-/// What a contestant reached.
+/// The result of a contestant.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cell {
     /// The tolerance that it was asked for, in its own measure.
@@ -167,7 +167,7 @@ pub struct Cell {
     pub verdict: Option<Verdict>,
     /// True if the residual is within the bound.
     pub certified: bool,
-    /// What the program says of a failure.
+    /// The words of the program about a failure.
     pub said: Option<String>,
 }
 

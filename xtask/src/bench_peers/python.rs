@@ -72,7 +72,7 @@ impl Script {
     }
 }
 
-/// What the scripts share.
+/// The part that the scripts share.
 const MODULE: (&str, &str) = ("peak_memory.py", include_str!("../../peers/peak_memory.py"));
 
 /// An FFTW with vector code: names or paths of its libraries.

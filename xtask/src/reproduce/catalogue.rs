@@ -3,11 +3,11 @@
 /// A figure of the source.
 pub(super) struct Figure {
     pub(super) number: &'static str,
-    /// What the source shows, in its caption's words where the caption is right.
+    /// The content of the source's figure, in its caption's words where the caption is right.
     pub(super) source: &'static str,
-    /// What is drawn here.
+    /// The content of our figure.
     pub(super) here: &'static str,
-    /// What is wrong with the caption, or with the comparison, if anything.
+    /// The error of the caption, or of the comparison, if there is one.
     pub(super) erratum: &'static str,
     pub(super) work: Work,
 }
@@ -25,7 +25,7 @@ pub(super) struct Picture {
     pub(super) command: &'static str,
     /// Its file, without the ending.
     pub(super) file: &'static str,
-    /// What distinguishes it from other pictures of the figure.
+    /// The words that distinguish it from other pictures of the figure.
     pub(super) suffix: &'static str,
 }
 

@@ -17,7 +17,7 @@ Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. The finite elements are 
 with the same held nodes, made by\n[punch_elements.py](../../data/reference/punch_elements.py) without a Green's function. \
 Paths are relative to the repository; `cargo xtask` and `gfmd` run the same commands.\n";
 
-/// What the captions and numbers of these chapters get wrong, beyond the equations of theory.md, section 12.
+/// Errors in the captions and numbers of these chapters, beyond the equations of theory.md, section 12.
 const ERRATA: &str = "\n## Errata of figures and text\n\n\
 (Those of equations are E1 to E27 of [theory.md](../theory.md), section 12.)\n\n\
 - **Figures 4.7, 4.8, 4.11** name planes on which the field is zero: u_x on x/L = 0.5, u_y on y/L = 0.5, σ_xz on x/L = 0.5. All three are odd about \
@@ -82,7 +82,7 @@ fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Fa
     Ok(())
 }
 
-/// What the numbers of the runs say about a figure.
+/// The words about a figure by the numbers of the runs.
 fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
     let compared = |command: &str, name: &str, unit: &str, runs: &mut Runs| -> Result<String, Failure> {
         let report = runs.run(command)?;

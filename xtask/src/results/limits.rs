@@ -15,7 +15,7 @@ struct Row {
     ours: Ours,
 }
 
-/// What of ours stands beside.
+/// Our result that stands beside.
 enum Ours {
     /// In all limits, for these Hurst exponents: with the narrower interval of both ways to the fractal limit.
     Limit(&'static [f64]),

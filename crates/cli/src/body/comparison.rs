@@ -183,7 +183,7 @@ fn archive(
         return Err(format!("it has {}; it must have {}", word(slice), word(asked)));
     }
     let found: Vec<f64> = reader.values("/fields/depth").map_err(words)?;
-    // Of a plane between two layers the upper side, which comes first, is drawn.
+    // The upper side of a plane between two layers, which comes first, is drawn.
     let mut kept: Vec<usize> =
         (0..found.len()).filter(|&level| depths.iter().any(|depth| is_near(*depth, found[level], depths))).collect();
     kept.dedup_by(|a, b| found[*a] == found[*b]);

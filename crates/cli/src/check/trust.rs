@@ -1,4 +1,5 @@
-//! What `check` verifies of each part of a result: the table by which it decides, and from which docs/trust.md is made.
+//! The parts of a result and how `check` verifies each: the table by which it decides, and from which docs/trust.md is
+//! made.
 
 use std::fmt::Write as _;
 

@@ -13,7 +13,7 @@ use super::Args;
 use crate::failure::Failure;
 use crate::source::Surface;
 
-/// What gives the loads of a contact their conductance.
+/// The source of the conductance of the loads of a contact.
 pub(super) struct Conducting {
     way: Way,
     boundary: Boundary,
@@ -40,7 +40,7 @@ const NOT_CONVERGED: &str = "the load did not converge";
 const ALL_TOUCH: &str = "all points touch, which leaves no resistance but that of the bulk";
 
 impl Conducting {
-    /// Of contacts with these flags.
+    /// The conductance of contacts with these flags.
     ///
     /// # Errors
     /// A depth of the electrodes that cannot be had, or is given without `--statistics`.

@@ -29,7 +29,7 @@ use crate::trace::Trace;
 /// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end. Of several processes the
 /// first one writes it; all make the same calls, and give their rows of the fields.
 pub struct ContactFile<'a> {
-    /// Of the process that writes.
+    /// The file of the process that writes.
     archive: Option<Archive<'a>>,
     share: Share,
     facts: Facts,

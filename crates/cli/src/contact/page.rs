@@ -12,8 +12,10 @@ use crate::{hardness, lower};
 
 const CITED: [&str; 3] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
-    "I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level multi-summation and conjugate gradient techniques, Wear 231, 206–219 (1999).",
-    "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
+    "I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level \
+     multi-summation and conjugate gradient techniques, Wear 231, 206–219 (1999).",
+    "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical \
+     contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
 ];
 
 /// The page about the contact in a file.

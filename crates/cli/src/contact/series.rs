@@ -25,11 +25,11 @@ use crate::resume::{Kept, Part};
 use crate::session::Session;
 use crate::trace::Tracer;
 
-/// What the loads of one contact have beside their scalars.
+/// The results of the loads of one contact beside their scalars.
 #[derive(Default)]
 pub(super) struct Gathered {
     pub(super) loads: Vec<Measured>,
-    /// Of the last load.
+    /// The state of the last load.
     pub(super) flow: Option<Flow>,
 }
 

@@ -1,4 +1,4 @@
-//! What is said about slopes that are not small, by the program and by Python.
+//! Words about slopes that are not small, of the program and of Python.
 
 use gfmd_problem::Facts;
 

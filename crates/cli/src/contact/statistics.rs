@@ -1,4 +1,4 @@
-//! What `--statistics` and `--flow` add to a load: patches, distributions, spectra, flow through the gap.
+//! The parts of a load that `--statistics` and `--flow` add: patches, distributions, spectra, flow through the gap.
 
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Transform};
@@ -34,7 +34,7 @@ pub(super) struct Measured {
     pub(super) gap: Distribution,
     /// Gaps and densities, in bins of equal width on a logarithmic scale.
     pub(super) gap_decades: Vec<[f64; 2]>,
-    /// Of periodic fields only.
+    /// Periodic fields alone have them.
     spectra: Option<Spectra>,
 }
 

@@ -1,4 +1,4 @@
-//! What happens while a load is solved.
+//! Progress, interruptions and checkpoints while a load is solved.
 
 use std::ops::ControlFlow;
 

@@ -10,7 +10,7 @@ use crate::figures::Shown;
 use crate::rows;
 use crate::source::Surface;
 
-/// What figures and files of VTK need of a contact: whole fields, which the first of several processes gathers.
+/// The fields of a contact that figures and files of VTK need, whole, which the first of several processes gathers.
 pub(super) struct Whole<'a> {
     pub(super) surface: Cow<'a, Surface>,
     pub(super) hardness: Option<Cow<'a, Hardness>>,

@@ -84,7 +84,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) face: Face,
 }
 
-/// What a figure shows.
+/// The quantity that a figure shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Pressure,
@@ -355,7 +355,7 @@ mod tests {
         assert_eq!(kinds(&shown), ["map", "traction", "gap", "section"]);
         let section = scene(&shown, &grid, None).section().unwrap();
         assert_eq!(heights(&section.panels[1].series[1]), [0.0, 0.0, 0.0, 0.0, -2.5, 0.0]);
-        // What a file may lack.
+        // Fields that a file may lack.
         shown.level.clear();
         assert_eq!(kinds(&shown), ["map", "traction", "gap"]);
         shown.gap.clear();

@@ -14,9 +14,11 @@ use crate::report::{Certificate, Fact, Page, Stored, Table, config, interval, nu
 use crate::session::Session;
 
 const CITED: [&str; 5] = [
-    "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional analysis, numerical corrections, and reference data, Tribology Letters 53, 433–448 (2014): the three limits.",
+    "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional \
+     analysis, numerical corrections, and reference data, Tribology Letters 53, 433–448 (2014): the three limits.",
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
-    "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
+    "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical \
+     contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
     "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical Physics 115, 3840–3861 (2001).",
     "A. W. Bush, R. D. Gibson, T. R. Thomas, The elastic contact of a rough surface, Wear 35, 87–111 (1975).",
 ];
@@ -251,7 +253,7 @@ fn surfaces(statistics: &StatisticsConfig) -> String {
     format!("{number}{aim}, first seed {seed}")
 }
 
-/// What the body has besides its top layer.
+/// The parts of the body besides its top layer.
 fn others(body: &BodyConfig) -> String {
     let mut parts = String::new();
     for [young, poisson, height] in &body.layers {

@@ -304,7 +304,7 @@ impl fmt::Display for Headline<'_> {
     }
 }
 
-/// What a shard did, as printed.
+/// The work of a shard, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct ShardReport {

@@ -12,7 +12,7 @@ use super::journal::{Finished, Journal, Size};
 use crate::failure::Failure;
 use crate::session::GIT_COMMIT;
 
-/// What the name of the journal of a shard has after that of the output, less the ending.
+/// The part of the name of the journal of a shard after that of the output, less the ending.
 pub(super) fn suffix(shard: Shard) -> String {
     format!(".shard-{}-of-{}", shard.index(), shard.count())
 }

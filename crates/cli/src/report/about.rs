@@ -61,7 +61,7 @@ fn repeat(reader: &Reader, kind: Kind, config: &str, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
     let again = match kind {
         Kind::KappaSweep => Some("gfmd kappa-sweep --config sweep.toml --out again.h5".to_owned()),
-        // Of a configuration that check refuses no command is made.
+        // A configuration that check refuses makes no command.
         _ => Configuration::read(kind, config).ok().map(|config| {
             let words: Vec<String> = config.told().iter().map(|word| quoted(word)).collect();
             format!("gfmd {} {} --out again.h5", kind.name(), words.join(" "))

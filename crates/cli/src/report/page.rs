@@ -9,7 +9,7 @@ use crate::figures::Drawn;
 /// The contents of a page about a result; what is common to all kinds of results is added when it is written.
 #[derive(Default)]
 pub(crate) struct Page {
-    /// What was computed, in a few words.
+    /// The problem that was computed, in a few words.
     pub(crate) title: String,
     /// The result, most important first.
     pub(crate) answer: Vec<Markup>,

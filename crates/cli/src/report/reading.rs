@@ -1,4 +1,4 @@
-//! What a page takes from a file: columns by name, the configuration, fields of the expected shape.
+//! The parts of a file that a page takes: columns by name, the configuration, fields of the expected shape.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -113,8 +113,8 @@ impl StoredSurface {
         })
     }
 
-    /// What the figures of a face show of state `index`. Gap and displacement may be missing. The pressure of a wall behind an
-    /// attraction is not in the file: where the gap is closed there is contact, too.
+    /// The fields of state `index` that the figures of a face show. Gap and displacement may be missing. The pressure
+    /// of a wall behind an attraction is not in the file: where the gap is closed there is contact, too.
     ///
     /// # Errors
     /// As [`field`](Self::field), for the pressure.

@@ -9,7 +9,7 @@ use super::found::{Found, number};
 use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, neighbours, patches, steepest};
 use super::path::{Vectors, all_components};
 
-/// What the dense compliance of a case may differ by: the sums of layered patches are a quadrature.
+/// The dense compliance of a case and the error that it may have: the sums of layered patches are a quadrature.
 pub(crate) struct Elastic {
     pub(crate) dense: Dense,
     pub(crate) tolerance: f64,
@@ -220,14 +220,23 @@ pub(crate) fn wall(found: &mut Found, pressure: &[f64], gap: &[f64], scale: f64,
     [closed, below]
 }
 
+/// The heights are those of the files: of one to the last bit, of two their sum.
+pub(crate) fn given(found: &mut Found, case: &Case, heights: &[f64]) {
+    let Some(given) = &case.heights else { return };
+    if case.is_composite {
+        let apart = given.iter().zip(heights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        found.near("heights of the composite", apart, 0.0, 1e-12 * largest(given));
+    } else {
+        found.must(given == heights, || "the heights are not those of the file".into());
+    }
+}
+
 /// Checks all loads.
 pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
     let plane = case.plane;
     let heights = file.values::<f64>("/surface/height").unwrap();
     found.must(heights.len() == plane.len(), || format!("{} heights", heights.len()));
-    if let Some(given) = &case.heights {
-        found.must(given == &heights, || "the heights are not those of the file".into());
-    }
+    given(found, case, &heights);
     let rough = Rough::new(case, heights);
     if let Some(asked) = case.asked_gradient {
         let made = gradient(plane, &rough.heights, false);
@@ -358,7 +367,14 @@ fn one(
         }
     }
     if let Some(energy) = energy {
-        found.is(load, "elastic_energy", energy, 1e2 * elastic.tolerance);
+        // A uniform pressure on a half-space displaces nothing, to within rounding.
+        let rounding = 1e-13 * stress * scale;
+        found.near(
+            "elastic_energy",
+            number(load, "elastic_energy"),
+            energy,
+            1e2 * elastic.tolerance * energy.abs() + rounding,
+        );
     } else if !has_level(case) && !case.has_lower && !case.is_steep {
         found.null(load, "elastic_energy");
     }
@@ -497,13 +513,21 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
     if !case.statistics {
         return;
     }
-    // Current through all points in contact, whose potential is uniform, into half-spaces of unit resistivity in all.
-    let conductors = match case.is_free {
-        false => Dense::periodic(case.plane, |q| if q > 0.0 { 1.0 / q } else { 0.0 }),
-        true => Dense::free(case.plane, love(case.plane, 2.0)),
+    // Current through all points in contact, whose potential is uniform, into half-spaces of unit resistivity in all,
+    // or into layers of it on electrodes. Of a periodic surface the bulk is left out.
+    let potential = |q: f64| match case.conductor_height {
+        Some(height) if q > 0.0 => (q * height).tanh() / q,
+        Some(height) => height,
+        None => 1.0 / q,
+    };
+    let conductors = match (case.is_free, case.conductor_height) {
+        (false, _) => Dense::periodic(case.plane, |q| if q > 0.0 { potential(q) } else { 0.0 }),
+        (true, None) => Dense::free(case.plane, love(case.plane, 2.0)),
+        (true, Some(height)) => Dense::free(case.plane, layered(case.plane, 2.0, [height; 2], 0.0, potential)),
     };
     let touching: Vec<usize> = (0..pressure.len()).filter(|at| surely[*at]).collect();
-    let expected = if case.is_free && case.is_line { f64::INFINITY } else { conductors.stiffness(&touching) };
+    let has_level = !(case.is_free && case.is_line && case.conductor_height.is_none());
+    let expected = if has_level && !case.is_steep { conductors.stiffness(&touching) } else { f64::INFINITY };
     match expected.is_finite() {
         true => found.is(load, "conductance", expected, 1e-6),
         false => found.null(load, "conductance"),
@@ -671,6 +695,7 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
         if case.is_free {
             continue;
         }
+        spectrum(found, plane, &repulsion, k, file);
         let middle = mean(&repulsion);
         for (axis, name) in ["x", "y"].into_iter().enumerate() {
             let told = file.slab::<f64>(&format!("/spectra/autocorrelation_{name}"), k).unwrap_or_default();
@@ -683,9 +708,53 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
                     })
                     .sum()
             };
+            let variance = lagged(0);
             for (lag, value) in told.iter().enumerate() {
-                found.near(&format!("autocorrelation along {name}"), *value, lagged(lag) / lagged(0), 1e-7);
+                // Nothing is correlated with a pressure that is the same everywhere.
+                if variance <= 1e-26 * plane.len() as f64 * largest(&repulsion).powi(2) {
+                    continue;
+                }
+                found.near(&format!("autocorrelation along {name}"), *value, lagged(lag) / variance, 1e-7);
             }
         }
+    }
+}
+
+/// The mean of |p(q)|² over the waves of rings as wide as the smallest wave number of the shorter side, times the
+/// density of wave numbers: up to the smaller of the shortest waves along x and along y, rings without waves left out.
+fn spectrum(found: &mut Found, plane: Plane, pressure: &[f64], k: usize, file: &Reader) {
+    let axes = if plane.n[1] == 1 { 1 } else { 2 };
+    let tau = 2.0 * std::f64::consts::PI;
+    let of_axes = |value: &dyn Fn(usize) -> f64| (0..axes).map(value).fold(f64::INFINITY, f64::min);
+    let smallest = tau / of_axes(&|axis| plane.length[axis]);
+    let shortest = of_axes(&|axis| tau * plane.n[axis] as f64 / (2.0 * plane.length[axis]));
+    let density: f64 = (0..axes).map(|axis| plane.length[axis] / tau).product();
+    let parts = plane.transform(pressure);
+    let (mut wavenumbers, mut powers) = (Vec::new(), Vec::new());
+    for ring in 0..=(shortest / smallest * (1.0 + 1e-12)).floor() as usize {
+        let inside = (0..plane.len()).filter_map(|place| {
+            let [x, y] = plane.wave(place);
+            let q = x.hypot(y);
+            // Half-way between two rings a wave belongs to that of shorter waves.
+            let here = q > 0.0 && (q / smallest + 1e-9).round() as usize == ring;
+            here.then(|| (q, parts[place][0].powi(2) + parts[place][1].powi(2)))
+        });
+        let inside: Vec<(f64, f64)> = inside.collect();
+        if !inside.is_empty() {
+            let count = inside.len() as f64;
+            wavenumbers.push(inside.iter().map(|(q, _)| q).sum::<f64>() / count);
+            powers.push(density * inside.iter().map(|(_, power)| power).sum::<f64>() / count);
+        }
+    }
+    let told = file.slab::<f64>("/spectra/pressure", k).unwrap_or_default();
+    let at = file.values::<f64>("/spectra/wavenumber").unwrap_or_default();
+    found.must(told.len() == powers.len() && at.len() == powers.len(), || {
+        format!("/spectra/pressure has {} rings, {} wave numbers; there are {}", told.len(), at.len(), powers.len())
+    });
+    let most = largest(&powers);
+    for ring in 0..powers.len().min(told.len()).min(at.len()) {
+        found.near("/spectra/wavenumber", at[ring], wavenumbers[ring], 1e-9 * wavenumbers[ring]);
+        let rounding = 1e-26 * density * largest(pressure).powi(2);
+        found.near("/spectra/pressure", told[ring], powers[ring], 1e-9 * most + rounding);
     }
 }

@@ -117,7 +117,7 @@ pub(crate) enum Law {
         gamma: f64,
         curvature: f64,
     },
-    /// Of the five cohesive laws without sliding.
+    /// One of the five cohesive laws, without sliding.
     Cohesive {
         name: &'static str,
         work: f64,
@@ -237,6 +237,12 @@ pub(crate) struct Case {
     pub(crate) statistics: bool,
     pub(crate) flow: bool,
     pub(crate) threshold: bool,
+    /// The depth of the electrodes of the conductors.
+    pub(crate) conductor_height: Option<f64>,
+    /// The file of VTK.
+    pub(crate) vtk: Option<String>,
+    /// True if the heights are those of two files.
+    pub(crate) is_composite: bool,
     pub(crate) solver: &'static str,
     pub(crate) tolerance: f64,
     /// The command without its outlets.
@@ -603,6 +609,33 @@ impl Case {
         if solver.starts_with("verlet") || solver.starts_with("fire") || components == Components::All {
             text.push_str(" --max-iter 20000");
         }
+        let conductor_height = (statistics && dice.chance(0.4)).then(|| dice.of(&[0.2, 0.5, 2.0]));
+        if let Some(height) = conductor_height {
+            let _ = write!(text, " --conductor-height {height}");
+        }
+        let vtk = (!is_path && dice.chance(0.3)).then(|| format!("out{index}.{}", dice.of(&["vti", "vtp"])));
+        // A second surface, moved by whole steps and by parts of them.
+        let is_composite = given.is_some() && !is_free && !has_lower && dice.chance(0.3);
+        if let (Some(heights), true) = (&mut given, is_composite) {
+            let second = waves(dice, plane, 0.05 * gradient);
+            write(folder, &format!("second{index}.npy"), plane, is_line, &second);
+            let part = dice.of(&[0.0, 0.0, 0.3, -0.45]);
+            let steps = [dice.count(0, n[0]), dice.count(0, n[1])].map(|steps| steps as f64 + part);
+            let spacing = plane.spacing();
+            let shift = [0, 1].map(|axis| if plane.n[axis] == 1 { 0.0 } else { steps[axis] * spacing[axis] });
+            let _ = write!(text, " --second-surface second{index}.npy --shift={}", shift[0]);
+            if !is_line {
+                let _ = write!(text, ",{}", shift[1]);
+            }
+            let modes: Vec<[f64; 2]> = (plane.transform(&second).into_iter().enumerate())
+                .map(|(place, [re, im])| {
+                    let [x, y] = plane.wave(place);
+                    let (sine, cosine) = (x * shift[0] + y * shift[1]).sin_cos();
+                    [re * cosine + im * sine, im * cosine - re * sine]
+                })
+                .collect();
+            heights.iter_mut().zip(plane.inverse(&modes)).for_each(|(h, other)| *h += other);
+        }
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
         let words = text.split_whitespace().map(str::to_owned).collect();
         Self {
@@ -630,6 +663,9 @@ impl Case {
             statistics,
             flow,
             threshold,
+            conductor_height,
+            vtk,
+            is_composite,
             solver,
             tolerance,
             words,
@@ -663,6 +699,9 @@ impl Case {
             (self.statistics, "statistics"),
             (self.flow, "flow"),
             (self.threshold, "flow threshold"),
+            (self.conductor_height.is_some(), "electrodes"),
+            (self.vtk.is_some(), "VTK"),
+            (self.is_composite, "two surfaces"),
             (self.solver != "auto", "a named solver"),
             (!self.lateral.is_empty(), "lateral path"),
         ];

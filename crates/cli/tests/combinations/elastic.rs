@@ -111,7 +111,7 @@ impl Layer {
     }
 }
 
-/// What the layers stand on.
+/// The support of the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Base {
     Bonded,
@@ -432,7 +432,7 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
-    /// Of a periodic cell, from the compliance of each wave number.
+    /// The compliance of a periodic cell, from that of each wave number.
     pub(crate) fn periodic(plane: Plane, mut compliance: impl FnMut(f64) -> f64) -> Self {
         let mut known: Vec<(i64, f64)> = Vec::new();
         let modes: Vec<Complex> = (0..plane.len())
@@ -452,7 +452,8 @@ impl Dense {
         Self { plane, is_free: false, by_offset: plane.inverse(&modes) }
     }
 
-    /// Of a patch on an unbounded body, from the displacement that a uniform pressure on one cell makes at an offset.
+    /// The compliance of a patch on an unbounded body, from the displacement that a uniform pressure on one cell makes
+    /// at an offset.
     pub(crate) fn free(plane: Plane, of_cell: impl Fn([f64; 2]) -> f64) -> Self {
         let [dx, dy] = plane.spacing();
         let offset = |place: usize| [(place / plane.n[1]) as f64 * dx, (place % plane.n[1]) as f64 * dy];

@@ -1,4 +1,4 @@
-//! What a case is found to be: complaints, and how many numbers were compared.
+//! The findings of a case: complaints, and how many numbers were compared.
 
 use std::collections::BTreeMap;
 

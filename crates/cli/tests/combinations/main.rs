@@ -51,6 +51,9 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     let mut words: Vec<&str> = case.words.iter().map(String::as_str).collect();
     let bare = words.clone();
     words.extend(["--json", "-q", "--threads", "1", "--out", &out]);
+    if let Some(vtk) = &case.vtk {
+        words.extend(["--vtk", vtk]);
+    }
     let output = gfmd(folder, &words);
     let (told, text) = (String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
     let lines: Vec<&str> = told.trim_end().lines().collect();
@@ -90,6 +93,9 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         contact::check(found, case, &report, &file);
     }
     outlets::file(found, records, &file, group);
+    if let Some(vtk) = &case.vtk {
+        outlets::vtk(found, case, &std::fs::read(folder.join(vtk)).unwrap(), &file);
+    }
     if case.index.is_multiple_of(3) {
         let mut words = bare;
         words.extend(["--threads", "1"]);

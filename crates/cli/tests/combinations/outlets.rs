@@ -18,7 +18,7 @@ pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
         Value::Object(entries) => {
             for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
                 if let ("flow", Some(kind)) = (at, key.strip_prefix("conductivity_")) {
-                    // Of the flow along a gradient, not across.
+                    // The flow along a gradient has it, not that across.
                     for (axis, name) in ["xx", "yy"].into_iter().enumerate() {
                         all.insert(format!("flow_{name}_{kind}"), value[axis][axis].as_f64().unwrap_or(f64::NAN));
                     }
@@ -122,6 +122,64 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
             }
         }
     }
+}
+
+/// The arrays of a file of VTK with 64-bit numbers, by name, as `[x, y]` with x the slower index; those of components
+/// follow each other.
+fn arrays(bytes: &[u8], n: [usize; 2]) -> BTreeMap<String, Vec<Vec<f64>>> {
+    let mark = b"<AppendedData encoding=\"raw\">\n_";
+    let start = bytes.windows(mark.len()).position(|part| part == mark).unwrap();
+    let header = String::from_utf8_lossy(&bytes[..start]);
+    let data = &bytes[start + mark.len()..];
+    let word = |at: usize| <[u8; 8]>::try_from(&data[at..at + 8]).unwrap();
+    let mut found = BTreeMap::new();
+    for element in header.split("<DataArray ").skip(1).filter(|element| element.starts_with("type=\"Float64\"")) {
+        let of = |key: &str| element.split(&format!("{key}=\"")).nth(1).and_then(|rest| rest.split('"').next());
+        let (name, at) = (of("Name").unwrap_or("points"), of("offset").unwrap().parse::<usize>().unwrap());
+        let components: usize = of("NumberOfComponents").unwrap_or("1").parse().unwrap();
+        assert_eq!(u64::from_le_bytes(word(at)) as usize, 8 * components * n[0] * n[1], "{name}");
+        let value = |index: usize| f64::from_le_bytes(word(at + 8 + 8 * index));
+        let component = |c: usize| {
+            let points = (0..n[0]).flat_map(|i| (0..n[1]).map(move |j| j * n[0] + i));
+            points.map(|point| value(point * components + c)).collect()
+        };
+        found.insert(name.to_owned(), (0..components).map(component).collect());
+    }
+    found
+}
+
+/// The numbers of a file of VTK are those of the last load in HDF5, to the last bit.
+pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
+    let (plane, last) = (case.plane, case.loads.len() - 1);
+    let all = arrays(bytes, plane.n);
+    let fields = file.names("/fields").into_iter().filter(|name| !file.is_coordinate(&format!("/fields/{name}")));
+    let mut wanted: BTreeMap<String, Vec<f64>> =
+        fields.map(|name| (name.clone(), file.slab(&format!("/fields/{name}"), last).unwrap())).collect();
+    wanted.insert("height".into(), file.values("/surface/height").unwrap());
+    for (name, values) in &wanted {
+        let same = all.get(name).is_some_and(|told| told.len() == 1 && told[0] == *values);
+        found.must(same, || format!("the {name} of VTK is not that of the file"));
+    }
+    let repulsion = wanted.get("repulsion").or(wanted.get("pressure")).cloned().unwrap_or_default();
+    let contact: Vec<f64> = repulsion.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
+    found.must(all.get("contact").is_some_and(|told| told[0] == contact), || "the contact of VTK".into());
+    // Polygons lie on the displaced points.
+    if let Some(points) = all.iter().find(|(_, components)| components.len() == 3).map(|(_, components)| components) {
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let moved = wanted.get(&format!("displacement_{name}"));
+            for (place, told) in points[axis].iter().enumerate() {
+                let index = [place / plane.n[1], place % plane.n[1]][axis] as f64;
+                let at = index * plane.spacing()[axis] + moved.map_or(0.0, |moved| moved[place]);
+                found.near(&format!("{name} of a point of VTK"), *told, at, 1e-12 * plane.length[axis]);
+            }
+        }
+    }
+    let names: Vec<&String> = all
+        .iter()
+        .filter(|(name, told)| told.len() == 1 && !wanted.contains_key(*name))
+        .map(|(name, _)| name)
+        .collect();
+    found.must(names == ["contact"], || format!("VTK has {names:?} beside the fields"));
 }
 
 /// The gap is open at the lower one of the two loads of a threshold, and closed at the other.

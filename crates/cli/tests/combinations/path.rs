@@ -47,9 +47,7 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
 pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
     let plane = case.plane;
     let heights = file.values::<f64>("/surface/height").unwrap();
-    if let Some(given) = &case.heights {
-        found.must(given == &heights, || "the heights are not those of the file".into());
-    }
+    super::contact::given(found, case, &heights);
     let rough = Rough::new(case, heights);
     if let Some(asked) = case.asked_gradient {
         found.near("rms gradient of the generator", gradient(plane, &rough.heights, false), asked, 1e-9 * asked);
@@ -78,7 +76,7 @@ pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reade
     totals(found, report, steps);
 }
 
-/// What the next step needs of a state.
+/// The part of a state that the next step needs.
 struct State {
     pressure: Vec<f64>,
     depth: Option<Vec<f64>>,
@@ -126,7 +124,7 @@ fn one(
     }
     let attracting = file.contains("/fields/repulsion").then(|| field("repulsion"));
     let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, attracting);
-    // Of a mixed law only the points that the wall or the law repels count, whatever the sliding.
+    // The points that the wall or a mixed law repels count, whatever the sliding.
     if case.law.is_none() || case.lateral.is_empty() {
         counted(found, case, step, (&surely, &possibly, &repulsion), &gap);
     }
@@ -256,7 +254,7 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
     let lost = number(step, "dissipated");
     let error = number(step, "dissipated_error");
     if lost.is_finite() {
-        // Of a line without a level the energy is not known.
+        // The energy of a line without a level is not known.
         let scale = Some(number(step, "elastic_energy").abs()).filter(|energy| energy.is_finite()).unwrap_or(0.0);
         let error = if error.is_finite() { error } else { 0.0 };
         found.must(lost >= -error - 1e-6 * scale, || format!("dissipated is {lost:e}, {error:e}"));

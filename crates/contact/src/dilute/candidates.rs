@@ -28,7 +28,7 @@ const SURPLUS: f32 = 1.2;
 /// The number of variables that are handed on together.
 const STRETCH: usize = 32 * LANES;
 
-/// What is found at all points.
+/// The findings at all points.
 pub(super) struct Survey {
     /// The deepest penetration outside of the blocks.
     pub(super) penetration: f64,
@@ -68,7 +68,7 @@ pub(super) struct Candidates<'a> {
     image: Vec<f32>,
 }
 
-/// What is known of the displacement by the present pressure.
+/// The known part of the displacement by the present pressure.
 #[derive(Clone, Copy, PartialEq)]
 enum Known {
     /// Nothing, and an image between the points will do.

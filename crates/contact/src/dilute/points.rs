@@ -25,7 +25,7 @@ pub(crate) struct Points {
     memory: ScatteredMemory,
     blocks: Blocks,
     extension: PullPush,
-    /// What is left of the gap at the points.
+    /// The rest of the gap at the points.
     rest: Vec<f32>,
     /// 1 for free points, else 0.
     free: Vec<f32>,
@@ -73,7 +73,7 @@ impl Points {
         self.pairs as f64 * self.scattered.effort()
     }
 
-    /// What [`pairs`](Self::pairs) has counted.
+    /// The count of [`pairs`](Self::pairs).
     pub(super) fn counter(&mut self) -> &mut u64 {
         &mut self.pairs
     }

@@ -103,7 +103,7 @@ pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &
     let (x, gradient, upper) = points;
     let all = out.chunks_mut(BITS).zip(x.chunks(BITS).zip(gradient.chunks(BITS))).zip(above.iter().zip(kept));
     for (chunk, ((out, (x, gradient)), (above, kept))) in all.enumerate() {
-        // What is zero need not be read.
+        // Zeros need not be read.
         let is_zero = !above.load(Ordering::Relaxed);
         let x = if is_zero { &[0.0; BITS][..x.len()] } else { x };
         let mut bits = 0;

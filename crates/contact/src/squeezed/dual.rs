@@ -122,7 +122,7 @@ struct Extension {
     /// Sum of the pressures, and mean of the known values.
     joint_x: Vec<f64>,
     joint: Vec<f32>,
-    /// What the faces know beyond the shared waves.
+    /// The waves that the faces do not share.
     own: Vec<f32>,
     rows: Vec<f32>,
     wave: Vec<f64>,

@@ -1,4 +1,5 @@
-//! What a reader of a format provides: how to tell a file of this format, its channels, and the heights of one of them.
+//! The interface of a reader of a format: how to tell a file of this format, its channels, and the heights of one of
+//! them.
 
 use ndarray::{Array2, Axis};
 
@@ -73,7 +74,7 @@ pub(super) struct Map {
     pub lengths: Option<[f64; 2]>,
     pub length_unit: Option<String>,
     pub height_unit: Option<String>,
-    /// What the file says of instrument and measurement: key and value.
+    /// The words of the file about instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
     /// Remarks of the reader.
     pub notes: Vec<String>,

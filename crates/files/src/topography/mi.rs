@@ -22,7 +22,7 @@ fn sniff(file: &File) -> bool {
     file.starts_with(b"fileType      ")
 }
 
-/// What a channel's section says.
+/// The words of a channel's section.
 #[derive(Default)]
 struct Section {
     label: String,

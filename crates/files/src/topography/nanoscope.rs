@@ -284,7 +284,7 @@ impl<'a> Image<'a> {
 struct Value<'a> {
     /// Name of the soft scale, in square brackets.
     soft: Option<&'a str>,
-    /// What follows the brackets and the parentheses; in an image's name with its quotation marks.
+    /// The text after the brackets and the parentheses; in an image's name with its quotation marks.
     rest: &'a str,
 }
 

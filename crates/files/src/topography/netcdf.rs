@@ -217,7 +217,7 @@ struct AxisOf {
     periodic: bool,
 }
 
-/// What turns the numbers of a variable into values.
+/// The attributes that turn the numbers of a variable into values.
 #[derive(Clone, Copy)]
 struct Scale {
     factor: Option<f64>,

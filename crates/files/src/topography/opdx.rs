@@ -85,7 +85,7 @@ enum Item<'a> {
     Other,
 }
 
-/// What the file says of one set of numbers.
+/// The words of the file about one set of numbers.
 #[derive(Default)]
 struct Data<'a> {
     name: &'a str,

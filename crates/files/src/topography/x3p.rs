@@ -1,9 +1,10 @@
 //! X3P of ISO 25178-72: a zip archive of `main.xml`, binary heights, and the validity of points.
 //!
-//! Heights and spacings are in metres; the size is the number of points times the increment. Heights are increment times
-//! number plus offset; whole numbers have a sign (`I` 16 bits, `L` 32 bits), as in the openGPS library of the format's
-//! authors; they must have an increment, and so must both axes, while floats without one are heights in metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y axis
-//! points up.
+//! Heights and spacings are in metres; the size is the number of points times the increment. Heights are increment
+//! times number plus offset; whole numbers have a sign (`I` 16 bits, `L` 32 bits), as in the openGPS library of the
+//! format's authors; they must have an increment, and so must both axes, while floats without one are heights in
+//! metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y
+//! axis points up.
 
 mod write;
 

@@ -29,7 +29,7 @@ const CONSTANT_HDF5: usize = 14 << 20;
 /// Bytes for each point of the grid: a height and a mark.
 const POINT: usize = 9;
 
-/// What a run found.
+/// The findings of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Count {
     pub(crate) inputs: u64,
@@ -94,7 +94,7 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
     let (peak, time) = (memory::peak(before) + bytes.len(), started.elapsed());
     let grid = match &map {
         Ok(map) => map.heights.len(),
-        // What the header says counts, even if the heights then are not there.
+        // The header counts, even if the heights then are not there.
         Err(_) => caught(|| declared(bytes))?,
     };
     *READING.lock().map_err(|error| error.to_string())? = None;

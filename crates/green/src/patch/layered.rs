@@ -1,5 +1,5 @@
-//! What layers add to the compliance of a patch of a half-space: integrals of their compliance less that of the half-space, times
-//! a Bessel function, or the cosine of a profile, over all wavenumbers (theory.md, section 3.1).
+//! The compliance that layers add to that of a patch of a half-space: integrals of their compliance less that of the
+//! half-space, times a Bessel function, or the cosine of a profile, over all wavenumbers (theory.md, section 3.1).
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,11 +23,11 @@ struct Radial<const M: usize> {
     nodes: Vec<[f64; 2]>,
 }
 
-/// What layers add to the displacement by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*) J₀(q r) dq over it, on a
-/// line 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
+/// The displacement that layers add to that by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*) J₀(q r) dq
+/// over it, on a line 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
 pub(super) struct Correction {
     table: Radial<1>,
-    /// Of a line.
+    /// The displacement of a line.
     far: Option<Far>,
 }
 
@@ -42,7 +42,7 @@ struct Far {
     length: f64,
 }
 
-/// What layers add to the [matrix](super::PatchMatrix) of a half-space, but zz.
+/// The part that layers add to the [matrix](super::PatchMatrix) of a half-space, but zz.
 pub(super) struct MatrixCorrection(Radial<3>);
 
 /// Number of coefficients of a piece, and of nodes of an interval of the quadrature over q.

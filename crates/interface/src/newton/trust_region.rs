@@ -132,7 +132,7 @@ impl<T: Number> TrustRegion<T> {
         radius: Option<f64>,
     ) -> f64 {
         let vectors = &mut self.vectors;
-        // What a length is in the units of the search.
+        // A length in the units of the search.
         let metric = stress * model.unit().sqrt();
         self.unit = stress * model.unit();
         model.project(&mut vectors.residual);

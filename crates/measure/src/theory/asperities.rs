@@ -145,9 +145,9 @@ impl Asperities {
     }
 }
 
-/// What summits of each mean curvature t carry, over those of all orientations and shapes: t, area, load. A summit of
-/// principal curvatures t ± r has the density (t² − r²)/(2π m2) times that of t, Gaussian with variance 2 m4/3, and of r, a
-/// Rayleigh distribution of scale √(m4/3).
+/// The load that summits of each mean curvature t carry, over those of all orientations and shapes: t, area, load. A
+/// summit of principal curvatures t ± r has the density (t² − r²)/(2π m2) times that of t, Gaussian with variance 2
+/// m4/3, and of r, a Rayleigh distribution of scale √(m4/3).
 fn paraboloids() -> Vec<[f64; 3]> {
     let ratios: Vec<(f64, f64, [f64; 2])> = gauss_legendre(NODES[1], [0.0, 1.0])
         .into_iter()

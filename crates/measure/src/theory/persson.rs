@@ -28,8 +28,8 @@ struct Shell {
 /// Waves whose wavenumbers differ by less than this ratio are taken together.
 const ALIKE: f64 = 1.002;
 
-/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a wavelength, and far
-/// below the distance of wavenumbers.
+/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a
+/// wavelength, and far below the distance of wavenumbers.
 const ROUNDING: f64 = 1e-12;
 
 /// The part of the elastic energy in full contact that a contact of small area has, over its share by area. Almqvist, Campañá,

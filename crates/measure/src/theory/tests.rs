@@ -188,7 +188,7 @@ fn persson_of_a_half_space_is_the_error_function_of_the_reduced_pressure() {
     for p_star in [1e-3, 0.1, 1.0] {
         assert_relative_eq!(theory.area(p_star * unit, f64::INFINITY), persson_area(p_star), max_relative = 1e-12);
     }
-    // What is seen at a low magnification is more, and everything without waves.
+    // The area at a low magnification is larger, and the whole without waves.
     let areas = [0.1, 10.0, 100.0, 1e4].map(|largest| theory.area(0.05 * unit, largest));
     assert!(areas[0] == 1.0 && areas.windows(2).all(|pair| pair[0] > pair[1]), "{areas:?}");
 }

@@ -134,7 +134,7 @@ impl Parcel for Sums {
     }
 }
 
-/// What makes numbers of the problem from those of single precision.
+/// The factors that make numbers of the problem from those of single precision.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     /// The unit of gradients.

@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn what_is_left_to_long_waves_decays() {
-        // Of 1/r, whose transform is 1/k, the near part leaves nothing at short distances: waves of k > 2 β are all in it.
+        // The near part of 1/r, whose transform is 1/k, leaves nothing at short distances: waves of k > 2 β are all in
+        // it.
         let terms = terms();
         assert_eq!(near_part(0.0), transform(&terms, 0.0));
         for k in (0..400).map(|i| 0.1197 * f64::from(i)) {

@@ -25,14 +25,14 @@ const BEFORE: usize = ORDER / 2 - 1;
 pub(super) struct Splines {
     /// The numbers of coarse points.
     points: [usize; 2],
-    /// What a point at each of the places between two coarse points gives to those around it.
+    /// The weights that a point at each of the places between two coarse points gives to those around it.
     weights: [[f32; ORDER]; COARSENING],
     /// The same for the lanes of a block and the coarse points around it: what a lane gives to them, and what each gives to the lanes.
     given: [[f32; PADDED]; LANES],
     taken: [[f32; LANES]; SPREAD],
 }
 
-/// What the sources of every row give to the coarse points of a line.
+/// The weights that the sources of every row give to the coarse points of a line.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     values: Vec<f32>,

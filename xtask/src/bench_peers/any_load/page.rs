@@ -96,7 +96,7 @@ impl AnyLoad {
         tables
     }
 
-    /// What is not certified, one line for each contestant and surface.
+    /// The results that are not certified, one line for each contestant and surface.
     pub(super) fn failures(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for block in &self.blocks {

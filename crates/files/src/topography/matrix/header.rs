@@ -3,7 +3,7 @@
 use crate::topography::bytes::clip;
 use crate::topography::unit::{Conversion, is_length};
 
-/// What the header says, in the spellings of several programs and in German.
+/// The words of the header, in the spellings of several programs and in German.
 #[derive(Debug, Default)]
 pub(super) struct Header {
     pub(super) channel: Option<String>,
