@@ -46,6 +46,9 @@ const MOST_THREADS: usize = 256;
 /// The stack of each in bytes, as large as that of a process: commands run on one of them.
 const STACK: usize = 8 << 20;
 
+/// The number of the format of journals: another one cannot be continued.
+const JOURNAL: u32 = 2;
+
 /// A run of the program.
 #[derive(Clone)]
 pub struct Session {
@@ -218,7 +221,7 @@ impl Session {
     /// The text that identifies a run by its version, configuration and surface: another run cannot continue it.
     pub fn identity(&self, config: &str, surface: &Surface) -> String {
         let version = env!("CARGO_PKG_VERSION");
-        format!("gfmd {version}, heights {}\n{config}", surface.checksum())
+        format!("gfmd {version}, journal {JOURNAL}, heights {}\n{config}", surface.checksum())
     }
 
     /// The provenance of a file written now; `config` is the resolved configuration.

@@ -1,83 +1,19 @@
 //! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its kind.
 
+mod parts;
+
 use std::sync::Arc;
 
 use gfmd_contact::{
     Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable as _, SolveError, SqueezedContact,
     SteepContact, Visit,
 };
-use gfmd_field::Grid;
-use gfmd_green::{Base, BaseKind, Body, Material};
+use gfmd_green::BaseKind;
 use gfmd_interface::{FrictionalContact, Interface, Kept, Path, PlasticContact, Refinement};
-use gfmd_law::{HardWall, Kind, Law, Limit};
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, Unknown, pose, rules_of, table};
+use gfmd_law::Kind;
+use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, table};
 use gfmd_relax::Budget;
-use ndarray::Array2;
-
-const N: usize = 16;
-
-fn heights(grid: &Grid) -> Array2<f64> {
-    let [nx, ny] = grid.points();
-    Array2::from_shape_fn((nx, ny), |(i, j)| {
-        let [x, y] = [(i, nx), (j, ny)].map(|(index, count)| std::f64::consts::TAU * index as f64 / count as f64);
-        0.01 * (x.cos() * y.cos() + 0.4 * (3.0 * x + 2.0 * y).sin() + 0.2 * (5.0 * x - 3.0 * y).cos())
-    })
-}
-
-/// What a problem borrows.
-struct Parts {
-    facts: Facts,
-    grid: Grid,
-    body: Body,
-    heights: Array2<f64>,
-    lower: Option<Array2<f64>>,
-    law: Arc<dyn Law>,
-}
-
-fn body_on(support: Support) -> Body {
-    let material = Material::from_young(1.0, 0.3).unwrap();
-    let slab = || Body::slab(material, 0.3).unwrap();
-    match support {
-        Support::HalfSpace => Body::half_space(material),
-        Support::Slab(BaseKind::Bonded) => slab(),
-        Support::Slab(BaseKind::Sliding) => slab().on(Base::Sliding).unwrap(),
-        Support::Slab(BaseKind::Free) => slab().on(Base::Free).unwrap(),
-        Support::Slab(BaseKind::HalfSpace) => {
-            slab().bonded_to(Body::half_space(Material::from_young(3.0, 0.2).unwrap())).unwrap()
-        }
-    }
-}
-
-impl Parts {
-    fn of(facts: Facts) -> Self {
-        let grid = if facts.line { Grid::line(N, 1.0) } else { Grid::square(N, 1.0) }.unwrap();
-        let body = body_on(facts.support);
-        let body = match facts.second {
-            Some(second) => body.against(body_on(second)),
-            None => body,
-        };
-        let law = match facts.law {
-            Kind::HardWall => HardWall.into_shared(),
-            law => law.with(&[("gamma", 2e-4), ("range", 4e-3)]).unwrap().into_shared(),
-        };
-        let lower = facts.lower.map(|_| -heights(&grid));
-        Self { facts, grid, body, heights: heights(&grid), lower, law }
-    }
-
-    fn given(&self) -> Given<'_> {
-        let limit = self.facts.friction.map(|friction| match friction {
-            Friction::Coulomb => Limit::Coulomb(0.3),
-            Friction::Tresca => Limit::Tresca(0.02),
-        });
-        Given {
-            lower: self.lower.as_deref(),
-            law: Arc::clone(&self.law),
-            hardness: self.facts.hardness.then_some(0.15.into()),
-            limit,
-            ..Given::new(self.facts, &self.body, &self.grid, &self.heights)
-        }
-    }
-}
+use parts::{Parts, all_facts};
 
 fn same(a: &impl Fields, b: &impl Fields) {
     let bits = |state: &dyn Fn() -> Vec<f64>| state().into_iter().map(f64::to_bits).collect::<Vec<_>>();
@@ -241,40 +177,6 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     let other = posed[0].press(load).starting_from(Some(&states[3])).solve();
     assert!(matches!(other, Err(SolveError::Refused(Refusal::OtherKind))));
     assert!(posed[0].stiffness(&states[3]).is_err());
-}
-
-/// All facts that differ in what decides about the physics.
-fn all_facts() -> impl Iterator<Item = Facts> {
-    let supports: Vec<Support> = [Support::HalfSpace].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
-    let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
-    let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
-    let count = 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 8;
-    let facts = (0..count).map(move |mut index| {
-        let mut digit = |base: usize| {
-            let digit = index % base;
-            index /= base;
-            digit
-        };
-        let (hardness, friction) = limits[digit(limits.len())];
-        Facts {
-            hardness,
-            friction,
-            task: [Task::Loads, Task::Path][digit(2)],
-            law: [Kind::HardWall, Kind::Exponential][digit(2)],
-            boundary: Boundary::ALL[digit(2)],
-            unknown: Unknown::ALL[digit(Unknown::ALL.len())],
-            finite_slope: digit(2) == 1,
-            lower: [None, Some(Lower::Surface)][digit(2)],
-            support: supports[digit(supports.len())],
-            second: seconds[digit(seconds.len())],
-            line: digit(2) == 1,
-            approach: digit(2) == 1,
-            lateral: digit(2) == 1,
-            ..Facts::default()
-        }
-    });
-    // Loads have no lateral motion and no friction: there is no flag for them.
-    facts.filter(|facts| facts.task == Task::Path || (!facts.lateral && facts.friction.is_none()))
 }
 
 #[test]

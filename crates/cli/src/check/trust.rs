@@ -129,6 +129,7 @@ const CONTACT: &[Row] = &[
 ];
 
 const PATH: &[Row] = &[
+    row(&["/path/seconds"], Checksum, Checksum, ""),
     row(
         &["/path/converged", "/path/p_star", "/path/lateral_*"],
         Verified,

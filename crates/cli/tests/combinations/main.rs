@@ -68,7 +68,9 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         Some(1) => {
             let says = lines.last().is_some_and(|line| {
                 line.starts_with("error")
-                    && ["converge", "search", "part", "finite", "separate"].iter().any(|word| line.contains(word))
+                    && ["converge", "search", "part", "finite", "separate", "touch"]
+                        .iter()
+                        .any(|word| line.contains(word))
             });
             found.must(says && !told.contains("panicked"), || format!("an unexpected failure: {told}"));
             return (End::Failed, lines.last().unwrap_or(&"").to_string());
