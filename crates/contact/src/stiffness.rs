@@ -37,6 +37,10 @@ const CORRECTIONS: usize = 2;
 /// Largest number of iterations. Some 6 are usual.
 const ITERATIONS: u64 = 2000;
 
+/// The part of the largest stiffness above which that of a uniform displacement, per point in contact, is no rounding error of single
+/// precision.
+const ROUNDING: f64 = 1e-4;
+
 /// The residual of points that are not in contact, so large that the preconditioner does not take them for points about to
 /// enter it.
 const APART: f32 = 1e30;
@@ -72,7 +76,7 @@ impl Contact {
         }
         let mut unit = Unit::new(self, pressure, hardness, count);
         if !unit.dual.keeps_constants() {
-            unit.keep_sums();
+            unit.keep_sums(self.stiffness_range()[1]);
         }
         let mut few = Few::of(self, pressure);
         let certified = few.as_mut().and_then(|few| unit.correct(few));
@@ -85,7 +89,8 @@ impl Contact {
         let compliance = work + self.uniform_compliance();
         let mut effort = unit.effort();
         few.iter().for_each(|few| effort.add(few.effort()));
-        let stiffness = Stiffness { value: self.units().stiffness() / compliance, error: excess / compliance, effort };
+        let stiffness =
+            Stiffness { value: self.units().stiffness() / compliance, error: excess.abs() / compliance, effort };
         match ended {
             _ if stiffness.error <= ERROR => Ok(stiffness),
             Ok(()) => Err((stiffness, Why::Certificate)),
@@ -110,7 +115,7 @@ struct Unit<'a> {
     /// G q on the contact, with any constant added.
     residual: Vec<f32>,
     image: Vec<f32>,
-    /// M 1 over its sum, if this does not vanish.
+    /// M 1 over its sum, if this is more than rounding errors.
     constant: Option<Vec<f32>>,
     iterations: u64,
 }
@@ -134,12 +139,15 @@ impl<'a> Unit<'a> {
     }
 
     /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M has this
-    /// property; of layers displacements are not continued to distant points, not even constant ones.
-    fn keep_sums(&mut self) {
+    /// property; of layers displacements are not continued to distant points, not even constant ones. If few points or none are apart,
+    /// constants are continued to all of them as they are: M 1 vanishes but for rounding errors of the `stiffest` wave, and would be
+    /// no direction. Then nothing is taken away but means, in place of multiples of M 1, which bounds the error no less.
+    fn keep_sums(&mut self, stiffest: f64) {
         self.residual.fill(1.0);
         self.press(0.0);
         let sum = self.share.total_of(&self.image);
-        self.constant = Some(self.image.iter().map(|z| (f64::from(*z) / sum) as f32).collect());
+        let rounding = ROUNDING * stiffest * self.dual.unit() * self.count;
+        self.constant = (sum > rounding).then(|| self.image.iter().map(|z| (f64::from(*z) / sum) as f32).collect());
     }
 
     fn effort(&self) -> Effort {
@@ -153,7 +161,7 @@ impl<'a> Unit<'a> {
         for _ in 0..CORRECTIONS {
             few.correct(&self.residual, self.dual.unit(), &mut self.variation);
             let [work, excess] = self.certify();
-            if excess <= ERROR * work {
+            if excess.abs() <= ERROR * work {
                 return Some([work, excess]);
             }
         }
@@ -167,9 +175,10 @@ impl<'a> Unit<'a> {
         let work = self.refresh() / self.dual.unit();
         loop {
             let last = std::mem::replace(&mut slope, self.precondition());
-            if slope <= TOLERANCE * work {
+            if slope.abs() <= TOLERANCE * work {
                 return Ok(());
-            } else if slope.is_nan() {
+            } else if slope.is_nan() || slope < 0.0 {
+                // A preconditioner that is not positive says nothing of the error.
                 return Err(Why::NoDescent);
             } else if self.iterations >= ITERATIONS {
                 return Err(Why::Iterations);

@@ -194,6 +194,20 @@ fn a_patch_has_the_conductance_of_a_dense_solution() {
     }
 }
 
+/// A patch without a point apart, whose uniform displacement has no stiffness that floats: not to within rounding either.
+#[test]
+fn full_contact_of_a_patch_has_the_conductance_of_a_dense_solution() {
+    for (points, lengths) in [([6, 8], [1.22151, 1.62868]), ([8, 8], [1.0, 1.0]), ([5, 9], [1.0, 1.3])] {
+        let grid = Grid::new(points, lengths).unwrap();
+        for h in [0.1, 0.2, 0.3, 0.5] {
+            let (height, all) = (Height::Finite(h), Array2::ones(points));
+            let table = free_table(points, lengths, height);
+            let exact = dense(&all, |a, b| table[[a[0].abs_diff(b[0]), a[1].abs_diff(b[1])]]);
+            assert_relative_eq!(found(Boundary::Free, &grid, height, &all), exact, max_relative = 1e-9);
+        }
+    }
+}
+
 #[test]
 fn profiles_have_the_conductance_of_a_dense_solution() {
     let grid = Grid::line(40, 1.3).unwrap();

@@ -131,18 +131,21 @@ pub(crate) fn repulsion(
     if let Some(wall) = wall {
         return (touching(&wall), touching(&wall), wall);
     }
+    if !law.has_wall() {
+        // Beyond the range of a law the pressure is what is left unbalanced, of either sign.
+        let left = pressure.iter().zip(gap).map(|(p, g)| (p + law.tension(*g)).abs()).fold(0.0, f64::max);
+        let allowed = 2.01 * left.max(case.tolerance * largest(pressure)) + 1e-13 * largest(pressure);
+        let surely = pressure.iter().map(|p| *p > allowed).collect();
+        let repels = |(p, g): (&f64, &f64)| *p > 1.99 * left || law.tension(*g) < 0.0;
+        let possibly: Vec<bool> = pressure.iter().zip(gap).map(repels).collect();
+        let repelled = pressure.iter().zip(&possibly).map(|(p, repels)| if *repels { p.max(0.0) } else { 0.0 });
+        return (surely, possibly.clone(), repelled.collect());
+    }
     let repelled: Vec<f64> = pressure
         .iter()
         .zip(gap)
-        .map(|(p, g)| match law.has_wall() {
-            true if *g > 1e-9 * largest(gap) => 0.0,
-            true => (p + law.tension(g.max(0.0))).max(0.0),
-            false => p.max(0.0),
-        })
+        .map(|(p, g)| if *g > 1e-9 * largest(gap) { 0.0 } else { (p + law.tension(g.max(0.0))).max(0.0) })
         .collect();
-    if !law.has_wall() {
-        return (touching(&repelled), touching(&repelled), repelled);
-    }
     let scale = largest(&repelled).max(largest(pressure));
     let surely = repelled.iter().map(|p| *p > 1e-4 * scale).collect();
     (surely, touching(&repelled), repelled)

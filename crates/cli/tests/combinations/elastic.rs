@@ -594,7 +594,7 @@ pub(crate) fn layered(
         }
         above / below
     };
-    let (half_space, inner, [dx, dy]) = (love(plane, e_star), gauss(4), plane.spacing());
+    let (half_space, inner, [dx, dy]) = (love(plane, e_star), gauss(8), plane.spacing());
     move |[x, y]| {
         let mut mean = 0.0;
         for [s, weight] in &inner {
