@@ -211,7 +211,7 @@ impl Findings {
         Ok(found)
     }
 
-    /// What columns need of it.
+    /// The findings as columns take them.
     pub(super) fn borrowed(&self) -> gfmd_record::Measured<'_> {
         gfmd_record::Measured {
             patches: self.patches.as_ref(),

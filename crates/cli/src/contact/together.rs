@@ -1,4 +1,4 @@
-//! What the flags ask for: the facts that decide what goes together, and the rules that need numbers.
+//! The problem that the flags ask for: the facts that decide what goes together, and the rules that need numbers.
 
 use gfmd_contact::{Contact, Factors, Solver};
 use gfmd_problem::{Facts, Lower, MovedBase, Task, Unknown};

@@ -20,13 +20,13 @@ fn heights(grid: &Grid) -> Array2<f64> {
 }
 
 /// What a problem borrows.
-pub struct Parts {
-    pub facts: Facts,
-    pub grid: Grid,
-    pub body: Body,
-    pub heights: Array2<f64>,
-    pub lower: Option<Array2<f64>>,
-    pub law: Arc<dyn Law>,
+pub(crate) struct Parts {
+    pub(crate) facts: Facts,
+    pub(crate) grid: Grid,
+    pub(crate) body: Body,
+    pub(crate) heights: Array2<f64>,
+    pub(crate) lower: Option<Array2<f64>>,
+    pub(crate) law: Arc<dyn Law>,
 }
 
 fn body_on(support: Support) -> Body {
@@ -44,7 +44,7 @@ fn body_on(support: Support) -> Body {
 }
 
 impl Parts {
-    pub fn of(facts: Facts) -> Self {
+    pub(crate) fn of(facts: Facts) -> Self {
         let grid = if facts.line { Grid::line(N, 1.0) } else { Grid::square(N, 1.0) }.unwrap();
         let body = body_on(facts.support);
         let body = match facts.second {
@@ -59,7 +59,7 @@ impl Parts {
         Self { facts, grid, body, heights: heights(&grid), lower, law }
     }
 
-    pub fn given(&self) -> Given<'_> {
+    pub(crate) fn given(&self) -> Given<'_> {
         let limit = self.facts.friction.map(|friction| match friction {
             Friction::Coulomb => Limit::Coulomb(0.3),
             Friction::Tresca => Limit::Tresca(0.02),
@@ -75,7 +75,7 @@ impl Parts {
 }
 
 /// All facts that differ in what decides about the physics.
-pub fn all_facts() -> impl Iterator<Item = Facts> {
+pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let supports: Vec<Support> = [Support::HalfSpace].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
     let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
     let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
