@@ -37,8 +37,8 @@ const CORRECTIONS: usize = 2;
 /// Largest number of iterations. Some 6 are usual.
 const ITERATIONS: u64 = 2000;
 
-/// The part of the largest stiffness above which that of a uniform displacement, per point in contact, is no rounding error of single
-/// precision.
+/// The part of the largest stiffness above which that of a uniform displacement, per point in contact, is more than a
+/// rounding error of single precision.
 const ROUNDING: f64 = 1e-4;
 
 /// The residual of points that are not in contact, so large that the preconditioner does not take them for points about to
@@ -139,9 +139,10 @@ impl<'a> Unit<'a> {
     }
 
     /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M has this
-    /// property; of layers displacements are not continued to distant points, not even constant ones. If few points or none are apart,
-    /// constants are continued to all of them as they are: M 1 vanishes but for rounding errors of the `stiffest` wave, and would be
-    /// no direction. Then nothing is taken away but means, in place of multiples of M 1, which bounds the error no less.
+    /// property; of layers displacements are not continued to distant points, not even constant ones. If few points or
+    /// none are apart, constants are continued to all of them as they are: M 1 vanishes but for rounding errors of the
+    /// `stiffest` wave, and would be no direction. Then means are taken away in place of multiples of M 1, which bounds
+    /// the error no less.
     fn keep_sums(&mut self, stiffest: f64) {
         self.residual.fill(1.0);
         self.press(0.0);

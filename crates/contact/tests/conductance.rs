@@ -194,7 +194,7 @@ fn a_patch_has_the_conductance_of_a_dense_solution() {
     }
 }
 
-/// A patch without a point apart, whose uniform displacement has no stiffness that floats: not to within rounding either.
+/// A patch without a point apart: the stiffness of its uniform displacement is rounding alone, and no direction.
 #[test]
 fn full_contact_of_a_patch_has_the_conductance_of_a_dense_solution() {
     for (points, lengths) in [([6, 8], [1.22151, 1.62868]), ([8, 8], [1.0, 1.0]), ([5, 9], [1.0, 1.3])] {

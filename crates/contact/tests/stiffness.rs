@@ -71,7 +71,7 @@ fn layers_have_the_stiffness_of_a_dense_solution() {
     }
 }
 
-/// Displacements continued to so few points resist nothing to within rounding, which must not steer the search or its certificate.
+/// Constants continued to so few points resist nothing to within rounding, which must not steer the search.
 #[test]
 fn layers_near_full_contact_have_the_stiffness_of_a_dense_solution() {
     let ([line, square], poisson) = ([Grid::line(35, 1.0), Grid::new([11, 9], [1.0, 0.9])].map(Result::unwrap), 0.3);

@@ -295,7 +295,7 @@ fn energy(found: &mut Found, case: &Case, step: &Value, state: &State, before: O
         let grown: Vec<f64> = depth.iter().zip(shallow).map(|(now, then)| now - then).collect();
         found.must(grown.iter().all(|grown| *grown >= -1e-12), || "a plastic depth has shrunk".into());
         let expected = product(&grown, hardness);
-        // Of small changes of depths the rounding of the depths is left. The energy of a line without a level is not known.
+        // Small changes of depths have the rounding of the depths. The energy of a line without a level is not known.
         let kept = 1e-9 * if has_level(case) { number(step, "elastic_energy").abs() } else { 0.0 };
         let rounding = 1e-12 * product(depth, hardness);
         found.near("dissipated", lost, expected, 1e-6 * expected + kept + rounding);
