@@ -262,7 +262,25 @@ pub fn page() -> String {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_record::{COLUMNS, Origin};
+
     use super::*;
+
+    /// No second run takes the time of the first.
+    #[test]
+    fn numbers_of_the_clock_are_not_compared() {
+        let clocks = COLUMNS.iter().filter(|column| column.origin == Origin::Clock);
+        let parts: Vec<(Kind, String)> = clocks
+            .flat_map(|column| {
+                [(Kind::Contact, "loads"), (Kind::Path, "path")].map(|(kind, group)| (kind, group, column))
+            })
+            .map(|(kind, group, column)| (kind, format!("/{group}/{}", column.name)))
+            .collect();
+        assert!(!parts.is_empty());
+        for (kind, part) in parts {
+            assert_eq!(row_of(kind, &part).map(|row| row.rerun), Some(Checksum), "{part}");
+        }
+    }
 
     #[test]
     fn the_first_row_that_fits_is_that_of_a_part() {
