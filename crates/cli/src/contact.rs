@@ -359,11 +359,7 @@ impl Prepared {
             dynamics: args.dynamics()?,
             ..Given::new(self.facts, &self.body, &self.surface.grid, heights)
         };
-        pose(&given).map_err(|refusal| match refusal {
-            Refusal::Body(_) => Failure::input("--boundary free", refusal),
-            Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => Failure::input("--hardness", refusal),
-            _ => Failure::input(&args.source.name(), refusal),
-        })
+        pose(&given).map_err(|refusal| Failure::posing(refusal, &args.source.name()))
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {

@@ -35,6 +35,16 @@ impl Failure {
         Self::Input(short(&format!("{name}: {reason}")))
     }
 
+    /// The failure of a problem that cannot be posed on the surface with this name.
+    pub(crate) fn posing(refusal: Refusal, surface: &str) -> Self {
+        let name = match refusal {
+            Refusal::Body(_) => "--boundary free",
+            Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => "--hardness",
+            _ => surface,
+        };
+        Self::input(name, refusal)
+    }
+
     /// Appends a remark, such as the file that keeps the results so far. Unusable input has no results and gets no remark.
     #[must_use]
     pub fn with(self, remark: &str) -> Self {

@@ -175,7 +175,7 @@ pub enum Refusal {
     Apart {
         /// The approach, from first touch of the undeformed surfaces.
         found: f64,
-        /// That of first touch of the flattened surfaces.
+        /// The approach of first touch of the flattened surfaces.
         touch: f64,
     },
     /// The approach to a profile with free boundaries on a half-space is prescribed.

@@ -22,7 +22,7 @@ impl Held {
     pub const SQUEEZED: Self = Self(50);
     /// A contact with a law that acts across the gap.
     pub const LAW: Self = Self(29);
-    /// The same on a patch, which is solved in a cell of four times its points.
+    /// A contact with a law on a patch, which is solved in a cell of four times its points.
     pub const LAW_FREE: Self = Self(98);
     /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);

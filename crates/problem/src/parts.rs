@@ -1,4 +1,4 @@
-//! What one kind of state alone has.
+//! Parts of states that one kind of contact alone has.
 
 use gfmd_contact::{FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
 use gfmd_interface::{FrictionState, PlasticState, State};

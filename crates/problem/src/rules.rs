@@ -10,7 +10,7 @@ use crate::unknown::Unknown;
 type Told = (&'static str, &'static str, &'static str);
 
 macro_rules! parts {
-    ($($(#[$doc:meta])+ $part:ident |$f:ident| $told:expr, if $test:expr;)+) => {
+    ($($(#[$doc:meta])+ $part:ident: $told:expr, $test:expr;)+) => {
         /// A part of a problem that does not go with some others.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Part { $($(#[$doc])+ $part),+ }
@@ -21,11 +21,11 @@ macro_rules! parts {
 
             /// True if the problem has the part.
             pub fn is_in(self, facts: &Facts) -> bool {
-                match self { $(Self::$part => { let test: fn(&Facts) -> bool = |$f| $test; test(facts) })+ }
+                match self { $(Self::$part => { let test: fn(&Facts) -> bool = $test; test(facts) })+ }
             }
 
             fn told(self, facts: &Facts) -> Told {
-                match self { $(Self::$part => { let told: fn(&Facts) -> Told = |$f| $told; told(facts) })+ }
+                match self { $(Self::$part => { let told: fn(&Facts) -> Told = $told; told(facts) })+ }
             }
         }
     };
@@ -33,71 +33,71 @@ macro_rules! parts {
 
 parts! {
     /// A law across the gap.
-    Law |f| ("--law", f.law.name(), "--law"), if f.has_law();
+    Law: |f| ("--law", f.law.name(), "--law"), |f| f.has_law();
     /// A largest pressure.
-    Hardness |_f| ("--hardness", "given", "--hardness"), if _f.hardness;
+    Hardness: |_| ("--hardness", "given", "--hardness"), |f| f.hardness;
     /// A limit of the shear.
-    Friction |f| match f.friction {
+    Friction: |f| match f.friction {
         Some(Friction::Tresca) => ("--shear-strength", "given", "--shear-strength"),
         _ => ("--friction", "given", "--friction"),
-    }, if f.friction.is_some();
+    }, |f| f.friction.is_some();
     /// A patch that does not repeat.
-    Free |_f| ("--boundary", "free", "--boundary free"), if _f.boundary == Boundary::Free;
+    Free: |_| ("--boundary", "free", "--boundary free"), |f| f.boundary == Boundary::Free;
     /// All components unknown.
-    All |_f| ("--components", "all", "--components all"), if _f.unknown == Unknown::All;
+    All: |_| ("--components", "all", "--components all"), |f| f.unknown == Unknown::All;
     /// The surface held sideways.
-    Held |_f| ("--components", "held", "--components held"), if _f.unknown == Unknown::Held;
+    Held: |_| ("--components", "held", "--components held"), |f| f.unknown == Unknown::Held;
     /// Slopes that are not small.
-    FiniteSlope |_f| ("--finite-slope", "given", "--finite-slope"), if _f.finite_slope;
+    FiniteSlope: |_| ("--finite-slope", "given", "--finite-slope"), |f| f.finite_slope;
     /// A rigid surface below the slab.
-    Lower |f| match f.lower {
+    Lower: |f| match f.lower {
         Some(Lower::Seed) => ("--lower-seed", "given", "--lower-seed"),
         _ => ("--lower-surface", "given", "--lower-surface"),
-    }, if f.lower.is_some();
+    }, |f| f.lower.is_some();
     /// A half-space.
-    HalfSpace |_f| ("--height", "inf", "--height inf"), if _f.support == Support::HalfSpace;
+    HalfSpace: |_| ("--height", "inf", "--height inf"), |f| f.support == Support::HalfSpace;
     /// A slab that no base holds.
-    Plate |_f| ("--base", "free", "--base free"), if _f.support == Support::Slab(BaseKind::Free);
+    Plate: |_| ("--base", "free", "--base free"), |f| f.support == Support::Slab(BaseKind::Free);
     /// A base without friction.
-    Sliding |_f| ("--base", "sliding", "--base sliding"), if _f.support == Support::Slab(BaseKind::Sliding);
+    Sliding: |_| ("--base", "sliding", "--base sliding"), |f| f.support == Support::Slab(BaseKind::Sliding);
     /// A base that is not the rigid one to which a slab is bonded.
-    OtherBase |f| match f.support {
+    OtherBase: |f| match f.support {
         Support::Slab(base) => ("--base", base.name(), "--base"),
         Support::HalfSpace => ("--base", "given", "--base"),
-    }, if matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
+    }, |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
     /// A second elastic body.
-    SecondBody |_f| ("--second-body", "given", "--second-body"), if _f.second.is_some();
+    SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
     /// A base that moves.
-    MovedBase |f| match f.moved_base {
+    MovedBase: |f| match f.moved_base {
         Some(MovedBase::Traction) => ("--base-traction", "given", "--base-traction"),
         _ => ("--base-displacement", "given", "--base-displacement"),
-    }, if f.moved_base.is_some();
+    }, |f| f.moved_base.is_some();
     /// A profile.
-    Line |_f| ("--dim", "2", "a profile (--dim 2)"), if _f.line;
+    Line: |_| ("--dim", "2", "a profile (--dim 2)"), |f| f.line;
     /// A displacement that is known up to a constant.
-    NoLevel |_f| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), if !_f.has_level();
+    NoLevel: |_| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), |f| !f.has_level();
     /// A prescribed approach.
-    Approach |_f| ("--displacement", "given", "--displacement"), if _f.approach;
+    Approach: |_| ("--displacement", "given", "--displacement"), |f| f.approach;
     /// A lateral motion without friction.
-    Lateral |_f| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
-        if _f.lateral && _f.friction.is_none();
+    Lateral: |_| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
+        |f| f.lateral && f.friction.is_none();
     /// Friction on a patch.
-    FreeFriction |_f| ("--boundary", "free", "friction and --boundary free"),
-        if _f.boundary == Boundary::Free && _f.friction.is_some();
+    FreeFriction: |_| ("--boundary", "free", "friction and --boundary free"),
+        |f| f.boundary == Boundary::Free && f.friction.is_some();
     /// A path.
-    Path |_f| ("path", "asked for", "a path"), if _f.task == Task::Path;
+    Path: |_| ("path", "asked for", "a path"), |f| f.task == Task::Path;
     /// Patches, distributions, spectra, conductance.
-    Statistics |_f| ("--statistics", "given", "--statistics"), if _f.statistics;
+    Statistics: |_| ("--statistics", "given", "--statistics"), |f| f.statistics;
     /// The flow through the gap.
-    Flow |_f| ("--flow", "given", "--flow"), if _f.flow;
+    Flow: |_| ("--flow", "given", "--flow"), |f| f.flow;
     /// The loads at which the flow stops.
-    FlowThreshold |_f| ("--flow-threshold", "given", "--flow-threshold"), if _f.flow_threshold;
+    FlowThreshold: |_| ("--flow-threshold", "given", "--flow-threshold"), |f| f.flow_threshold;
     /// A record of the search.
-    History |_f| ("--history", "given", "--history"), if _f.history;
+    History: |_| ("--history", "given", "--history"), |f| f.history;
     /// A run that continues an earlier one.
-    Resume |_f| ("--resume", "given", "--resume"), if _f.resume;
+    Resume: |_| ("--resume", "given", "--resume"), |f| f.resume;
     /// Processes that share a problem.
-    Several |_f| ("mpirun", "given", "several processes"), if _f.processes > 1;
+    Several: |_| ("mpirun", "given", "several processes"), |f| f.processes > 1;
 }
 
 /// A part that does not go beside another one.

@@ -19,7 +19,7 @@ pub(crate) struct Loads {
 
 /// A load at rest, or as far as it came.
 pub(crate) struct Rest {
-    /// Of a load that was solved.
+    /// The numbers of a load that was solved; none of one that was recalled.
     pub(crate) record: Option<Record>,
     state: gfmd_problem::Rest,
     /// The pressure that follows from a traction, and that of the wall.

@@ -4,7 +4,7 @@ use gfmd_contact::Fields as _;
 use gfmd_problem::{Facts, Rest, Task};
 use ndarray::{Axis, CowArray, Ix2};
 
-use crate::column::Meaning;
+use crate::column::{Meaning, meaning};
 
 /// A field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct Array {
 impl Array {
     /// The definition in a problem.
     pub fn meaning(&self, facts: &Facts) -> &'static str {
-        self.meanings.iter().find(|(applies, _)| applies(facts)).map_or("", |(_, meaning)| meaning)
+        meaning(self.meanings, facts)
     }
 }
 

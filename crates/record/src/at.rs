@@ -35,13 +35,13 @@ pub struct At<'a> {
     pub seconds: f64,
     /// The stiffness, or the reason why there is none.
     pub stiffness: Result<Stiffness, Cow<'static, str>>,
-    /// What was measured of the contact and its gap.
+    /// The measurements of the contact and its gap.
     pub measured: Measured<'a>,
     /// The step of a path that led to the state, and the forces and energies of the state.
     pub step: Option<(&'a Step, Reading)>,
 }
 
-/// What is measured of a contact if it is asked for.
+/// Measurements of a contact that are made if they are asked for.
 #[derive(Clone, Default)]
 pub struct Measured<'a> {
     /// The patches of points in contact.
@@ -62,7 +62,7 @@ impl<'a> At<'a> {
             .stiff(problem)
     }
 
-    /// The same in other scales, without a stiffness.
+    /// A state in these scales, without a stiffness.
     pub fn in_scales(facts: &'a Facts, rest: &'a Rest, scales: &Scales, grid: &Grid, tolerance: f64) -> Self {
         Self {
             facts,

@@ -29,6 +29,11 @@ pub enum Number {
 /// The meaning of a column where a predicate holds.
 pub type Meaning = (fn(&Facts) -> bool, &'static str);
 
+/// The first meaning that applies to a problem.
+pub(crate) fn meaning(meanings: &[Meaning], facts: &Facts) -> &'static str {
+    meanings.iter().find(|(applies, _)| applies(facts)).map_or("", |(_, meaning)| meaning)
+}
+
 /// A number of a record: its name, its unit, its definition, and its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
@@ -48,7 +53,7 @@ pub struct Column {
     pub present: fn(&Facts) -> bool,
     /// The reason why it has no value in a problem, whatever the state; `None` if it may have one.
     pub undefined: fn(&Facts) -> Option<&'static str>,
-    /// What determines the number.
+    /// The source of the number.
     pub origin: Origin,
     /// The value.
     pub value: fn(&At) -> Cell,
@@ -105,7 +110,7 @@ impl Column {
 
     /// The definition in a problem.
     pub fn meaning(&self, facts: &Facts) -> &'static str {
-        self.meanings.iter().find(|(applies, _)| applies(facts)).map_or("", |(_, meaning)| meaning)
+        meaning(self.meanings, facts)
     }
 
     /// The cell of a number in a file.

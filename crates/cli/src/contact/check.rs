@@ -114,7 +114,7 @@ struct Checked<'a> {
     reader: &'a Reader,
     args: &'a Args,
     prepared: &'a Prepared,
-    /// What a base that moves adds to the displacement.
+    /// The lift that a base that moves adds to the displacement.
     lift: Option<&'a Array2<f64>>,
     scales: Scales,
     tolerance: f64,

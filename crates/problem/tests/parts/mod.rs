@@ -19,7 +19,7 @@ fn heights(grid: &Grid) -> Array2<f64> {
     })
 }
 
-/// What a problem borrows.
+/// The owner of the parts that a problem borrows.
 pub(crate) struct Parts {
     pub(crate) facts: Facts,
     pub(crate) grid: Grid,
