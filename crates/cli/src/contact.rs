@@ -51,7 +51,7 @@ use crate::source::{SourceArgs, Surface};
 use crate::trace::TraceArgs;
 use crate::values::{Entry, as_numbers, numbers};
 
-pub(crate) use check::{again, check};
+pub(crate) use check::{RESIDUAL_OF_A_PATCH, again, check};
 use conductance::Conducting;
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;

@@ -210,22 +210,26 @@ impl Solution {
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
         // The pressure, the points in contact, and what is free between the surfaces there without an approach; the lowest
-        // displacement, and the lowest one upside down.
+        // displacement, and the lowest one and the lowest pressure upside down.
         let room = |i: usize| clearance[i] - displacement[i];
-        let both = [f64::INFINITY; 2];
-        let ([sum, touching, free], [lowest, highest]) = share.reduce(
+        let ends = [f64::INFINITY; 3];
+        let ([sum, touching, free], [lowest, highest, strongest]) = share.reduce(
             &|range| {
-                range.fold(([0.0; 3], both), |(sums, ends), i| {
+                range.fold(([0.0; 3], ends), |(sums, ends), i| {
                     let (p, u) = (pressure[i], displacement[i]);
                     let touches = (p > 0.0) & (p < upper.at(i));
                     let sums = add(sums, if touches { [p, 1.0, room(i)] } else { [p, 0.0, 0.0] });
-                    (sums, lower_each(ends, [u, -u]))
+                    (sums, lower_each(ends, [u, -u, -p]))
                 })
             },
             &|a, b| (add(a.0, b.0), lower_each(a.1, b.1)),
         );
         let mean_pressure = sum / n as f64;
-        let length_scale = RigidSurface::finer_scale(length_scale, extent.max(-highest - lowest));
+        let [lx, ly] = surface.grid().lengths();
+        // A uniform pressure, such as the hardness at all points, leaves the rounding errors of the transforms.
+        let rounding = ROUNDING * -strongest * lx.max(ly) / contact_modulus;
+        let own = Some(-highest - lowest).filter(|own| *own > rounding).unwrap_or(0.0);
+        let length_scale = RigidSurface::finer_scale(length_scale, extent.max(own));
         let sink = |u: &mut [f64]| {
             if sinking != 0.0 {
                 for_each([u], &|_, [u]| u.iter_mut().for_each(|u| *u -= sinking));
@@ -341,6 +345,9 @@ impl Plastic {
     }
 }
 
+/// The rounding errors of a displacement, over those of one number: transforms add up a little more than one.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// The middle between the largest room of the points at the hardness and the smallest of the others: the approach if no
 /// pressure lies between the bounds.
 fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
@@ -368,8 +375,8 @@ fn higher(a: f64, b: f64) -> f64 {
 }
 
 /// The lower of each two numbers; NaN if either is NaN.
-fn lower_each(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [lower(a[0], b[0]), lower(a[1], b[1])]
+fn lower_each(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [lower(a[0], b[0]), lower(a[1], b[1]), lower(a[2], b[2])]
 }
 
 /// The positive part of a number; NaN stays NaN.

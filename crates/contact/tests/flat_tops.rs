@@ -308,7 +308,8 @@ fn an_approach_beyond_the_mean_clearance_is_plastic() {
     for hardness in [Array2::from_elem(points, 0.02), grains] {
         let limits: Vec<f64> = hardness.iter().copied().collect();
         let contact = contact.clone().with_hardness(Hardness::Field(hardness.clone())).unwrap();
-        for approach in [0.9, 1.0, 1.3, 2.0, 10.0].map(|part| part * mean) {
+        // At twice the mean the deepest point only just touches, at the hardness but for rounding errors.
+        for approach in [0.9, 1.0, 1.3, 1.9, 2.1, 10.0].map(|part| part * mean) {
             let solution = contact.press(Load::Approach(approach)).tolerance(1e-10).solve();
             let solution = solution.unwrap_or_else(|error| panic!("{approach}: {error}"));
             let (expected, _) = exact(&g, clearance, &limits, Load::Approach(approach));

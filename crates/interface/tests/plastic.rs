@@ -86,6 +86,25 @@ fn loading_again_to_the_largest_load_brings_back_the_points_at_the_hardness() {
 }
 
 #[test]
+fn a_surface_that_is_plastic_everywhere_is_certified_from_its_fields() {
+    // A uniform pressure displaces nothing but by rounding errors, over which no gap is measured.
+    for points in [[6, 5], [7, 3], [9, 10], [15, 13]] {
+        let grid = Grid::new(points, [1.50569, 1.25474]).unwrap();
+        let heights = Array2::from_shape_fn(points, |(i, j)| 0.007 * (1.7 * i as f64 + 2.3 * (j * j) as f64).sin());
+        let body = Body::half_space(Material::from_contact_modulus(1.22173, 0.0).unwrap());
+        let contact = Contact::bounded(Boundary::Periodic, &body, &grid, &heights).unwrap();
+        let contact = PlasticContact::new(contact.with_hardness(0.120071).unwrap());
+        let mut path = Path::new(&contact, BUDGET, Refinement::default());
+        let load = Load::Approach(0.05);
+        path.step(load.into(), &mut ()).unwrap();
+        let state = path.state().unwrap();
+        assert_eq!(state.fraction, 1.0);
+        let again = contact.certify(&state.solution.pressure, &state.depth, load).unwrap();
+        assert!(state.worst() < 1e-12 && again.worst() < 1e-12, "{points:?}: {:?}", again.residuals());
+    }
+}
+
+#[test]
 fn the_work_of_the_path_is_stored_or_lost() {
     // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps of first.
     let errors = [8, 16, 32].map(|n| {

@@ -20,7 +20,7 @@ mod path;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use common::gfmd;
@@ -31,6 +31,9 @@ use serde_json::Value;
 
 /// The number of cases of the default run.
 const CASES: u64 = 300;
+
+/// Cases of longer runs in which the program or a definition was wrong: the default run takes them too.
+const ONCE_WRONG: [u64; 7] = [2035, 2116, 3319, 3609, 3801, 3926, 4075];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
@@ -90,7 +93,7 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     let (key, group) = if case.is_path { ("steps", "/path") } else { ("loads", "/loads") };
     let records = report[key].as_array().unwrap();
     if case.is_path {
-        path::check(found, case, &report, &file);
+        path::check(found, case, folder, &report, &file);
     } else {
         contact::check(found, case, &report, &file);
     }
@@ -127,18 +130,17 @@ fn every_number_of_a_random_combination_is_its_definition() {
     let alone = number("GFMD_COMBINATION");
     let cases = number("GFMD_COMBINATIONS").unwrap_or(CASES);
     let started = Instant::now();
-    let next = AtomicU64::new(alone.unwrap_or(0));
-    let end = alone.map_or(cases, |alone| alone + 1);
+    let drawn: Vec<u64> = match alone {
+        Some(alone) => vec![alone],
+        None => (0..cases).chain(ONCE_WRONG.into_iter().filter(|index| *index >= cases)).collect(),
+    };
+    let next = AtomicUsize::new(0);
     let counts = Mutex::new(Counts::default());
     let threads = std::thread::available_parallelism().map_or(2, usize::from).max(2);
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    if index >= end {
-                        break;
-                    }
+                while let Some(index) = drawn.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
                     let folder = tempfile::tempdir().unwrap();
                     let case = Case::draw(index, folder.path());
                     let mut found = Found::default();
@@ -180,7 +182,7 @@ fn every_number_of_a_random_combination_is_its_definition() {
     let Counts { ends, refused, undefined, compared, bad } = counts.into_inner().unwrap();
     println!(
         "{} cases in {:.0} s, {compared} comparisons, {} bad",
-        end - alone.unwrap_or(0),
+        drawn.len(),
         started.elapsed().as_secs_f64(),
         bad.len()
     );
@@ -196,7 +198,7 @@ fn every_number_of_a_random_combination_is_its_definition() {
         );
     }
     println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}");
-    assert!(bad.is_empty(), "{} of {cases} cases are bad:\n{}", bad.len(), bad.join("\n"));
+    assert!(bad.is_empty(), "{} of {} cases are bad:\n{}", bad.len(), drawn.len(), bad.join("\n"));
     if alone.is_none() && cases >= CASES {
         assert!(of("all", End::Solved) * 2 > cases as usize, "most problems can be solved");
         for (kind, _) in ends.keys() {
