@@ -8,14 +8,15 @@ use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
 
 /// Flags of a base that moves.
-#[derive(Args, Clone, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BaseArgs {
     /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
@@ -157,10 +158,10 @@ impl MovedBase {
     }
 }
 
-/// The flags of the base that a file has, which read it from there.
-pub(crate) fn stored_base(reader: &Reader) -> Vec<String> {
-    let found = STORED.iter().filter(|(.., path)| reader.contains(path));
-    found.map(|(_, flag, path)| format!("--{flag}={}:{path}", reader.path().display())).collect()
+/// The key of the base that a file has, and the name by which it is read from there.
+pub(crate) fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
+    let found = BaseArgs::NAMES.into_iter().zip(STORED).find(|(_, (.., path))| reader.contains(path));
+    found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
 }
 
 /// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean traction, and

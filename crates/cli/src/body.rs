@@ -18,16 +18,18 @@ use gfmd_body::{Interior, InteriorError};
 use gfmd_field::Grid;
 use gfmd_files::Output;
 use gfmd_green::Body;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::base::{self, BaseArgs};
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use crate::flags::without_flags;
 use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::file_of;
+use crate::values::up_to;
 
 pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
@@ -45,7 +47,8 @@ use rows::Rows;
 use volume::{Planes, Volume};
 
 /// Flags of `body`.
-#[derive(ClapArgs, Clone, Debug)]
+#[derive(ClapArgs, Clone, Debug, Deserialize)]
+#[serde(default)]
 #[command(after_help = "Examples:
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
   gfmd body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
@@ -64,6 +67,7 @@ pub struct Args {
     wave: Vec<Wave>,
     /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
     #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave")]
+    #[serde(deserialize_with = "up_to::<2, _, _>")]
     n: Vec<usize>,
     /// Number of the load in the file of a contact, from 0; default: the last one
     #[arg(long, value_name = "K")]
@@ -78,16 +82,21 @@ pub struct Args {
         allow_hyphen_values = true,
         conflicts_with = "wave"
     )]
+    #[serde(deserialize_with = "up_to::<3, _, _>")]
     mean_traction: Vec<f64>,
     /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
     #[arg(long, value_delimiter = ',', value_name = "L", num_args = 1..=2, allow_negative_numbers = true)]
+    #[serde(deserialize_with = "up_to::<2, _, _>")]
     length: Vec<f64>,
     #[command(flatten)]
+    #[serde(flatten)]
     body: RecordedBodyArgs,
     #[command(flatten)]
+    #[serde(flatten)]
     place: PlaceArgs,
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
+    #[serde(skip)]
     deepest: Option<f64>,
     /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane at this
     /// height above the base (of a half-space: above its surface)
@@ -98,22 +107,27 @@ pub struct Args {
     quantities: Vec<Quantity>,
     /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
     #[arg(long, value_name = "FILE.h5|FILE.vti")]
+    #[serde(skip)]
     out: Option<PathBuf>,
     /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component] from the
     /// surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of both
     #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
     compare: Option<String>,
     /// Draw maps of the slice, or of the middle row without --slice: PREFIX-*.svg, .png (with --levels or --slice z=Z);
     /// with --compare also of the reference and of the difference
     #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
+    #[serde(skip)]
     plots: Option<PathBuf>,
     /// Components to draw and to compare; default: those of --quantities in the plane of the slice
     #[arg(long, value_delimiter = ',', value_name = "C1,C2,..", value_parser = Component::parser())]
+    #[serde(skip)]
     draw: Vec<Component>,
 }
 
 /// The flags of the depths, of which one is given, unless the slice is a plane.
-#[derive(ClapArgs, Clone, Debug)]
+#[derive(ClapArgs, Clone, Debug, Default, Deserialize)]
+#[serde(default)]
 #[group(multiple = false)]
 struct PlaceArgs {
     /// Depths below the surface
@@ -121,6 +135,7 @@ struct PlaceArgs {
     depths: Vec<f64>,
     /// Number of depths at equal distances, from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
+    #[serde(skip)]
     levels: Option<usize>,
 }
 
@@ -332,6 +347,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         out,
         plots,
     })
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl Args {

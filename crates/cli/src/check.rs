@@ -25,9 +25,9 @@ pub use comparison::Difference;
 pub(crate) use comparison::printable;
 pub(crate) use config::Configuration;
 pub(crate) use pair::{Against, Pair, layout};
+pub(crate) use rerun::Folder;
 use rerun::Rerun;
-pub(crate) use rerun::{Folder, parsed};
-pub(crate) use surface::{beside_fields, flags_again, regenerated, stored_fields, stored_surface, stored_unit};
+pub(crate) use surface::{compare_heights, regenerated, repeated_problem, stored_problem, stored_unit};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]

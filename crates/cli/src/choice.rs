@@ -5,7 +5,6 @@ use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
 use gfmd_problem::Unknown;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
-use serde::Serializer;
 
 /// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
@@ -56,15 +55,54 @@ pub fn parse_choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     })
 }
 
-/// Writes a choice by its name.
-pub fn by_name<T: Choice, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(choice.name())
+/// A choice in a configuration, by its name.
+pub mod named {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    use super::Choice;
+
+    /// Writes the name.
+    ///
+    /// # Errors
+    /// An error of the serialiser.
+    pub fn serialize<T: Choice, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(choice.name())
+    }
+
+    /// Reads the name.
+    ///
+    /// # Errors
+    /// A name that is none of the choices.
+    pub fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let allowed = || T::all().iter().map(|choice| choice.name()).collect::<Vec<_>>().join(", ");
+        let found = T::all().iter().copied().find(|choice| choice.name() == name);
+        found.ok_or_else(|| D::Error::custom(format!("it must be one of {}", allowed())))
+    }
 }
 
-/// Writes a choice that may be absent by its name.
-pub fn by_name_if<T: Choice, S: Serializer>(choice: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    match choice {
-        Some(choice) => by_name(choice, serializer),
-        None => serializer.serialize_none(),
+/// A choice in a configuration that may be absent, by its name.
+pub mod named_if {
+    use serde::{Deserializer, Serializer};
+
+    use super::{Choice, named};
+
+    /// Writes the name.
+    ///
+    /// # Errors
+    /// An error of the serialiser.
+    pub fn serialize<T: Choice, S: Serializer>(choice: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+        match choice {
+            Some(choice) => named::serialize(choice, serializer),
+            None => serializer.serialize_none(),
+        }
+    }
+
+    /// Reads the name of a choice that is there.
+    ///
+    /// # Errors
+    /// A name that is none of the choices.
+    pub fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
+        named::deserialize(deserializer).map(Some)
     }
 }

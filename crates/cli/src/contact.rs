@@ -32,14 +32,15 @@ use gfmd_record::repulsion;
 use gfmd_response::Components;
 use gfmd_surface::PowerSpectrum;
 use ndarray::Array2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::base::{BaseArgs, MovedBase};
-use crate::choice::{by_name, parse_choice};
+use crate::choice::{named, parse_choice};
 use crate::dynamics::DynamicsArgs;
-use crate::elastic::{BodyArgs, parse_height, serialize_height};
+use crate::elastic::{BodyArgs, height, parse_height};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::parse_prefix;
+use crate::flags::without_flags;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::lower::{self, LowerArgs};
@@ -49,7 +50,7 @@ use crate::session::Session;
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 use crate::trace::TraceArgs;
-use crate::values::{Entry, as_numbers, numbers};
+use crate::values::{Entry, as_numbers, from_numbers, numbers};
 
 pub(crate) use check::{RESIDUAL_OF_A_PATCH, again, check};
 use conductance::Conducting;
@@ -62,7 +63,8 @@ pub use stored::{facts_of, records};
 use vtk::VtkFile;
 
 /// Flags of `contact`.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 #[command(after_help = "Examples:
   gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
   gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
@@ -92,11 +94,11 @@ pub struct Args {
     control: ControlArgs,
     /// The surroundings of the surface
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     boundary: Boundary,
     /// The components of the surface displacement that are unknown
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
-    #[serde(skip_serializing_if = "is_normal", serialize_with = "by_name")]
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
     components: Unknown,
     /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
     /// reached the surfaces are pressed into each other
@@ -114,7 +116,7 @@ pub struct Args {
     statistics: bool,
     /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or inf
     #[arg(long, default_value = "inf", value_name = "H|inf", value_parser = parse_height, allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "is_infinite", serialize_with = "serialize_height")]
+    #[serde(skip_serializing_if = "is_infinite", with = "height")]
     conductor_height: Height,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
     #[arg(long)]
@@ -169,20 +171,21 @@ pub struct Args {
 }
 
 /// The flags of the loads, of which exactly one is given.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 #[group(required = true, multiple = false)]
 struct ControlArgs {
     /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g)
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
     /// Rigid approaches beyond first touch, length
     #[arg(long, value_delimiter = ',', value_name = "D1|A:B:N,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     displacement: Vec<Entry>,
 }
 
@@ -249,6 +252,12 @@ impl Prepared {
             ("--p-star", &args.control.p_star),
             ("--displacement", &args.control.displacement),
         ];
+        if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
+            let allowed = flags.map(|(flag, _)| flag).join(", ");
+            return Err(Failure::Input(format!(
+                "loads are given by none or several of {allowed}; it must be one of them"
+            )));
+        }
         // Negative (tensile) loads need an attractive law.
         let pulls = args.law.law != Kind::HardWall;
         let allowed = if pulls { "finite" } else { "positive and finite" };
@@ -261,10 +270,11 @@ impl Prepared {
             let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
             return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
         }
-        args.facts(false, session).check()?;
+        let facts = |line: bool| Facts { processes: session.processes().all, ..args.facts(line) };
+        facts(false).check()?;
         args.check_dynamics()?;
         let surface = args.source.bounded(args.boundary, session)?;
-        let facts = args.facts(surface.grid.is_line(), session);
+        let facts = facts(surface.grid.is_line());
         facts.check()?;
         let lower = args.lower.read(&args.source, &surface, session)?;
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
@@ -481,6 +491,12 @@ impl Prepared {
         let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
         let failure = failure.map(|failure| failure.with(&written));
         Ok(Outcome { report, failure })
+    }
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
     }
 }
 

@@ -2,12 +2,14 @@
 
 use clap::Args;
 use gfmd_contact::Factors;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::values::up_to;
 
 /// Flags of the dynamics.
-#[derive(Args, Clone, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DynamicsArgs {
     /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
@@ -16,7 +18,7 @@ pub struct DynamicsArgs {
     /// Damping of verlet-critical over the critical one of the softest mode (default: 1); or, with three numbers, that of each
     /// component over the critical one of its own uniform mode
     #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<3, _, _>")]
     damping: Vec<f64>,
 }
 

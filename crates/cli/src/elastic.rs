@@ -7,14 +7,16 @@ use clap::Args;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
 use gfmd_problem::{Facts, Support};
-use serde::Serialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::check::parsed;
-use crate::choice::{by_name, parse_choice};
+use crate::choice::{named, named_if, parse_choice};
 use crate::failure::{Failure, SIZES, check_size};
+use crate::flags::{keys, of_table, quoted, without_flags};
 
 /// Flags that describe the elastic body.
-#[derive(Args, Clone, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BodyArgs {
     /// Young's modulus, stress
     #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
@@ -28,7 +30,7 @@ pub struct BodyArgs {
     pub e_star: Option<f64>,
     /// Height of the slab, or of the top layer; "inf" for a half-space
     #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
-    #[serde(serialize_with = "serialize_height")]
+    #[serde(with = "height")]
     pub height: Height,
     /// The parts below the top layer, and the second body.
     #[command(flatten)]
@@ -37,11 +39,12 @@ pub struct BodyArgs {
 }
 
 /// Flags of what lies below the top layer of a body, and of the second body.
-#[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct OtherArgs {
     /// What the lowest layer stands on
     #[arg(long, value_parser = parse_choice::<BaseKind>(), default_value_t = BaseKind::Bonded)]
-    #[serde(serialize_with = "by_name", skip_serializing_if = "is_bonded")]
+    #[serde(with = "named", skip_serializing_if = "is_bonded")]
     pub base: BaseKind,
     /// Young's modulus of the half-space below, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -104,6 +107,17 @@ impl Serialize for Sheet {
     }
 }
 
+/// Reads a sheet of two or three numbers.
+impl<'de> Deserialize<'de> for Sheet {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match Vec::<f64>::deserialize(deserializer)?[..] {
+            [young, poisson] => Ok(Self { young, poisson, height: Height::Infinite }),
+            [young, poisson, height] => Ok(Self { young, poisson, height: Height::Finite(height) }),
+            _ => Err(D::Error::custom("it must be E, NU or E, NU, H: Young's modulus, Poisson's ratio, height")),
+        }
+    }
+}
+
 impl fmt::Display for Sheet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { young, poisson, height } = *self;
@@ -135,6 +149,12 @@ fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> 
     Material::from_young(young, poisson).map_err(|error| {
         Failure::input(if matches!(error, GreenError::Young(_)) { young_flag } else { poisson_flag }, error)
     })
+}
+
+impl Default for BodyArgs {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl BodyArgs {
@@ -200,12 +220,18 @@ impl BodyArgs {
     }
 }
 
-/// The flags of a body, without a command.
+/// The body of a configuration: keys as in a result.
 ///
 /// # Errors
-/// Words that are no flags of a body.
-pub fn body_flags(words: &[String]) -> Result<BodyArgs, Failure> {
-    parsed(words)
+/// A key that no body has, a value of another type.
+pub fn body_of(table: toml::Table) -> Result<BodyArgs, Failure> {
+    let keys = keys::<BodyArgs>();
+    match table.keys().find(|key| !keys.contains(key)) {
+        Some(key) => {
+            Err(Failure::Input(format!("{} is no key of a body; it must be one of {}", quoted(key), keys.join(", "))))
+        }
+        None => of_table(table).map_err(Failure::Input),
+    }
 }
 
 impl OtherArgs {
@@ -237,9 +263,10 @@ impl OtherArgs {
                 let mut layers = vec![(material, height)];
                 for sheet in layer {
                     sheet.body("--layer")?;
-                    if let Height::Finite(height) = sheet.height {
-                        layers.push((sheet.material("--layer")?, height));
-                    }
+                    let Height::Finite(height) = sheet.height else {
+                        return Err(Failure::value("--layer", sheet, "E,NU,H with a height"));
+                    };
+                    layers.push((sheet.material("--layer")?, height));
                 }
                 let below = match base {
                     BaseKind::HalfSpace => {
@@ -326,7 +353,8 @@ pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 
 /// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration that
 /// the file records.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct RecordedBodyArgs {
     /// Young's modulus, stress; default, as of the flags below: the value that the input records
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -339,9 +367,11 @@ pub struct RecordedBodyArgs {
     e_star: Option<f64>,
     /// Height of the slab, or of the top layer; "inf" for a half-space
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[serde(with = "height_if")]
     height: Option<Height>,
     /// What the lowest layer stands on
     #[arg(long, value_parser = parse_choice::<BaseKind>())]
+    #[serde(with = "named_if")]
     base: Option<BaseKind>,
     /// Young's modulus of the half-space below, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -351,6 +381,7 @@ pub struct RecordedBodyArgs {
     base_poisson: Option<f64>,
     /// One more layer below the top one, repeatable, from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     layer: Vec<Sheet>,
     /// The body to which the rough surface belongs, which takes a part of the displacement
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
@@ -361,71 +392,30 @@ impl RecordedBodyArgs {
     /// Takes each property from its flag or else from `record`, the configuration of a run.
     ///
     /// # Errors
-    /// A property that neither has.
+    /// A property that neither has; a record that no run writes.
     pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Failure> {
-        let recorded = |key: &str| record.get(key).and_then(|value| value.as_float());
-        let needed = |flag: &str| {
-            Failure::Input(format!("{flag} is missing; it is needed because the input does not record it"))
-        };
-        let height = match record.get("height").and_then(toml::Value::as_str) {
-            Some("inf") => Some(Height::Infinite),
-            _ => recorded("height").map(Height::Finite),
-        };
-        let e_star = self.e_star.or_else(|| if self.young.is_none() { recorded("e_star") } else { None });
-        let young = match (self.young.or_else(|| recorded("young")), e_star) {
-            (Some(young), _) => young,
-            (None, Some(_)) => 1.0, // not used
-            (None, None) => return Err(needed("--young")),
-        };
-        Ok(BodyArgs {
-            young,
-            poisson: self.poisson.or_else(|| recorded("poisson")).ok_or_else(|| needed("--poisson"))?,
-            e_star,
-            height: self.height.or(height).ok_or_else(|| needed("--height"))?,
-            others: self.others(record)?,
-        })
-    }
-
-    /// The parts below the top layer, and the second body, of the configuration of a run.
-    ///
-    /// # Errors
-    /// A record that no run writes.
-    pub fn recorded(record: &toml::Table) -> Result<OtherArgs, Failure> {
-        Self::default().others(record)
-    }
-
-    fn others(&self, record: &toml::Table) -> Result<OtherArgs, Failure> {
-        let unusable = |what: &dyn fmt::Display| Failure::input("the config that the input records", what);
-        let sheet = |value: &toml::Value, parse: fn(&str) -> Result<Sheet, String>| {
-            let numbers = value.as_array().map_or(&[][..], Vec::as_slice);
-            let text = numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
-            parse(&text).map_err(|error| unusable(&error))
-        };
-        let base = match (self.base, record.get("base").and_then(toml::Value::as_str)) {
-            (Some(base), _) => base,
-            (None, Some(name)) => name.parse().map_err(|error| unusable(&error))?,
-            (None, None) => BaseKind::Bonded,
-        };
-        // The half-space of another base is not below this one.
-        let recorded = |key: &str| {
-            let value = record.get(key).and_then(toml::Value::as_float);
-            value.filter(|_| base == BaseKind::HalfSpace)
-        };
-        let layer = match (&self.layer[..], record.get("layer").and_then(toml::Value::as_array)) {
-            ([], Some(sheets)) => sheets.iter().map(|value| sheet(value, parse_layer)).collect::<Result<_, _>>()?,
-            (given, _) => given.to_vec(),
-        };
-        let second_body = match (self.second_body, record.get("second_body")) {
-            (None, Some(value)) => Some(sheet(value, parse_second)?),
-            (given, _) => given,
-        };
-        Ok(OtherArgs {
-            base,
-            base_young: self.base_young.or_else(|| recorded("base_young")),
-            base_poisson: self.base_poisson.or_else(|| recorded("base_poisson")),
-            layer,
-            second_body,
-        })
+        let unusable = |error: &dyn fmt::Display| Failure::input("the config that the input records", error);
+        let mut table = record.clone();
+        let given = toml::Table::try_from(self).map_err(|error| unusable(&error))?;
+        // A modulus replaces the other one, a base its half-space.
+        if self.young.is_some() {
+            table.remove("e_star");
+        }
+        if self.base.is_some_and(|base| base != BaseKind::HalfSpace) {
+            for key in ["base_young", "base_poisson"] {
+                table.remove(key);
+            }
+        }
+        table.extend(given);
+        let has = |key: &str| table.contains_key(key);
+        let needed =
+            [("--young", has("young") || has("e_star")), ("--poisson", has("poisson")), ("--height", has("height"))];
+        match needed.into_iter().find(|(_, has)| !has) {
+            Some((flag, _)) => {
+                Err(Failure::Input(format!("{flag} is missing; it is needed because the input does not record it")))
+            }
+            None => BodyArgs::deserialize(table).map_err(|error| unusable(&error.message())),
+        }
     }
 }
 
@@ -440,13 +430,65 @@ pub fn parse_height(text: &str) -> Result<Height, String> {
     text.parse().map(Height::Finite).map_err(|_| "it must be a length or \"inf\"".into())
 }
 
-/// Writes a height to TOML or JSON: a number, or the text `inf`.
-///
-/// # Errors
-/// An error of the serialiser.
-pub fn serialize_height<S: serde::Serializer>(height: &Height, serializer: S) -> Result<S::Ok, S::Error> {
-    match height {
-        Height::Finite(height) => serializer.serialize_f64(*height),
-        Height::Infinite => serializer.serialize_str("inf"),
+/// A height in TOML or JSON: a number, or the text `inf`.
+pub mod height {
+    use gfmd_green::Height;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Given {
+        Number(f64),
+        Text(String),
+    }
+
+    /// Writes a height.
+    ///
+    /// # Errors
+    /// An error of the serialiser.
+    pub fn serialize<S: Serializer>(height: &Height, serializer: S) -> Result<S::Ok, S::Error> {
+        match height {
+            Height::Finite(height) => serializer.serialize_f64(*height),
+            Height::Infinite => serializer.serialize_str("inf"),
+        }
+    }
+
+    /// Reads a height.
+    ///
+    /// # Errors
+    /// A value that is neither a number nor `inf`.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Height, D::Error> {
+        match Given::deserialize(deserializer) {
+            // The number of TOML that is written without quotes.
+            Ok(Given::Number(height)) if height == f64::INFINITY => Ok(Height::Infinite),
+            Ok(Given::Number(height)) => Ok(Height::Finite(height)),
+            Ok(Given::Text(text)) if text == "inf" => Ok(Height::Infinite),
+            _ => Err(D::Error::custom("it must be a number, or \"inf\"")),
+        }
+    }
+}
+
+/// A height that may be absent, as [`height`].
+pub mod height_if {
+    use gfmd_green::Height;
+    use serde::{Deserializer, Serializer};
+
+    /// Writes a height.
+    ///
+    /// # Errors
+    /// An error of the serialiser.
+    pub fn serialize<S: Serializer>(height: &Option<Height>, serializer: S) -> Result<S::Ok, S::Error> {
+        match height {
+            Some(height) => super::height::serialize(height, serializer),
+            None => serializer.serialize_none(),
+        }
+    }
+
+    /// Reads a height that is there.
+    ///
+    /// # Errors
+    /// A value that is neither a number nor `inf`.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Height>, D::Error> {
+        super::height::deserialize(deserializer).map(Some)
     }
 }

@@ -9,11 +9,13 @@ use gfmd_surface::{
     SelfAffine, SurfaceError,
 };
 use ndarray::{Array2, s};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::choice::{by_name, parse_choice};
+use crate::choice::{named, parse_choice};
 use crate::failure::{Failure, check_size};
+use crate::flags::without_flags;
 use crate::memory::{self, Processes};
+use crate::values::within;
 
 /// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
 pub const LARGEST_SEED: u64 = i64::MAX as u64;
@@ -34,7 +36,8 @@ const EPS_C_INV: f64 = 4.0;
 const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 
 /// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
-#[derive(Args, Clone, Debug, PartialEq, Serialize)]
+#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct GeneratorArgs {
     /// Points along a side, or NX,NY; an alternative is --eps-c-inv [default: 256]
     #[arg(long, value_delimiter = ',', value_name = "N")]
@@ -64,9 +67,11 @@ pub struct GeneratorArgs {
     pub rms_height: Option<f64>,
     /// Number of the realisation, below 2^63; seed and cell determine the surface on any grid
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
+    #[serde(deserialize_with = "within::<0, LARGEST_SEED, _, _>")]
     pub seed: u64,
     /// 3: a surface; 2: a profile, for plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+    #[serde(deserialize_with = "within::<2, 3, _, _>")]
     pub dim: u8,
     /// Method: by spectrum (psd), or by subdivision (sra, rmd), which is not periodic or isotropic and has no cut-offs
     #[arg(long, value_enum, default_value_t = Method::Psd)]
@@ -77,16 +82,16 @@ pub struct GeneratorArgs {
     pub roll_off: Option<f64>,
     /// Shape of the transition from the power law to the flat part of the spectrum
     #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value = "plateau", requires = "roll_off")]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     pub roll_off_shape: RollOffShape,
     /// Amplitudes of the modes: random, or the expected ones with random phases
     #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value = "gaussian")]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     pub amplitudes: Amplitudes,
 }
 
 /// The ways to make a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// Random phases under a power spectral density
@@ -96,6 +101,12 @@ pub enum Method {
     Sra,
     /// Random midpoint displacement
     Rmd,
+}
+
+impl Default for GeneratorArgs {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl GeneratorArgs {

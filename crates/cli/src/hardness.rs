@@ -7,14 +7,14 @@ use gfmd_contact::Hardness;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
 use ndarray::{Array2, Ix2};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
 
 /// The flag as it is given.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum GivenHardness {
     /// A stress.
@@ -121,7 +121,7 @@ pub(crate) fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> O
     }
 }
 
-/// The flag of the hardness that a file has, which reads it from there.
-pub(crate) fn stored_hardness(reader: &Reader) -> Option<String> {
-    reader.contains(STORED).then(|| format!("{FLAG}={}:{STORED}", reader.path().display()))
+/// The key of the hardness that a file has, and the name by which it is read from there.
+pub(crate) fn stored_hardness(reader: &Reader) -> Option<(&'static str, String)> {
+    reader.contains(STORED).then(|| ("hardness", format!("{}:{STORED}", reader.path().display())))
 }

@@ -8,20 +8,22 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_law::{Kind, Law, LawError, MixedMode};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use adhesion::Adhesion;
 
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use crate::flags::without_flags;
 
 /// Flags that choose a law.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LawArgs {
     /// Law of the tractions across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential,
     /// harmonic-cosine, dugdale (docs/laws)
     #[arg(long, default_value = "hard-wall", value_parser = parse_kind, value_name = "NAME")]
-    #[serde(serialize_with = "serialize_kind")]
+    #[serde(with = "name")]
     pub law: Kind,
     /// Parameter of the law, NAME=VALUE; give the flag once for each parameter
     #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
@@ -31,6 +33,12 @@ pub struct LawArgs {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub coarse: bool,
+}
+
+impl Default for LawArgs {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl LawArgs {
@@ -64,9 +72,19 @@ fn parse_parameter(text: &str) -> Result<(String, f64), String> {
     Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn serialize_kind<S: serde::Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(kind.name())
+/// A law in a configuration, by its name.
+mod name {
+    use gfmd_law::Kind;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+    pub(super) fn serialize<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(kind.name())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
 }
 
 /// Flags of `law`.

@@ -31,6 +31,7 @@ pub mod dynamics;
 pub mod elastic;
 pub mod failure;
 pub mod figures;
+mod flags;
 pub mod generator;
 pub mod green;
 pub mod hardness;

@@ -3,7 +3,7 @@
 use clap::Args;
 use gfmd_files::{Archive, Dimension, Reader};
 use gfmd_surface::Periodisation;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::generator::{GeneratorArgs, LARGEST_SEED};
@@ -11,7 +11,8 @@ use crate::session::Session;
 use crate::source::{Detrend, SourceArgs, Surface};
 
 /// Flags of a rigid surface below the slab.
-#[derive(Args, Clone, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LowerArgs {
     /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the same points; prepared by the
     /// flags of --surface if that is given
@@ -107,7 +108,7 @@ pub(crate) fn is_stored(reader: &Reader) -> bool {
     reader.contains(HEIGHT)
 }
 
-/// The flags of the lower surface that a file has, which read it from there.
-pub(crate) fn stored_lower(reader: &Reader) -> Option<String> {
-    is_stored(reader).then(|| format!("--lower-surface={}:{HEIGHT}", reader.path().display()))
+/// The key of the lower surface that a file has, and the name by which it is read from there.
+pub(crate) fn stored_lower(reader: &Reader) -> Option<(&'static str, String)> {
+    is_stored(reader).then(|| ("lower_surface", format!("{}:{HEIGHT}", reader.path().display())))
 }

@@ -26,15 +26,16 @@ use gfmd_law::{Kind, Law, Limit};
 use gfmd_measure::Scales;
 use gfmd_problem::{Facts, Friction, Given, Posed, Rest, Task, pose};
 use gfmd_record::{At, Record};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use self::file::PathFile;
 use self::waypoints::WaypointArgs;
-use crate::choice::{by_name, parse_choice};
+use crate::choice::{named, parse_choice};
 use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
+use crate::flags::without_flags;
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::memory;
@@ -42,6 +43,7 @@ use crate::progress::Progress;
 use crate::resume::{Kept, Part, ResumeArgs};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
+use crate::values::within;
 
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;
@@ -52,7 +54,8 @@ const FRICTION_SOLVES: [(&str, ArgPredicate, &str); 2] =
     [("friction", ArgPredicate::IsPresent, "10"), ("shear_strength", ArgPredicate::IsPresent, "10")];
 
 /// Flags of `path`.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 #[command(after_help = "Examples:
   gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
     --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
@@ -80,7 +83,7 @@ pub struct Args {
     shear_strength: Option<f64>,
     /// The surroundings of the surface; free: a patch that does not repeat
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
-    #[serde(serialize_with = "by_name", skip_serializing_if = "is_periodic")]
+    #[serde(with = "named", skip_serializing_if = "is_periodic")]
     boundary: Boundary,
     /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that of each point;
     /// the plastic depth stays
@@ -92,6 +95,7 @@ pub struct Args {
     waypoints: WaypointArgs,
     /// Steps from one waypoint to the next
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
     steps: u32,
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
@@ -125,6 +129,12 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl Args {

@@ -12,17 +12,19 @@ use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolutio
 use gfmd_relax::{Budget, Watch};
 use gfmd_response::Components;
 use ndarray::{Array2, Array3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::convergence::{History, NotConverged};
 use crate::dynamics::{DampedBy, DynamicsArgs};
-use crate::elastic::{BodyArgs, OtherArgs, parse_height, serialize_height};
+use crate::elastic::{BodyArgs, OtherArgs, height_if, parse_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
+use crate::flags::without_flags;
 use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::trace::{TraceArgs, Tracer};
+use crate::values::{up_to, within};
 
 mod check;
 mod comparison;
@@ -40,7 +42,8 @@ pub use refinement::Refinement;
 pub use report::Report;
 
 /// Flags of `punch`. The defaults are the case of the source: lengths in micrometres, stress in GPa.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 #[command(
     after_help = "Points under the punch: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < (1 + f)/2 \
 along x and, with --dim 3, y. Points on its edge count with --nodes inclusive, not with strict. N points in a row act \
@@ -60,7 +63,7 @@ pub struct Args {
     length: f64,
     /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
-    #[serde(serialize_with = "serialize_resolved")]
+    #[serde(with = "height_if")]
     height: Option<Height>,
     /// Young's modulus, stress
     #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true)]
@@ -73,6 +76,7 @@ pub struct Args {
     others: OtherArgs,
     /// 3: a square punch; 2: a strip, in plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
     /// Points along each axis; default: those of --mask, or 128
     #[arg(long, value_name = "N")]
@@ -102,7 +106,7 @@ pub struct Args {
     traction: Option<String>,
     /// Lateral displacement of a sticking punch, length
     #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     shift: Vec<f64>,
     /// The method (docs/solvers.md)
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
@@ -121,6 +125,7 @@ pub struct Args {
     max_iter: u64,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
+    #[serde(deserialize_with = "within::<1, 8, _, _>")]
     refine: u8,
     /// Compare the displacement with that of a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
     /// FILE.h5[:/dataset] of another run; if m differs from N, on the points that both grids have
@@ -138,7 +143,7 @@ pub struct Args {
 }
 
 /// The conditions under the punch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactName {
     /// No slip: all components are held
@@ -148,7 +153,7 @@ pub enum ContactName {
 }
 
 /// The choices of the points that belong to the punch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Nodes {
     /// Points inside, without the edge
@@ -158,7 +163,7 @@ pub enum Nodes {
 }
 
 /// The names of the methods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolverName {
     /// The fastest reliable method: cg
@@ -175,10 +180,9 @@ pub enum SolverName {
     Fire,
 }
 
-fn serialize_resolved<S: serde::Serializer>(height: &Option<Height>, serializer: S) -> Result<S::Ok, S::Error> {
-    match height {
-        Some(height) => serialize_height(height, serializer),
-        None => serializer.serialize_none(),
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
     }
 }
 

@@ -2,16 +2,18 @@
 
 use clap::Args;
 use gfmd_contact::{Budget, Solver};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::choice::{by_name, parse_choice};
+use crate::choice::{named, parse_choice};
+use crate::flags::without_flags;
 
 /// Flags of a contact solver.
-#[derive(Args, Clone, Copy, Debug, Serialize)]
+#[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
     #[arg(long, value_parser = parse_choice::<Solver>(), default_value_t = Solver::Auto)]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     pub solver: Solver,
     /// Largest residual of a converged state
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
@@ -19,6 +21,12 @@ pub struct SolverArgs {
     /// Largest number of iterations, or time steps, for one load
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     pub max_iter: u64,
+}
+
+impl Default for SolverArgs {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 impl SolverArgs {

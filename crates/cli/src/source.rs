@@ -1,25 +1,26 @@
 //! The rigid surface of a contact: read from a file ([`crate::scan`]), or generated.
 
-use std::sync::OnceLock;
-
 use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
 use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, composite_inside};
 use ndarray::Array2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::choice::{by_name, by_name_if, parse_choice};
+use crate::choice::{named, named_if, parse_choice};
 use crate::elastic::sides;
 use crate::failure::{Failure, SIZES, check_size};
+use crate::flags::without_flags;
 use crate::generator::GeneratorArgs;
 use crate::scan::{Prepared, Scan};
 use crate::session::Session;
+use crate::values::up_to;
 use crate::{processes, rows};
 
 /// Flags that name or describe a surface.
-#[derive(Args, Clone, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SourceArgs {
     /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
@@ -32,18 +33,18 @@ pub struct SourceArgs {
     pub channel: Option<String>,
     /// Way to give heights to undefined points of a file, which are refused without it
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
-    #[serde(serialize_with = "by_name_if", skip_serializing_if = "Option::is_none")]
+    #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
     /// Cell size, L or Lx,Ly; default: that of the file, or 1
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub length: Vec<f64>,
     /// Trend to subtract from the heights of a file
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
     /// Method to make the heights of a file periodic
     #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value = "as-is")]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     pub periodise: Periodisation,
     /// Change the sign of the heights of a file, if its peaks point away from the body
     #[arg(long)]
@@ -56,7 +57,7 @@ pub struct SourceArgs {
     /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves; with
     /// --boundary free whole steps only, and the part in common stays
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub shift: Vec<f64>,
     /// The generator.
     #[command(flatten)]
@@ -65,7 +66,7 @@ pub struct SourceArgs {
 }
 
 /// The trends that can be subtracted from measured heights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detrend {
     /// Nothing
@@ -245,18 +246,13 @@ const ROUGH_SEAM: f64 = 2.0;
 /// The relative difference up to which the lengths of two cells are equal: headers have some six digits.
 const SAME_LENGTH: f64 = 1e-6;
 
-impl SourceArgs {
-    /// The keys of these flags in a configuration.
-    pub(crate) fn names() -> Vec<&'static str> {
-        // The names live as long as the program; there are a few, and they are made once.
-        static NAMES: OnceLock<Vec<String>> = OnceLock::new();
-        let names = NAMES.get_or_init(|| {
-            let command = Self::augment_args(clap::Command::new("surface"));
-            command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
-        });
-        names.iter().map(String::as_str).collect()
+impl Default for SourceArgs {
+    fn default() -> Self {
+        without_flags()
     }
+}
 
+impl SourceArgs {
     /// The name of the surface in messages: its file, or `the generated surface`.
     pub fn name(&self) -> String {
         self.surface.clone().unwrap_or_else(|| "the generated surface".into())

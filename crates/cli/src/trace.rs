@@ -6,12 +6,14 @@ use std::str::FromStr;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Variable};
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::failure::Failure;
 
 /// Flags of the record.
-#[derive(Args, Clone, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TraceArgs {
     /// Record residual and energy of every step, in the JSON and in /history of --out
     #[arg(long)]
@@ -79,6 +81,20 @@ impl Serialize for ModeOf {
 impl Serialize for PointOf {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         (self.position[0], self.position[1], AXES[self.axis]).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ModeOf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (m, n, component) = <(i32, i32, String)>::deserialize(deserializer)?;
+        format!("{m},{n},{component}").parse().map_err(D::Error::custom)
+    }
+}
+
+impl<'de> Deserialize<'de> for PointOf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (x, y, component) = <(f64, f64, String)>::deserialize(deserializer)?;
+        format!("{x:?},{y:?},{component}").parse().map_err(D::Error::custom)
     }
 }
 

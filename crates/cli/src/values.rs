@@ -1,6 +1,6 @@
 //! Lists of numbers on the command line.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 /// The largest number of values of one entry.
 const MOST: usize = 10_000;
@@ -53,6 +53,31 @@ pub(crate) fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
 /// Writes the numbers of all entries, as if each had been given.
 pub(crate) fn as_numbers<S: Serializer>(entries: &[Entry], serializer: S) -> Result<S::Ok, S::Error> {
     numbers(entries).collect::<Vec<f64>>().serialize(serializer)
+}
+
+/// Reads numbers, one entry each.
+pub(crate) fn from_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Entry>, D::Error> {
+    Ok(Vec::<f64>::deserialize(deserializer)?.into_iter().map(|number| Entry(vec![number])).collect())
+}
+
+/// Reads a list of one to `MOST` values.
+pub(crate) fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    let values = Vec::deserialize(deserializer)?;
+    match values.len() {
+        1.. if values.len() <= MOST => Ok(values),
+        found => Err(D::Error::custom(format!("it has {found} values; it must have 1 to {MOST}"))),
+    }
+}
+
+/// Reads a whole number from `LEAST` to `MOST`.
+pub(crate) fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    let found = u64::deserialize(deserializer)?;
+    let number = T::try_from(found).ok().filter(|_| (LEAST..=MOST).contains(&found));
+    number.ok_or_else(|| D::Error::custom(format!("it must be a whole number from {LEAST} to {MOST}")))
 }
 
 #[cfg(test)]

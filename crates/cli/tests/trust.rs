@@ -229,6 +229,16 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
         }
     }
     assert_eq!(ran, 2 * (4 * cases.len() - 2));
+    // A field that stands in the result takes the place of the file that a key names beside a generated surface.
+    make(folder, "squeezed.h5", "contact --n 16 --height 0.5 --lower-seed 2 --p-star 0.02");
+    configure(&folder.join("squeezed.h5"), |table| {
+        table.remove("lower_seed");
+        table.insert("lower_surface".into(), "fifo".into());
+    });
+    for arguments in [&["check", "squeezed.h5"][..], &["check", "squeezed.h5", "--rerun"]] {
+        let ended = run(folder, arguments);
+        assert_eq!(ended.status, Some(0), "{}", ended.stderr);
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use gfmd_files::Reader;
 
 use super::Args;
 use super::quantity::{TENSOR, TENSOR_OF_A_LINE};
-use crate::check::{Comparison, Configuration, parsed, printable};
+use crate::check::{Comparison, Configuration, printable};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::source::file_of;
@@ -45,7 +45,7 @@ pub(crate) fn check(reader: &Reader, comparison: &mut Comparison) -> Result<(), 
 
 /// Computes the fields of a file again, with the output `out`, if the displacement of the surface is at hand.
 pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let mut words = config.words(&[]);
+    let mut named = toml::Table::new();
     // Waves have no file.
     if let Some(surface) = config.file() {
         let (file, input) = (file_of(surface), reader.text("/input", "file")?);
@@ -60,9 +60,9 @@ pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session
             session.warn("input-missing", text);
             return Ok(false);
         }
-        words.push(format!("--surface={surface}"));
+        named.insert("surface".into(), surface.into());
     }
-    let args: Args = parsed(&words)?;
+    let args: Args = config.problem(&[], named)?;
     super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

@@ -2,12 +2,12 @@
 
 use clap::ValueEnum;
 use gfmd_body::{Deformation, Interior, InteriorError, State, Workspace};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Plane, Side};
 
 /// A quantity at every point of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Displacement

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use gfmd_field::Grid;
 use gfmd_response::Components;
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::AXES;
 use crate::failure::Failure;
@@ -49,6 +50,13 @@ impl Serialize for Wave {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { numbers: [m, n], axis, amplitude } = self;
         (m, n, AXES[*axis], amplitude).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Wave {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (m, n, component, amplitude) = <(i32, i32, String, f64)>::deserialize(deserializer)?;
+        format!("{m},{n},{component},{amplitude:?}").parse().map_err(D::Error::custom)
     }
 }
 

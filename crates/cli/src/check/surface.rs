@@ -1,83 +1,82 @@
-//! The surface of a result, as the input of a command.
+//! The problem of a result, with the surface and the fields that stand in it.
 
+use clap::Args;
 use gfmd_contact::Boundary;
 use gfmd_files::{Checksum, Reader};
+use serde::de::DeserializeOwned;
+use toml::Table;
 
-use super::{Comparison, Configuration, parsed};
+use super::{Comparison, Configuration};
 use crate::base::{BaseArgs, stored_base};
 use crate::failure::Failure;
+use crate::flags::keys;
 use crate::hardness::stored_hardness;
 use crate::lower::{LowerArgs, stored_lower};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
-/// Compares the heights of a result with their checksum. Returns the flags of a command that reads them.
+/// Compares the heights of a result with their checksum.
 ///
 /// # Errors
 /// A file without a surface.
-pub(crate) fn stored_surface(reader: &Reader, comparison: &mut Comparison) -> Result<Vec<String>, Failure> {
+pub(crate) fn compare_heights(reader: &Reader, comparison: &mut Comparison) -> Result<(), Failure> {
     let heights: Vec<f64> = reader.values("/surface/height")?;
     if let Ok(stated) = reader.text("/surface", "height_sha256")
         && Checksum::of_numbers(heights) != stated
     {
         comparison.differ("/surface/height", "its checksum does not hold".into());
     }
-    let mut words = vec![format!("--surface={}:/surface/height", reader.path().display())];
-    if let (Ok(x), Ok(y)) = (reader.number("/surface", "length_x"), reader.number("/surface", "length_y")) {
-        words.push(if reader.shape("/surface/height")?.get(1) == Some(&1) {
-            format!("--length={x:e}")
-        } else {
-            format!("--length={x:e},{y:e}")
-        });
-    }
-    Ok(words)
+    Ok(())
 }
 
-/// The flags of the fields that a result has beside its surface: its base, the surface below, and its hardness.
+/// The problem of a result with the surface and the fields that stand in it, whatever they were made of.
 ///
 /// # Errors
-/// A configuration that names such a field, which the result does not have.
-pub(crate) fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Vec<String>, Failure> {
+/// A file without a surface; a configuration that names a field, which the result does not have.
+pub(crate) fn stored_problem<A: Args + DeserializeOwned>(
+    reader: &Reader,
+    config: &Configuration,
+) -> Result<A, Failure> {
+    let mut stored = stored_fields(reader, config)?;
+    stored.insert("surface".into(), format!("{}:/surface/height", reader.path().display()).into());
+    if let (Ok(x), Ok(y)) = (reader.number("/surface", "length_x"), reader.number("/surface", "length_y")) {
+        let is_line = reader.shape("/surface/height")?.get(1) == Some(&1);
+        stored.insert("length".into(), if is_line { vec![x] } else { vec![x, y] }.into());
+    }
+    let replaced: Vec<String> = keys::<SourceArgs>().into_iter().chain(BESIDE.map(Into::into)).collect();
+    config.problem(&replaced, stored)
+}
+
+/// The problem of a result, to be solved again. A surface that was made from a file or an array is taken from the result, where
+/// it is stored as it was used; a generated one, which has a number of points, is generated again.
+///
+/// # Errors
+/// As [`stored_problem`].
+pub(crate) fn repeated_problem<A: Args + DeserializeOwned>(
+    reader: &Reader,
+    config: &Configuration,
+) -> Result<A, Failure> {
+    match is_generated(config) {
+        true => config.problem(&BESIDE.map(Into::into), stored_fields(reader, config)?),
+        false => stored_problem(reader, config),
+    }
+}
+
+/// The keys of fields beside the surface, which stand in the result.
+const BESIDE: [&str; 4] = ["base_displacement", "base_traction", "lower_surface", "lower_seed"];
+
+/// The names of the fields that a result has beside its surface: its base, the surface below, and its hardness.
+fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Table, Failure> {
     let (base, lower, hardness) = (stored_base(reader), stored_lower(reader), stored_hardness(reader));
     let needed = [
-        (BaseArgs::NAMES.iter().any(|key| config.has(key)), base.is_empty(), "/base"),
+        (BaseArgs::NAMES.iter().any(|key| config.has(key)), base.is_none(), "/base"),
         (LowerArgs::NAMES.iter().any(|key| config.has(key)), lower.is_none(), "/lower/height"),
         (config.names_a_file("hardness"), hardness.is_none(), "/surface/hardness"),
     ];
     if let Some((.., path)) = needed.into_iter().find(|(is_named, is_missing, _)| *is_named && *is_missing) {
         return Err(Failure::input("config of the file", format!("it names the field {path}, which the file has not")));
     }
-    Ok(base.into_iter().chain(lower).chain(hardness).collect())
-}
-
-/// The keys of a configuration that [`stored_fields`] replaces.
-fn beside_surface(reader: &Reader) -> Vec<&'static str> {
-    let hardness = stored_hardness(reader).map(|_| "hardness");
-    BaseArgs::NAMES.into_iter().chain(LowerArgs::NAMES).chain(hardness).collect()
-}
-
-/// The keys of a configuration that [`stored_surface`] and [`stored_fields`] replace.
-pub(crate) fn beside_fields(reader: &Reader) -> Vec<&'static str> {
-    SourceArgs::names().into_iter().chain(beside_surface(reader)).collect()
-}
-
-/// The flags that repeat a run. A surface that was made from a file or an array is taken from the result, where it is stored as
-/// it was used; a generated one, which has a number of points, is generated again.
-///
-/// # Errors
-/// A file without a surface.
-pub(crate) fn flags_again(reader: &Reader, config: &Configuration) -> Result<Vec<String>, Failure> {
-    let mut flags = match is_generated(config) {
-        // Defaults of the flags for files are no flags of a generated surface.
-        true => config.words(&beside_surface(reader)),
-        false => {
-            let mut flags = stored_surface(reader, &mut Comparison::default())?;
-            flags.extend(config.words(&beside_fields(reader)));
-            flags
-        }
-    };
-    flags.extend(stored_fields(reader, config)?);
-    Ok(flags)
+    Ok(base.into_iter().chain(lower).chain(hardness).map(|(key, name)| (key.into(), name.into())).collect())
 }
 
 /// The unit of the heights of a group, as the file has it; `None` for any consistent unit.
@@ -97,17 +96,17 @@ fn is_generated(config: &Configuration) -> bool {
 pub(crate) fn regenerated(
     reader: &Reader,
     config: &Configuration,
+    boundary: Boundary,
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
     if !is_generated(config) {
         return Ok(());
     }
-    let source: SourceArgs = parsed(&config.words_of(&SourceArgs::names()))?;
-    let boundary: Boundary = config.text("boundary").parse().unwrap_or(Boundary::Periodic);
+    let source: SourceArgs = config.problem(&[], Table::new())?;
     let upper = source.bounded(boundary, session)?;
     same(reader, "/surface", &upper, comparison)?;
-    let lower: LowerArgs = parsed(&config.words_of(&LowerArgs::NAMES))?;
+    let lower: LowerArgs = config.problem(&[], Table::new())?;
     match lower.read(&source, &upper, session)? {
         Some(lower) => same(reader, "/lower", &lower, comparison),
         None => Ok(()),

@@ -17,8 +17,8 @@ use super::statistics::{self, Findings, Measured, Stored};
 use super::{Args, Prepared};
 use crate::base::MovedBase;
 use crate::check::{
-    Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
-    stored_fields, stored_surface, stored_unit,
+    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
+    stored_problem, stored_unit,
 };
 use crate::failure::Failure;
 use crate::session::Session;
@@ -36,11 +36,9 @@ pub(crate) fn check(
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
-    let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_fields(reader, config)?);
-    flags.extend(config.words(&beside_fields(reader)));
-    let args: Args = parsed(&flags)?;
-    regenerated(reader, config, comparison, session)?;
+    compare_heights(reader, comparison)?;
+    let args: Args = stored_problem(reader, config)?;
+    regenerated(reader, config, args.boundary, comparison, session)?;
     let mut prepared = Prepared::new(&args, session)?;
     // As it is spelt there.
     prepared.surface.unit = stored_unit(reader, "/surface");
@@ -241,7 +239,7 @@ impl Checked<'_> {
 
 /// Runs the configuration of a file again, with the output `out`.
 pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = parsed(&flags_again(reader, config)?)?;
+    let args: Args = repeated_problem(reader, config)?;
     super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

@@ -12,7 +12,8 @@ use gfmd_problem::{Facts, Rest};
 use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
 
 use ndarray::{Array2, CowArray, Ix2};
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::statistics::{self, Measured};
 use super::threshold::{self, Threshold};
@@ -104,6 +105,12 @@ impl FromStr for Chosen {
             return Err(ChosenError);
         }
         Ok(Self::Named(names().filter(|name| words.contains(name)).collect()))
+    }
+}
+
+impl<'de> Deserialize<'de> for Chosen {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
     }
 }
 

@@ -8,7 +8,7 @@ use super::is_normal;
 use super::slopes::Slopes;
 use super::threshold::Threshold;
 use crate::base::BaseArgs;
-use crate::choice::by_name;
+use crate::choice::named;
 use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
@@ -45,7 +45,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower: Option<Lower>,
     pub boundary: &'static str,
-    #[serde(skip_serializing_if = "is_normal", serialize_with = "by_name")]
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,

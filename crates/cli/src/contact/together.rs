@@ -6,12 +6,11 @@ use gfmd_problem::{Facts, Lower, MovedBase, Task, Unknown};
 use super::Args;
 use crate::dynamics::DampedBy;
 use crate::failure::Failure;
-use crate::session::Session;
 use crate::values::numbers;
 
 impl Args {
     /// The facts of the contact, whose surface may be a `line`.
-    pub(super) fn facts(&self, line: bool, session: &Session) -> Facts {
+    pub(super) fn facts(&self, line: bool) -> Facts {
         Facts {
             task: Task::Loads,
             law: self.law.law,
@@ -38,7 +37,6 @@ impl Args {
             flow_threshold: self.flow_threshold,
             history: self.trace.is_wanted(),
             resume: self.resume.resume,
-            processes: session.processes().all,
             ..self.body.facts()
         }
     }

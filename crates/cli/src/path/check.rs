@@ -13,8 +13,8 @@ use std::path::Path;
 use super::file::PathFile;
 use super::{Args, Prepared};
 use crate::check::{
-    Comparison, Configuration, Kind as ResultKind, beside_fields, flags_again, layout, parsed, regenerated,
-    stored_fields, stored_surface, stored_unit,
+    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
+    stored_problem, stored_unit,
 };
 use crate::contact::RESIDUAL_OF_A_PATCH;
 use crate::failure::Failure;
@@ -27,11 +27,9 @@ pub(crate) fn check(
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
-    let mut flags = stored_surface(reader, comparison)?;
-    flags.extend(stored_fields(reader, config)?);
-    flags.extend(config.words(&beside_fields(reader)));
-    let args: Args = parsed(&flags)?;
-    regenerated(reader, config, comparison, session)?;
+    compare_heights(reader, comparison)?;
+    let args: Args = stored_problem(reader, config)?;
+    regenerated(reader, config, args.boundary, comparison, session)?;
     let mut prepared = Prepared::new(&args, session)?;
     // As it is spelt there.
     prepared.surface.unit = stored_unit(reader, "/surface");
@@ -333,7 +331,7 @@ fn flat(field: &Array2<f64>) -> Vec<f64> {
 
 /// Runs the configuration of a file again, with the output `out`.
 pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = parsed(&flags_again(reader, config)?)?;
+    let args: Args = repeated_problem(reader, config)?;
     super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }

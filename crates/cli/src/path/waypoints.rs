@@ -2,11 +2,12 @@
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::flags::without_flags;
 use crate::memory;
-use crate::values::{Entry, as_numbers, numbers};
+use crate::values::{Entry, as_numbers, from_numbers, numbers};
 
 /// The largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;
@@ -15,15 +16,16 @@ const MOST_STEPS: u64 = 1_000_000;
 const STEP_BYTES: u64 = 4096;
 
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
 pub(super) struct WaypointArgs {
     /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g); a negative one pulls
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
     /// Rigid approaches beyond first touch, length; a negative one is a separation
     #[arg(
@@ -34,7 +36,7 @@ pub(super) struct WaypointArgs {
         required_unless_present_any = ["pressure", "p_star"],
         allow_negative_numbers = true
     )]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     displacement: Vec<Entry>,
     /// Lateral displacements of the rigid surface, length; with them all components of the surface move
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
@@ -45,10 +47,22 @@ pub(super) struct WaypointArgs {
     direction: f64,
 }
 
+impl Default for WaypointArgs {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
 impl WaypointArgs {
     /// Returns the drive of every step, or the flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<Vec<Drive>, Failure> {
         let flag = self.flag();
+        let given = [&self.pressure, &self.p_star, &self.displacement];
+        if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
+            return Err(Failure::Input(format!(
+                "{flag} is given beside another of --pressure, --p-star, --displacement"
+            )));
+        }
         let (values, under_load): (Vec<f64>, bool) = match flag {
             "--pressure" => (numbers(&self.pressure).collect(), true),
             "--p-star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), true),

@@ -8,7 +8,7 @@ use ndarray::Array3;
 
 use super::report::scalars;
 use super::{Args, Prepared, by_point};
-use crate::check::{Comparison, Configuration, Kind, layout, parsed};
+use crate::check::{Comparison, Configuration, Kind, layout};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -23,7 +23,7 @@ pub(crate) fn check(
     session: &Session,
 ) -> Result<(), Failure> {
     // The file holds the coarsest grid.
-    let args: Args = parsed(&flags(reader, config, &["refine"]))?;
+    let args: Args = problem(reader, config, &["refine".into()])?;
     let prepared = Prepared::new(&args)?;
     let grid = &prepared.grids[0];
     let problem = prepared.problem(&args, grid)?;
@@ -54,19 +54,16 @@ pub(crate) fn check(
 
 /// Runs the configuration of a file again, with the output `out`.
 pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = parsed(&flags(reader, config, &[]))?;
+    let args: Args = problem(reader, config, &[])?;
     super::run(&Args { out: Some(out.into()), ..args }, session)?;
     Ok(true)
 }
 
-/// The flags of the run. The points under the punch and the traction beside it are taken from the file, where they stand as they
-/// were used.
-fn flags(reader: &Reader, config: &Configuration, except: &[&str]) -> Vec<String> {
-    let mut flags = config.words(except);
-    for (key, dataset) in [("mask", "/fields/under_punch"), ("traction", "/fields/traction")] {
-        if config.has(key) {
-            flags.push(format!("--{key}={}:{dataset}", reader.path().display()));
-        }
-    }
-    flags
+/// The problem without some keys. The points under the punch and the traction beside it are taken from the file, where they stand
+/// as they were used.
+fn problem(reader: &Reader, config: &Configuration, except: &[String]) -> Result<Args, Failure> {
+    let stored = [("mask", "/fields/under_punch"), ("traction", "/fields/traction")];
+    let named = stored.into_iter().filter(|(key, _)| config.has(key));
+    let named = named.map(|(key, path)| (key.into(), format!("{}:{path}", reader.path().display()).into()));
+    config.problem(except, named.collect())
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::convergence::NotConverged;
-use crate::elastic::{OtherArgs, serialize_height};
+use crate::elastic::{OtherArgs, height};
 use crate::session::list_files;
 use crate::trace::Trace;
 
@@ -19,7 +19,7 @@ pub struct Report {
     pub dim: u8,
     pub n: [usize; 2],
     pub length: [f64; 2],
-    #[serde(serialize_with = "serialize_height")]
+    #[serde(with = "height")]
     pub height: Height,
     pub young: f64,
     pub poisson: f64,

@@ -2,11 +2,12 @@
 
 use gfmd_files::Reader;
 use maud::{Markup, html};
+use serde::Deserialize as _;
 
 use super::page::{Common, Fact, Page, render};
 use super::write::{given, of, quoted, text};
 use crate::check::{Configuration, Kind};
-use crate::elastic::RecordedBodyArgs;
+use crate::elastic::OtherArgs;
 use crate::lower::{self, LowerArgs};
 
 /// The warnings of the run, a line each.
@@ -104,7 +105,7 @@ pub(crate) fn body(table: &toml::Table) -> Fact {
         None => html! { "half-space" },
     };
     let between = LowerArgs::NAMES.iter().any(|name| table.contains_key(*name)).then_some(lower::BETWEEN);
-    let others = RecordedBodyArgs::recorded(table).map(|others| others.words(between)).unwrap_or_default();
+    let others = OtherArgs::deserialize(table.clone()).map(|others| others.words(between)).unwrap_or_default();
     Fact(html! { "elastic body" }, html! { (height) ", " (material) @if !others.is_empty() { "; " (others) } })
 }
 

@@ -1,0 +1,63 @@
+//! Groups of flags as data: their defaults, and what a configuration says of them.
+
+use clap::{Args, Command, FromArgMatches};
+use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+/// The longest value in a message.
+const LONGEST: usize = 200;
+
+/// A group of flags of which none is given: the defaults that the help names.
+pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
+    // A flag that a command needs is none that a group needs.
+    let command = A::augment_args(Command::new("gfmd").no_binary_name(true)).ignore_errors(true);
+    let matches = command.get_matches_from(std::iter::empty::<&str>());
+    A::from_arg_matches(&matches).expect("every flag has a default, or may be absent")
+}
+
+/// The keys of a group of flags in a configuration.
+pub(crate) fn keys<A: Args>() -> Vec<String> {
+    let command = A::augment_args(Command::new("gfmd"));
+    command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+}
+
+/// A group of flags from a table of its keys; those of other groups are left aside.
+///
+/// # Errors
+/// A value of another type, which is named.
+pub(crate) fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
+    A::deserialize(table.clone()).map_err(|error| {
+        // Every key has a default, so that a value is wrong if it cannot be read alone.
+        let wrong = table.into_iter().find_map(|(key, value)| {
+            let text = shown(&value);
+            let error = A::deserialize(Table::from_iter([(key.clone(), value)])).err()?;
+            Some(format!("{key} is {text}: {}", line(error.message())))
+        });
+        wrong.unwrap_or_else(|| line(error.message()))
+    })
+}
+
+/// A key in a message.
+pub(crate) fn quoted(key: &str) -> String {
+    shown(&Value::String(key.into()))
+}
+
+/// A value in a message.
+fn shown(value: &Value) -> String {
+    match value.as_str() {
+        Some(text) => short(&format!("{text:?}")),
+        None => line(&value.to_string()),
+    }
+}
+
+/// A text in one line, without control characters, not too long.
+pub(crate) fn line(text: &str) -> String {
+    short(&text.escape_debug().to_string().replace("\\n", " ").replace("\\\"", "\""))
+}
+
+fn short(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.into(),
+    }
+}
