@@ -24,7 +24,7 @@ use crate::base::{self, BaseArgs};
 use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::flags::without_flags;
+use crate::flags::{of_keys, without_flags};
 use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
@@ -96,7 +96,6 @@ pub struct Args {
     place: PlaceArgs,
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
-    #[serde(skip)]
     deepest: Option<f64>,
     /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane at this
     /// height above the base (of a half-space: above its surface)
@@ -135,7 +134,6 @@ struct PlaceArgs {
     depths: Vec<f64>,
     /// Number of depths at equal distances, from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
-    #[serde(skip)]
     levels: Option<usize>,
 }
 
@@ -347,6 +345,16 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         out,
         plots,
     })
+}
+
+impl Args {
+    /// The fields of a table of keys, which are written to `out`.
+    ///
+    /// # Errors
+    /// Another key; a value of another type.
+    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
+        Ok(Self { out, ..of_keys(table)? })
+    }
 }
 
 impl Default for Args {

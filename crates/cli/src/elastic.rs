@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::choice::{named, named_if, parse_choice};
 use crate::failure::{Failure, SIZES, check_size};
-use crate::flags::{keys, of_table, quoted, without_flags};
+use crate::flags::{of_keys, without_flags};
 
 /// Flags that describe the elastic body.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -225,13 +225,7 @@ impl BodyArgs {
 /// # Errors
 /// A key that no body has, a value of another type.
 pub fn body_of(table: toml::Table) -> Result<BodyArgs, Failure> {
-    let keys = keys::<BodyArgs>();
-    match table.keys().find(|key| !keys.contains(key)) {
-        Some(key) => {
-            Err(Failure::Input(format!("{} is no key of a body; it must be one of {}", quoted(key), keys.join(", "))))
-        }
-        None => of_table(table).map_err(Failure::Input),
-    }
+    of_keys(table)
 }
 
 impl OtherArgs {

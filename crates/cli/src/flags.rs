@@ -4,13 +4,19 @@ use clap::{Args, Command, FromArgMatches};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use crate::failure::Failure;
+
 /// The longest value in a message.
 const LONGEST: usize = 200;
 
 /// A group of flags of which none is given: the defaults that the help names.
 pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
-    // A flag that a command needs is none that a group needs.
     let command = A::augment_args(Command::new("gfmd").no_binary_name(true)).ignore_errors(true);
+    // A number that a command needs is none.
+    let command = command.mut_args(|flag| match flag.is_required_set() {
+        true => flag.required(false).default_value("nan"),
+        false => flag,
+    });
     let matches = command.get_matches_from(std::iter::empty::<&str>());
     A::from_arg_matches(&matches).expect("every flag has a default, or may be absent")
 }
@@ -19,6 +25,18 @@ pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
 pub(crate) fn keys<A: Args>() -> Vec<String> {
     let command = A::augment_args(Command::new("gfmd"));
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+}
+
+/// A group of flags from a table of its keys.
+///
+/// # Errors
+/// Another key; a value of another type, which is named.
+pub(crate) fn of_keys<A: Args + DeserializeOwned>(table: Table) -> Result<A, Failure> {
+    let keys = keys::<A>();
+    match table.keys().find(|key| !keys.contains(key)) {
+        Some(key) => Err(Failure::value("a key", quoted(key), format!("one of {}", keys.join(", ")))),
+        None => of_table(table).map_err(Failure::Input),
+    }
 }
 
 /// A group of flags from a table of its keys; those of other groups are left aside.

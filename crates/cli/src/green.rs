@@ -4,13 +4,16 @@ use std::fmt::{self, Display};
 
 use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::unit_of;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::elastic::{BodyArgs, OtherArgs, parse_height};
+use crate::elastic::{BodyArgs, OtherArgs, height, parse_height};
 use crate::failure::Failure;
+use crate::flags::{of_keys, without_flags};
+use crate::values::within;
 
 /// Flags of `green`.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Deserialize)]
+#[serde(default)]
 #[command(after_help = "Examples:
   gfmd green --qx 3 --qy 4 --height 0.3 --young 1 --poisson 0.33
   gfmd green --dim 2 --qx 2 --height inf --poisson 0.5 --depth 0.1 --json
@@ -19,6 +22,7 @@ use crate::failure::Failure;
 pub struct Args {
     /// 3: components x, y, z; 2: plane strain, components x, z
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
     /// Wave vector along x, rad/length; fields go like exp(+i q r)
     #[arg(long, value_name = "QX", allow_negative_numbers = true)]
@@ -28,6 +32,7 @@ pub struct Args {
     qy: f64,
     /// Height of the slab, or inf for a half-space
     #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[serde(with = "height")]
     height: Height,
     /// Young's modulus, stress
     #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
@@ -36,6 +41,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     poisson: f64,
     #[command(flatten)]
+    #[serde(flatten)]
     others: OtherArgs,
     /// Compute displacement and stress, too, at this height above the base of the slab
     #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
@@ -43,6 +49,22 @@ pub struct Args {
     /// Compute displacement and stress, too, at this depth below the surface
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     depth: Option<f64>,
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl Args {
+    /// The wave vector and the body of a table of keys.
+    ///
+    /// # Errors
+    /// Another key; a value of another type.
+    pub(crate) fn of(table: toml::Table) -> Result<Self, Failure> {
+        of_keys(table)
+    }
 }
 
 /// A matrix in JSON: rows of pairs [re, im].

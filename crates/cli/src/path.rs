@@ -14,7 +14,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use clap::builder::ArgPredicate;
 use gfmd_contact::{
     Boundary, Budget, Drive, Equilibrium as _, Fields as _, Hardness, Refusal, RigidSurface, SolveError, Visit,
 };
@@ -35,7 +34,7 @@ use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
-use crate::flags::without_flags;
+use crate::flags::{of_keys, without_flags};
 use crate::hardness::{self, GivenHardness};
 use crate::law::{Adhesion, LawArgs};
 use crate::memory;
@@ -50,8 +49,7 @@ pub(crate) use self::page::page;
 pub use self::report::{Head, Report, Sliding};
 
 /// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
-const FRICTION_SOLVES: [(&str, ArgPredicate, &str); 2] =
-    [("friction", ArgPredicate::IsPresent, "10"), ("shear_strength", ArgPredicate::IsPresent, "10")];
+const FRICTION_SOLVES: u64 = 10;
 
 /// Flags of `path`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
@@ -109,14 +107,9 @@ pub struct Args {
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none; with friction the default is 10
-    #[arg(
-        long,
-        default_value_t = Refinement::default().solves_per_step,
-        default_value_ifs = FRICTION_SOLVES,
-        value_name = "N"
-    )]
-    energy_solves: u64,
+    /// shear; 0 for none [default: 4, with friction 10]
+    #[arg(long, value_name = "N")]
+    energy_solves: Option<u64>,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -138,6 +131,14 @@ impl Default for Args {
 }
 
 impl Args {
+    /// The path of a table of keys, which is written to `out`.
+    ///
+    /// # Errors
+    /// Another key; a value of another type.
+    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
+        Ok(Self { out, ..of_keys(table)? })
+    }
+
     fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
@@ -159,9 +160,16 @@ impl Args {
         }
     }
 
+    fn energy_solves(&self) -> u64 {
+        let slips = self.friction.is_some() || self.shear_strength.is_some();
+        let default = if slips { FRICTION_SOLVES } else { Refinement::default().solves_per_step };
+        self.energy_solves.unwrap_or(default)
+    }
+
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
-        let resolved = Self { source: self.source.resolved()?, ..self.clone() };
+        let energy_solves = Some(self.energy_solves());
+        let resolved = Self { source: self.source.resolved()?, energy_solves, ..self.clone() };
         toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))
     }
 }
@@ -296,7 +304,7 @@ impl Prepared {
         session: &Session,
         mut kept: Option<&mut Kept>,
     ) -> Result<Outcome<Report>, Failure> {
-        let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves };
+        let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
         let mut path = Path::new(problem, args.budget(), refinement);
         let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
         let mut log = Log::new(self, args, session)?;
@@ -367,7 +375,7 @@ impl Prepared {
         }
         progress.finish();
         if let Some(first) = unsettled.first() {
-            let Args { energy_solves, energy_tol, .. } = args;
+            let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
             let others = match unsettled.len() - 1 {
                 0 => String::new(),
                 others => format!(" and {others} more"),

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -151,6 +152,20 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
 }
 
 impl Command {
+    /// The command `name` of a problem in a table with the keys of its flags, which writes its result to `out`.
+    ///
+    /// # Errors
+    /// A command without such a table; a key that the command does not have; a value of another type.
+    pub fn of(name: &str, table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
+        match name {
+            "path" => path::Args::of(table, out).map(|args| Self::Path(args.into())),
+            "punch" => punch::Args::of(table, out).map(|args| Self::Punch(args.into())),
+            "body" => body::Args::of(table, out).map(|args| Self::Body(args.into())),
+            "green" => green::Args::of(table).map(|args| Self::Green(args.into())),
+            _ => Err(Failure::value("the command", name, "path, punch, body or green")),
+        }
+    }
+
     /// Runs the command and prints its report.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ use crate::dynamics::{DampedBy, DynamicsArgs};
 use crate::elastic::{BodyArgs, OtherArgs, height_if, parse_height};
 use crate::failure::{Failure, Outcome, check_size};
 use crate::figures::parse_prefix;
-use crate::flags::without_flags;
+use crate::flags::{of_keys, without_flags};
 use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
@@ -187,6 +187,14 @@ impl Default for Args {
 }
 
 impl Args {
+    /// The punch of a table of keys, which is written to `out`.
+    ///
+    /// # Errors
+    /// Another key; a value of another type.
+    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
+        Ok(Self { out, ..of_keys(table)? })
+    }
+
     /// The method, with its time step and damping.
     fn method(&self) -> Result<Method, Failure> {
         self.dynamics.check(match self.solver {
@@ -240,6 +248,11 @@ impl Prepared {
     fn new(args: &Args) -> Result<Self, Failure> {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         args.method()?;
+        for (flag, given) in [("--mask", &args.mask), ("--traction", &args.traction)] {
+            if let (Some(name), true) = (given, args.refine > 1) {
+                return Err(Failure::value(flag, name, "left out with --refine: it is of one grid"));
+            }
+        }
         if !(args.depth.is_finite() && args.depth > 0.0) {
             return Err(Failure::value("--depth", args.depth, "positive and finite"));
         }

@@ -151,7 +151,14 @@ impl TraceArgs {
     /// A recorder of displacements on `grid` with components along `axes`, if one is wanted.
     pub(crate) fn tracer(&self, grid: &Grid, axes: &[usize]) -> Result<Option<Tracer>, Failure> {
         if !self.history {
-            return Ok(None);
+            let given = [
+                ("--history-mode", !self.history_mode.is_empty()),
+                ("--history-point", !self.history_point.is_empty()),
+            ];
+            return match given.into_iter().find(|(_, given)| *given) {
+                Some((flag, _)) => Err(Failure::value(flag, "given", "left out without --history")),
+                None => Ok(None),
+            };
         }
         let place = |flag: &str, axis: usize| {
             let names: Vec<&str> = axes.iter().map(|axis| AXES[*axis]).collect();

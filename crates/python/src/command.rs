@@ -1,5 +1,6 @@
 //! The commands of the program, in this process.
 
+use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -10,7 +11,9 @@ use gfmd_cli::session::{Common, Session};
 use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, report, surface, theory};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyInt};
 use serde::Serialize;
+use toml::{Table, Value};
 
 use crate::failure::{failed, refused};
 use crate::worker;
@@ -25,23 +28,63 @@ struct Line {
     command: Command,
 }
 
-/// Runs a command, and returns its report as JSON with the kind and the text of a failure.
+/// Runs the words of a command, and returns its report as JSON with the kind and the text of a failure.
 #[pyfunction]
 #[pyo3(signature = (words, threads=0, tick=None))]
-pub(crate) fn run(
-    py: Python<'_>,
-    words: Vec<String>,
-    threads: usize,
-    tick: Option<Py<PyAny>>,
-) -> PyResult<(String, Option<(&'static str, String)>)> {
+pub(crate) fn run(py: Python<'_>, words: Vec<String>, threads: usize, tick: Option<Py<PyAny>>) -> PyResult<Ended> {
     let line = Line::try_parse_from(std::iter::once("gfmd".to_owned()).chain(words)).map_err(|error| {
         let text = error.render().to_string();
         let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage"));
         let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
         refused(py, &line.trim_start_matches("error: "))
     })?;
+    carry_out(py, &line.command, threads, tick.as_ref())
+}
+
+/// Solves the problem in a dictionary with the keys of the flags of a command, and returns as [`run`]. The fields go to the file
+/// `out`.
+#[pyfunction]
+#[pyo3(signature = (command, problem, out=None, threads=0, tick=None))]
+pub(crate) fn solve(
+    py: Python<'_>,
+    command: &str,
+    problem: &Bound<'_, PyDict>,
+    out: Option<PathBuf>,
+    threads: usize,
+    tick: Option<Py<PyAny>>,
+) -> PyResult<Ended> {
+    let command = Command::of(command, table(problem)?, out).map_err(|failure| refused(py, &failure))?;
+    carry_out(py, &command, threads, tick.as_ref())
+}
+
+/// The table of a dictionary; an entry that is `None` is left out.
+pub(crate) fn table(values: &Bound<'_, PyDict>) -> PyResult<Table> {
+    let given = values.iter().filter(|(_, value)| !value.is_none());
+    given.map(|(key, value)| Ok((key.extract()?, entry(&value)?))).collect()
+}
+
+fn entry(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(flag.is_true().into());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return Ok(value.extract::<i64>()?.into());
+    }
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(text.into());
+    }
+    match value.extract::<f64>() {
+        Ok(number) => Ok(number.into()),
+        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(&value?)).collect::<PyResult<_>>()?)),
+    }
+}
+
+/// A report as JSON, with the kind and the text of a failure.
+type Ended = (String, Option<(&'static str, String)>);
+
+fn carry_out(py: Python<'_>, command: &Command, threads: usize, tick: Option<&Py<PyAny>>) -> PyResult<Ended> {
     let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 }).without_resumption();
-    let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
+    let (result, raised) = worker::run(py, threads, tick, |shared| {
         let (finished, wait) = channel::<()>();
         std::thread::scope(|scope| {
             let session = &session;
@@ -53,7 +96,7 @@ pub(crate) fn run(
                     }
                 }
             });
-            let result = report(&line.command, session);
+            let result = report(command, session);
             drop(finished);
             result
         })
@@ -68,7 +111,7 @@ pub(crate) fn run(
     Ok((text, failure))
 }
 
-type Report = Result<(String, Option<(&'static str, String)>), Failure>;
+type Report = Result<Ended, Failure>;
 
 fn report(command: &Command, session: &Session) -> Report {
     match command {

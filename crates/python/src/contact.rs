@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gfmd_cli::contact::Slopes;
-use gfmd_cli::elastic::body_flags;
+use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::law::{Adhesion, LawArgs};
@@ -21,7 +21,9 @@ use gfmd_surface::{Moments, PowerSpectrum, Statistics};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
+use crate::command::table;
 use crate::failure::{failed, refused};
 use crate::loads::{Loads, Rest};
 use crate::surface::grid;
@@ -53,14 +55,15 @@ pub(crate) fn adhesion(
     py: Python<'_>,
     heights: PyReadonlyArray2<'_, f64>,
     lengths: [f64; 2],
-    body: Vec<String>,
+    body: &Bound<'_, PyDict>,
     law: (String, Vec<(String, f64)>),
 ) -> PyResult<String> {
     let (args, law) = self::law(py, &law.0, &law.1)?;
     let heights = heights.as_array();
     let grid = grid(py, heights.dim().into(), lengths)?;
+    let body = table(body)?;
     let found = quick(py, || {
-        let modulus = body_flags(&body)?.body()?.contact_modulus();
+        let modulus = body_of(body)?.body()?.contact_modulus();
         let (_, moments) = gradient(&heights, &grid, Boundary::Periodic)?;
         Ok::<_, Failure>(Adhesion::of(&args, &law, &grid, &moments, modulus))
     })?;
@@ -134,14 +137,14 @@ type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>)
 
 #[pymethods]
 impl Problem {
-    /// `body` has the flags of the body.
+    /// `body` has the keys of the flags of a body.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         py: Python<'_>,
         heights: PyReadonlyArray2<'_, f64>,
         lengths: [f64; 2],
-        body: Vec<String>,
+        body: &Bound<'_, PyDict>,
         law: (String, Vec<(String, f64)>),
         hardness: Option<Given<'_>>,
         lower: Option<PyReadonlyArray2<'_, f64>>,
@@ -154,7 +157,7 @@ impl Problem {
     ) -> PyResult<Self> {
         let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
         let unknown: Unknown = components.parse().map_err(|error| refused(py, &error))?;
-        let body = body_flags(&body).map_err(|failure| refused(py, &failure))?;
+        let body = body_of(table(body)?).map_err(|failure| refused(py, &failure))?;
         let (args, law) = self::law(py, &law.0, &law.1)?;
         let solver: Solver = solver.parse().map_err(|error| refused(py, &error))?;
         let heights = heights.as_array();

@@ -15,7 +15,7 @@ mod worker;
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]
-    use crate::command::{program, run};
+    use crate::command::{program, run, solve};
     #[pymodule_export]
     use crate::contact::{Problem, State, adhesion, check_law, conductance, solvers};
     #[pymodule_export]

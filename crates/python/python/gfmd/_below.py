@@ -14,7 +14,6 @@ import numpy.typing as npt
 from . import _command
 from ._body import Body, as_body
 from ._check import Array, flag, integer, number, numbers, shown, texts, word
-from ._command import flags
 from ._contact import Contact
 from ._errors import InputError
 from ._record import Record
@@ -214,12 +213,12 @@ def punch(
         >>> round(punch.mean_pressure, 3)
         0.115
     """
-    words = []
-    if body is not None:
-        given = as_body(body)
-        words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height))
-        words += _command.other_flags(given, given.layers)
-    words += flags(
+    for name, value in (("punch_fraction", punch_fraction), ("nodes", nodes)):
+        if mask is not None and value is not None:
+            raise InputError(f"mask and {name} are both given; give one of the two")
+    given = None if body is None else as_body(body)
+    problem: dict[str, Any] = {} if given is None else _elastic(given, given.layers)
+    problem.update(
         length=number("length", length),
         n=None if n is None else integer("n", n),
         dim=integer("dim", dim, 2, 3),
@@ -233,22 +232,24 @@ def punch(
         damping=None if damping is None else numbers("damping", damping),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
-        refine=None if refine == 1 else integer("refine", refine, 1, 8),
+        refine=integer("refine", refine, 1, 8),
+        history=flag("history", history),
+        history_mode=[],
+        history_point=[],
     )
-    words += ["--history"] if flag("history", history) else []
     for first, second, component in _threes("history_modes", history_modes):
         numbers_of = [integer("history_modes", entry, -(2**31), 2**31 - 1) for entry in (first, second)]
-        words += flags(history_mode=[*numbers_of, word("history_modes", component)])
+        problem["history_mode"].append([*numbers_of, word("history_modes", component)])
     for first, second, component in _threes("history_points", history_points):
         position = [number("history_points", entry) for entry in (first, second)]
-        words += flags(history_point=[*position, word("history_points", component)])
+        problem["history_point"].append([*position, word("history_points", component)])
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("mask", mask), ("traction", traction)):
             if array is not None:
                 np.save(os.path.join(folder, f"{name}.npy"), np.asarray(array))
-                words += flags(**{name: os.path.join(folder, f"{name}.npy")})
+                problem[name] = os.path.join(folder, f"{name}.npy")
         file = os.path.join(folder, "punch.h5")
-        values, failure = _command.run("punch", [*words, f"--out={file}"], threads)
+        values, failure = _command.solve("punch", problem, file, threads)
         fields = _command.fields(file, ("displacement", "traction", "under_punch"))
     if values["height"] == "inf":
         values["height"] = math.inf
@@ -309,7 +310,9 @@ def interior(
     """
     if (depths is None) == (levels is None):
         raise InputError("the depths must be given by one of depths, levels")
-    words = flags(
+    if depths is not None and deepest is not None:
+        raise InputError("depths and deepest are both given; deepest goes with levels")
+    problem: dict[str, Any] = dict(
         depths=None if depths is None else numbers("depths", depths),
         levels=None if levels is None else integer("levels", levels, 1),
         deepest=None if deepest is None else number("deepest", deepest),
@@ -317,30 +320,34 @@ def interior(
         slice=None if along is None else word("along", along),
     )
     with tempfile.TemporaryDirectory() as folder:
-        words += _source(source, folder)
+        problem.update(_source(source, folder))
         file = os.path.join(folder, "below.h5")
-        values, failure = _command.run("body", [*words, f"--out={file}"], threads)
+        values, failure = _command.solve("body", problem, file, threads)
         fields = _command.fields(file, ("displacement", "strain", "stress", "von_mises", "energy_density"))
     del values["surface"]
     return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
 
 
-def _source(source: Union[Contact, Punch], folder: str) -> list[str]:
-    """The flags of the displacement of a surface, which goes through a file bit by bit."""
+def _elastic(values: Any, layers: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """The keys of the body of a record, and of the layers below its top one."""
+    elastic = {"young": values.young, "poisson": values.poisson, "height": _command.height_key(values.height)}
+    return {**elastic, **_command.other_keys(values, layers)}
+
+
+def _source(source: Union[Contact, Punch], folder: str) -> dict[str, Any]:
+    """The keys of the displacement of a surface, which goes through a file bit by bit."""
     if isinstance(source, Contact):
         given = os.path.join(folder, "contact.h5")
         source.save(given)
-        return [f"--surface={given}", *_command.body_flags(source.body)]
+        return {"surface": given, **_command.body_keys(source.body)}
     if isinstance(source, Punch):
         given = os.path.join(folder, "punch.npy")
         shown = source.displacement
         np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
-        elastic = flags(young=source.young, poisson=source.poisson, height=_command.height_flag(source.height))
-        elastic += _command.other_flags(source, source.get("layer", ()))
         # Summed in the order of the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T
         mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
-        return [f"--surface={given}", *flags(length=source.length[0], mean_traction=mean_traction), *elastic]
+        return {"surface": given, "length": [source.length[0]], "mean_traction": mean_traction, **_elastic(source, source.get("layer", ()))}
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 
@@ -367,11 +374,15 @@ def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[f
     given = as_body(body)
     if z is not None and depth is not None:
         raise InputError("z and depth are both given; give one of the two")
-    words = flags(young=given.young, poisson=given.poisson, height=_command.height_flag(given.height))
-    words += _command.other_flags(given, given.layers)
-    words += flags(qx=number("qx", qx), qy=number("qy", qy), dim=integer("dim", dim, 2, 3))
-    words += flags(z=None if z is None else number("z", z), depth=None if depth is None else number("depth", depth))
-    values, _ = _command.run("green", words)
+    problem = dict(
+        **_elastic(given, given.layers),
+        qx=number("qx", qx),
+        qy=number("qy", qy),
+        dim=integer("dim", dim, 2, 3),
+        z=None if z is None else number("z", z),
+        depth=None if depth is None else number("depth", depth),
+    )
+    values, _ = _command.solve("green", problem)
     for name in ("stiffness", "compliance", "displacement_transfer", "stress_transfer"):
         if values.get(name) is not None:
             pairs = np.array(values[name], dtype=np.float64)

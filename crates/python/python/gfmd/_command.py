@@ -1,10 +1,10 @@
-"""The commands of the program in this process: flags and files in, JSON and fields out."""
+"""The commands of the program in this process: problems in, JSON and fields out."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional, TypeVar
 
 import numpy as np
@@ -21,50 +21,44 @@ Failure = Optional[tuple[str, str]]
 Result = TypeVar("Result")
 
 
-def flags(**values: Any) -> list[str]:
-    """Flags of the program; a number is written so that it reads back to the same bits."""
-    words = []
-    for name, value in values.items():
-        if value is None:
-            continue
-        entries = value if isinstance(value, list) else [value]
-        text = ",".join(entry if isinstance(entry, str) else repr(entry) for entry in entries)
-        words.append(f"--{name.replace('_', '-')}={text}")
-    return words
-
-
-def body_flags(body: Body) -> list[str]:
-    """The flags of a body, as it was given."""
+def body_keys(body: Body) -> dict[str, Any]:
+    """The keys of a body, as it was given."""
     young, poisson, e_star, height = body._given
-    elastic = flags(young=young) if e_star is None else flags(e_star=e_star)
-    return [*elastic, *flags(poisson=poisson, height=height_flag(height)), *other_flags(body, body.layers)]
+    elastic = {"young": young} if e_star is None else {"e_star": e_star}
+    return {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
 
 
-def other_flags(values: Mapping[str, Any], layers: Sequence[Sequence[float]]) -> list[str]:
-    """The flags of what lies below the top layer of a body, and of a second body."""
-    words = flags(**{name: values.get(name) for name in ("base", "base_young", "base_poisson")})
-    for layer in layers:
-        words += flags(layer=list(layer))
-    second = values.get("second_body")
-    return words if second is None else [*words, *flags(second_body=list(second))]
+def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """The keys of what lies below the top layer of a body, and of a second body."""
+    found = {name: values.get(name) for name in ("base", "base_young", "base_poisson", "second_body")}
+    return {**found, "layer": [list(layer) for layer in layers]}
 
 
-def height_flag(height: Optional[float]) -> Any:
+def height_key(height: Optional[float]) -> Any:
     return "inf" if height is None or math.isinf(height) else height
 
 
-def surface_flags(surface: Surface, folder: str) -> list[str]:
-    """The flags of a surface, whose heights go through a file bit by bit."""
+def surface_keys(surface: Surface, folder: str) -> dict[str, Any]:
+    """The keys of a surface, whose heights go through a file bit by bit."""
     file = os.path.join(folder, "heights.npy")
     np.save(file, surface.heights if surface.n[1] > 1 else surface.heights[:, 0])
-    return [f"--surface={file}", *flags(length=list(surface.size) if surface.n[1] > 1 else [surface.size[0], 1.0])]
+    return {"surface": file, "length": list(surface.size) if surface.n[1] > 1 else [surface.size[0], 1.0]}
+
+
+def solve(command: str, problem: dict[str, Any], out: Optional[str] = None, threads: Optional[int] = None) -> tuple[dict[str, Any], Failure]:
+    """The report of a command on a problem with the keys of its flags, and the kind and the text of its failure."""
+    return _reported(command, threads, lambda count, tick: _gfmd.solve(command, problem, out, count, tick))
 
 
 def run(command: str, words: list[str], threads: Optional[int] = None) -> tuple[dict[str, Any], Failure]:
-    """The report of a command, and the kind and the text of its failure."""
+    """The report of the words of a command, and the kind and the text of its failure."""
+    return _reported(command, threads, lambda count, tick: _gfmd.run([command, *words], count, tick))
+
+
+def _reported(command: str, threads: Optional[int], call: Callable[[int, Any], tuple[str, Failure]]) -> tuple[dict[str, Any], Failure]:
     count = 0 if threads is None else integer("threads", threads, 0, 4096)
     with Progress(command) as progress:
-        text, failure = _gfmd.run([command, *words], count, progress.tick)
+        text, failure = call(count, progress.tick)
     values = parsed(text)
     for name in ("out", "plots", "peak_bytes", "scan"):  # of files that are removed with their folder, and of the process
         values.pop(name, None)

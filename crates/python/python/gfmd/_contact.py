@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import _gfmd
 from ._body import Body, Law
 from ._check import Array, frozen, number, shown
-from ._command import body_flags, records
+from ._command import body_keys, records
 from ._errors import InputError
 from ._record import Record, Residual
 from ._surface import Surface
@@ -250,7 +250,7 @@ class Contact(Record):
         """
         if self.law.name == "hard-wall":
             return None
-        given = (self.surface.heights, self.surface.size, body_flags(self.body), self.law._native)
+        given = (self.surface.heights, self.surface.size, body_keys(self.body), self.law._native)
         found: Optional[Record] = records(json.loads(_gfmd.adhesion(*given)))
         return found
 

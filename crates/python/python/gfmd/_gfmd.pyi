@@ -27,6 +27,7 @@ __all__ = [
     "run",
     "save",
     "self_affine",
+    "solve",
     "solvers",
     "statistics",
 ]
@@ -51,7 +52,7 @@ class Problem:
         cls,
         heights: _Array,
         lengths: tuple[float, float],
-        body: list[str],
+        body: dict[str, Any],
         law: tuple[str, list[tuple[str, float]]],
         hardness: float | _Array | None,
         lower: Optional[_Array],
@@ -70,7 +71,7 @@ class Problem:
         self, pressure: _Array, displacement: _Array, gap: _Array, approach: float, lower_pressure: Optional[_Array]
     ) -> State: ...
 
-def adhesion(heights: _Array, lengths: tuple[float, float], body: list[str], law: tuple[str, list[tuple[str, float]]]) -> str: ...
+def adhesion(heights: _Array, lengths: tuple[float, float], body: dict[str, Any], law: tuple[str, list[tuple[str, float]]]) -> str: ...
 
 def conductance(touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float) -> float: ...
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
@@ -101,6 +102,9 @@ def composite(
 ) -> tuple[_Array, tuple[float, float]]: ...
 def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
 def run(words: list[str], threads: int = 0, tick: _Tick = None) -> tuple[str, Optional[tuple[str, str]]]: ...
+def solve(
+    command: str, problem: dict[str, Any], out: Optional[str] = None, threads: int = 0, tick: _Tick = None
+) -> tuple[str, Optional[tuple[str, str]]]: ...
 def program(words: list[str]) -> int: ...
 def save(
     path: str,

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from . import _command
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, flag, integer, number, numbers, word
-from ._command import flags
 from ._errors import InputError
 from ._record import Record
 from ._surface import Surface, as_hardness, as_surface
@@ -181,7 +180,7 @@ def path(
         raise InputError(f"the path is given by {', '.join(found) or 'none'}; it must be given by one of mean_pressure, p_star, approach")
     if sum(value is not None for value in (law, friction, shear_strength)) > 1:
         raise InputError("law, friction and shear_strength are given together; give one of the three")
-    words = flags(
+    problem: dict[str, Any] = dict(
         pressure=found.get("mean_pressure"),
         p_star=found.get("p_star"),
         displacement=found.get("approach"),
@@ -195,21 +194,20 @@ def path(
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
         boundary=word("boundary", boundary),
+        coarse=flag("coarse", coarse),
     )
-    words += ["--coarse"] * flag("coarse", coarse)
     bound = as_hardness(hardness, made)
     if law is not None:
-        words += flags(law=given.name)
-        words += [f"--param={name}={value!r}" for name, value in given.parameters.items()]
+        problem.update(law=given.name, param=[[name, value] for name, value in given.parameters.items()])
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "path.h5")
         if isinstance(bound, float):
-            words += flags(hardness=bound)
+            problem["hardness"] = bound
         elif bound is not None:
             np.save(os.path.join(folder, "hardness.npy"), bound)
-            words += flags(hardness=os.path.join(folder, "hardness.npy"))
-        words = [*_command.surface_flags(made, folder), *_command.body_flags(elastic), *words, f"--out={file}"]
-        values, failure = _command.run("path", words, threads)
+            problem["hardness"] = os.path.join(folder, "hardness.npy")
+        problem.update(**_command.surface_keys(made, folder), **_command.body_keys(elastic))
+        values, failure = _command.solve("path", problem, file, threads)
         fields = _command.fields(file, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from . import _gfmd
 from ._body import Body, Law, as_body, as_law
 from ._check import flag, integer, number, numbers, word
-from ._command import body_flags
+from ._command import body_keys
 from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
@@ -81,7 +81,7 @@ class _Setup:
 
     def _posed(self, law: Law, coarse: Optional[bool]) -> Any:
         """A problem; whether its grid is too coarse is not asked if `coarse` is None."""
-        heights, size, given = self.surface.heights, self.surface.size, body_flags(self.body)
+        heights, size, given = self.surface.heights, self.surface.size, body_keys(self.body)
         lower = None if self.lower_surface is None else self.lower_surface.heights
         how = (self.hardness, lower, self.finite_slope, coarse, self.boundary, self.components, self.solver, self.threads)
         return _gfmd.Problem(heights, size, given, law._native, *how)
