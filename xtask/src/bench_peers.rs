@@ -23,7 +23,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_cli::choice::{by_name, parse_choice};
+use gfmd_cli::choice::{named, parse_choice};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
 use gfmd_contact::{Boundary, Solver};
@@ -60,7 +60,7 @@ pub struct Args {
     pub p_star: Vec<f64>,
     /// The surroundings of the surfaces
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic, conflicts_with = "any_load")]
-    #[serde(serialize_with = "by_name")]
+    #[serde(with = "named")]
     pub boundary: Boundary,
     /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness: what every
     /// program reaches there, judged by one certificate, and what fails. Each is asked for --tol, and up to twice for less

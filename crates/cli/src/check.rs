@@ -1,12 +1,7 @@
 //! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on request,
 //! and compares number for number.
 
-mod comparison;
-mod config;
-mod pair;
 mod rerun;
-mod surface;
-pub mod trust;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -17,17 +12,11 @@ use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
+use crate::result::{Comparison, Configuration, Difference, Kind, printable};
 use crate::session::Session;
 use crate::{body, contact, kappa_sweep, path, punch};
 
-pub(crate) use comparison::Comparison;
-pub use comparison::Difference;
-pub(crate) use comparison::printable;
-pub(crate) use config::Configuration;
-pub(crate) use pair::{Against, Pair, layout};
-pub(crate) use rerun::Folder;
 use rerun::Rerun;
-pub(crate) use surface::{compare_heights, regenerated, repeated_problem, stored_problem, stored_unit};
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -45,38 +34,6 @@ pub struct Args {
     /// With --rerun, number of the runs of a sweep that are computed again, spread evenly; default: all
     #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     sample: Option<u64>,
-}
-
-/// The kinds of result files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[expect(missing_docs, reason = "the names of the commands")]
-pub enum Kind {
-    Contact,
-    Path,
-    Punch,
-    Body,
-    KappaSweep,
-}
-
-impl Kind {
-    pub(crate) fn of(reader: &Reader) -> Option<Self> {
-        let has = |group: &str| !reader.names(group).is_empty();
-        [("/loads", Self::Contact), ("/path", Self::Path), ("/punch", Self::Punch), ("/runs", Self::KappaSweep)]
-            .into_iter()
-            .find_map(|(group, kind)| has(group).then_some(kind))
-            .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
-    }
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Contact => "contact",
-            Self::Path => "path",
-            Self::Punch => "punch",
-            Self::Body => "body",
-            Self::KappaSweep => "kappa-sweep",
-        }
-    }
 }
 
 /// The state of a file from which the surface of a run was read.
@@ -193,7 +150,12 @@ fn recompute(
     if kind == Kind::KappaSweep {
         return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
     }
-    let config = Configuration::read(kind, &text)?;
+    let config = match kind {
+        Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
+        Kind::Path => Configuration::read::<path::Args>(kind, &text),
+        Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
+        Kind::Body | Kind::KappaSweep => Configuration::read::<body::Args>(kind, &text),
+    }?;
     match kind {
         Kind::Contact => contact::check(reader, &config, comparison, session)?,
         Kind::Path => path::check(reader, &config, comparison, session)?,
@@ -210,15 +172,6 @@ fn recompute(
         Kind::Punch if args.rerun => rerun.compare(comparison, punch::again),
         _ => Ok(()),
     }
-}
-
-/// The configuration of a result of a `kind`, of keys and types that such results have.
-///
-/// # Errors
-/// A file that cannot be read; a key that is none of such results, a value of another type.
-pub fn configuration(reader: &Reader, kind: Kind) -> Result<toml::Table, Failure> {
-    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
-    Configuration::read(kind, &text).map(Configuration::into_table)
 }
 
 /// The input file that a result names in an attribute, if any.

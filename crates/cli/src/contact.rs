@@ -52,14 +52,14 @@ use crate::source::{SourceArgs, Surface};
 use crate::trace::TraceArgs;
 use crate::values::{Entry, as_numbers, from_numbers, numbers};
 
-pub(crate) use check::{RESIDUAL_OF_A_PATCH, again, check};
+pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
 pub use report::{Lower, Report};
 use series::Series;
 pub use slopes::Slopes;
-pub use stored::{facts_of, records};
+pub use stored::{configuration, facts_of, records};
 use vtk::VtkFile;
 
 /// Flags of `contact`.
@@ -468,7 +468,7 @@ impl Prepared {
                 let lower =
                     self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
                 let hardness = hardness::identity(self.hardness.as_ref());
-                let head = session.identity(&config, &self.surface) + &base + &lower + &hardness;
+                let head = session.identity(&config, &self.surface.checksum()) + &base + &lower + &hardness;
                 Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
             }
             _ => None,

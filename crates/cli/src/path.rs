@@ -271,8 +271,8 @@ impl Prepared {
         }
         let mut kept = match &self.output {
             Some(output) if session.is_resumable() => {
-                let identity =
-                    session.identity(&args.config()?, &self.surface) + &hardness::identity(self.hardness.as_ref());
+                let identity = session.identity(&args.config()?, &self.surface.checksum())
+                    + &hardness::identity(self.hardness.as_ref());
                 Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
             }
             _ => None,

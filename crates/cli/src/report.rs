@@ -1,11 +1,5 @@
 //! `report`: a result file as one page of HTML that needs no network and no program but a browser.
 
-mod about;
-mod page;
-mod parts;
-mod reading;
-mod write;
-
 use std::fmt;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _, Write};
@@ -16,14 +10,11 @@ use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
-use crate::check::Kind;
 use crate::failure::Failure;
+use crate::page::{self, quoted};
+use crate::result::{Configuration, Kind};
 use crate::session::{Session, list_files};
 use crate::{contact, kappa_sweep, path};
-
-pub(crate) use page::{Certificate, Fact, Page, Table};
-pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
-pub(crate) use write::{given, interval, number, of, text, whole};
 
 /// Flags of `report`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -89,11 +80,24 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             return Err(Failure::Input(text));
         }
     };
-    page.remarks.splice(0..0, about::warnings(&reader));
-    let text = about::whole_page(&page, &reader, kind, intact).into_string();
+    page.remarks.splice(0..0, page::warnings(&reader));
+    let text = page::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
     output.write(|file| file.write_all(text.as_bytes()))?;
     let out = output.path().to_path_buf();
     Ok(Report { file: file.clone(), kind, figures: page.figures.len(), remarks: page.remarks, out })
+}
+
+/// The command that repeats the run of a result; none if its configuration is one that `check` refuses.
+fn again(kind: Kind, reader: &Reader) -> Option<String> {
+    let text = reader.text("/", "config").unwrap_or_default();
+    let config = match kind {
+        Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
+        Kind::Path => Configuration::read::<path::Args>(kind, &text),
+        Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
+        Kind::Punch | Kind::Body => return None,
+    };
+    let words: Vec<String> = config.ok()?.told().iter().map(|word| quoted(word)).collect();
+    Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }
 
 /// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a

@@ -18,7 +18,6 @@ use tracing::level_filters::LevelFilter;
 use crate::failure::Failure;
 use crate::memory::Processes;
 use crate::processes;
-use crate::source::Surface;
 
 /// The commit that the program was built from, `unknown` if it is not known.
 pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
@@ -218,10 +217,11 @@ impl Session {
         crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
     }
 
-    /// The text that identifies a run by its version, configuration and surface: another run cannot continue it.
-    pub fn identity(&self, config: &str, surface: &Surface) -> String {
+    /// The text that identifies a run by its version, its configuration and the checksum of its heights: another run cannot
+    /// continue it.
+    pub fn identity(&self, config: &str, heights: &str) -> String {
         let version = env!("CARGO_PKG_VERSION");
-        format!("gfmd {version}, journal {JOURNAL}, heights {}\n{config}", surface.checksum())
+        format!("gfmd {version}, journal {JOURNAL}, heights {heights}\n{config}")
     }
 
     /// The provenance of a file written now; `config` is the resolved configuration.

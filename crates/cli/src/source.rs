@@ -1,4 +1,6 @@
-//! The rigid surface of a contact: read from a file ([`crate::scan`]), or generated.
+//! The rigid surface of a contact: read from a file ([`scan`]), or generated.
+
+pub mod scan;
 
 use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
@@ -13,10 +15,11 @@ use crate::elastic::sides;
 use crate::failure::{Failure, SIZES, check_size};
 use crate::flags::without_flags;
 use crate::generator::GeneratorArgs;
-use crate::scan::{Prepared, Scan};
 use crate::session::Session;
 use crate::values::up_to;
 use crate::{processes, rows};
+
+use scan::{Prepared, Scan};
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]

@@ -15,8 +15,8 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::generator::Method;
-use crate::scan::Scan;
 use crate::session::{Session, list_files};
+use crate::source::scan::Scan;
 use crate::source::{Second, SourceArgs};
 
 use file::Target;

@@ -9,8 +9,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::{SWEEP, gfmd};
-use gfmd_cli::check::Kind;
-use gfmd_cli::check::trust::{Way, page, row_of};
+use gfmd_cli::result::Kind;
+use gfmd_cli::result::trust::{Way, page, row_of};
 use gfmd_files::{Attribute, Reader};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};

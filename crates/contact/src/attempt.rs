@@ -2,6 +2,9 @@ use gfmd_relax::{Budget, Ending, Onlooker, Variables as _, Visit, Watch};
 
 use crate::{Contact, Effort, Load, Solution};
 
+/// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
+pub(crate) const MARGIN: f64 = 0.95;
+
 /// A running solve: its task, its start, and its effort so far.
 pub(crate) struct Attempt<'a> {
     pub(crate) contact: &'a Contact,

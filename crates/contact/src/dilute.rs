@@ -15,8 +15,8 @@ use overlap::Overlap;
 pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 
 use crate::Load;
+use crate::attempt::MARGIN;
 use crate::attempt::{Attempt, Ended};
-use crate::dual::MARGIN;
 
 /// The largest part of the points that may be in blocks at the start, so that this takes less time than transforms of the whole
 /// surface: on small grids, whose fields fit into caches, and on large ones.

@@ -10,6 +10,7 @@ use gfmd_vector::{for_each, pass_by};
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
+use crate::attempt::MARGIN;
 use crate::attempt::{Attempt, Ended, Reached};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
@@ -57,9 +58,6 @@ const PATIENCE: u64 = 100;
 
 /// The number that a checkpoint has in place of that of a part, of a search on few points.
 const FEW: u32 = 3;
-
-/// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
-pub(crate) const MARGIN: f64 = 0.95;
 
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {

@@ -28,12 +28,13 @@ use std::path::PathBuf;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
+use crate::attribute::Attribute;
 use crate::stored::Hdf5;
 use crate::{FileError, Input, Output, Warnings};
 use scale::Scale;
 
 pub use reader::Reader;
-pub use variable::{Attribute, Coordinates, Dimension, Provenance, Variable};
+pub use variable::{Coordinates, Dimension, Provenance, Variable};
 
 /// Version of the file layout, increased whenever a name or its meaning changes.
 pub const SCHEMA_VERSION: u32 = 1;

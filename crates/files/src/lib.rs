@@ -25,6 +25,7 @@
 //! ```
 
 mod archive;
+mod attribute;
 mod checksum;
 mod error;
 mod fields;
@@ -40,9 +41,8 @@ mod vtk;
 pub mod vtp;
 mod warning;
 
-pub use archive::{
-    Archive, Attribute, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable, rows_of_chunk,
-};
+pub use archive::{Archive, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable, rows_of_chunk};
+pub use attribute::Attribute;
 pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::axes;

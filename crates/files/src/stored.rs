@@ -12,7 +12,6 @@ use hdf5_reader::{
 use ndarray::ArrayD;
 
 use crate::Input;
-use crate::archive;
 
 use number::Stored;
 
@@ -132,7 +131,7 @@ impl Hdf5 {
     }
 
     /// The attributes of the group or dataset at `path` that are single numbers, or texts of any length, by name.
-    pub(crate) fn attributes(&self, path: &str) -> Result<Vec<(String, archive::Attribute)>, String> {
+    pub(crate) fn attributes(&self, path: &str) -> Result<Vec<(String, crate::attribute::Attribute)>, String> {
         let all = match self.file.dataset(path) {
             Ok(dataset) => dataset.attributes(),
             Err(_) => self.file.group(path).and_then(|group| group.attributes()).map_err(text)?,

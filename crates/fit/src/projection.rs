@@ -4,8 +4,6 @@
 //! the exponents alone. It starts from the best node of a grid over the whole box, because the sum of squares may have
 //! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
 
-use crate::rows::Parent;
-
 /// The largest number of terms: one per axis.
 pub(crate) const AXES: usize = 3;
 
@@ -58,6 +56,9 @@ impl Parameters {
         if self.coefficients[axis] == 0.0 { 0.0 } else { self.coefficients[axis] * eps.powf(self.exponents[axis]) }
     }
 }
+
+/// The comparison of a datum with its parent: index of the parent, and b.
+pub(crate) type Parent = (usize, f64);
 
 /// The rows to fit: abscissae, parents, ordinates, measured edges (none, or two columns), square roots of the weights.
 #[derive(Clone, Debug)]

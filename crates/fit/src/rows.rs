@@ -10,7 +10,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::projection::Means;
+use crate::projection::{Means, Parent};
 use crate::student::stretch;
 use crate::{Axis, Datum, Settings, Weighting};
 
@@ -24,9 +24,6 @@ const LEAST_VARIANCE: f64 = 1e-6;
 /// The weight of the pooled variance of comparisons, in parts of that of the data without a parent: the variances of
 /// comparisons differ more.
 const COMPARED_PRIOR: f64 = 0.25;
-
-/// The comparison of a datum with its parent: index of the parent, and b.
-pub(crate) type Parent = (usize, f64);
 
 /// The independent rows of a fit, in the order of the data.
 #[derive(Clone, Debug)]

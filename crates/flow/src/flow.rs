@@ -4,10 +4,7 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::cells::{Balance, Cells, conducting};
 use crate::numbering::Numbering;
-use crate::search::{Found, search};
-
-/// The largest [residual](Flow::residual) of a flow.
-pub const TOLERANCE: f64 = 1e-8;
+use crate::search::{Found, TOLERANCE, search};
 
 /// The flow under a unit mean gradient along one axis.
 #[derive(Clone, Debug, PartialEq)]

@@ -36,5 +36,6 @@ mod search;
 /// number of threads.
 const PART: usize = 1 << 12;
 
-pub use flow::{Flow, FlowError, Path, TOLERANCE, flow};
+pub use flow::{Flow, FlowError, Path, flow};
 pub use gfmd_measure::Surroundings;
+pub use search::TOLERANCE;

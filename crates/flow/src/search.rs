@@ -4,8 +4,10 @@ use gfmd_vector::pass;
 
 use crate::cells::{Balance, Cells, Potential, larger};
 use crate::elimination::{Elimination, Work};
-use crate::flow::TOLERANCE;
 use crate::graph::Graph;
+
+/// The largest [residual](crate::Flow::residual) of a flow.
+pub const TOLERANCE: f64 = 1e-8;
 
 /// Largest number of iterations. Some 50 are usual.
 const ITERATIONS: usize = 1000;

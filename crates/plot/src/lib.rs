@@ -34,6 +34,7 @@ mod frame;
 mod legend;
 mod map;
 mod panel;
+mod panels;
 mod stack;
 mod symbol;
 mod text;

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_cli::check::{Kind, configuration};
-use gfmd_cli::contact::{self, Chosen, ContactFile, facts_of};
+use gfmd_cli::contact::{self, Chosen, ContactFile, configuration, facts_of};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::session::{Common, Session};
@@ -112,7 +111,7 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
 /// The configuration of a result of `contact` as JSON: only keys and types that such results have.
 #[pyfunction]
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
-    let read = quick(py, || configuration(&Reader::open(path)?, Kind::Contact))?;
+    let read = quick(py, || configuration(&Reader::open(path)?))?;
     // A file that is not there is unusable input, like one of another kind.
     let table = read.map_err(|failure| refused(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))

@@ -3,9 +3,6 @@ use std::ops::Range;
 use gfmd_field::{Grid, Mode, Share};
 use rayon::prelude::*;
 
-use crate::SurfaceError;
-use crate::power::power_over;
-
 /// The dimension of heights: a surface over the plane, or a profile along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
@@ -36,14 +33,6 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// The moments of heights of which each process has the rows of its `share`, row by row; all get those of one process.
-    ///
-    /// # Errors
-    /// Another number of heights than in the own rows.
-    pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
-        power_over(heights, grid, share).map(|(_, moments)| moments)
-    }
-
     /// The root-mean-square height h_rms, length.
     pub fn rms_height(&self) -> f64 {
         self.mean_square_height.sqrt()

@@ -172,6 +172,16 @@ impl PowerSpectrum {
     }
 }
 
+impl Moments {
+    /// The moments of heights of which each process has the rows of its `share`, row by row; all get those of one process.
+    ///
+    /// # Errors
+    /// Another number of heights than in the own rows.
+    pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+        power_over(heights, grid, share).map(|(_, moments)| moments)
+    }
+}
+
 /// The power of the modes of this process, and the moments of all, of heights of which it has the rows of its `share`.
 pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<(Vec<f64>, Moments), SurfaceError> {
     let transform = Transform::over(*grid, share);

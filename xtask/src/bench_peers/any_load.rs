@@ -18,9 +18,9 @@ use serde_json::Value;
 
 use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
-use super::measure::median;
 use super::process::Ended;
 use super::python::Environment;
+use super::report::median;
 use super::solve::Solve;
 use super::table::{Table, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, kept, problems};
@@ -54,7 +54,7 @@ pub struct Kind {
     /// The name in tables.
     pub name: &'static str,
     /// "periodic" or "free".
-    #[serde(serialize_with = "gfmd_cli::choice::by_name")]
+    #[serde(with = "gfmd_cli::choice::named")]
     pub boundary: Boundary,
     /// Largest pressure over E*.
     pub hardness: Option<f64>,

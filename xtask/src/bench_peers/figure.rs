@@ -3,7 +3,7 @@
 use gfmd_cli::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 
-use super::measure::median;
+use super::report::median;
 use super::report::{Case, Report};
 
 impl Report {

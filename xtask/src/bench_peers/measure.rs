@@ -12,7 +12,7 @@ use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::process::Ended;
 use super::python::{Environment, Yardstick};
-use super::report::{Case, Entry, Timing, in_words};
+use super::report::{Case, Entry, Timing, in_words, median};
 use super::solve::Solve;
 use super::tolerance::loosest;
 
@@ -305,15 +305,4 @@ fn yardstick(before: &[Yardstick], after: &[Yardstick], threads: usize) -> (f64,
     let looks = || before.iter().chain(after).filter(|look| look.threads == threads);
     let seconds: Vec<f64> = looks().flat_map(|look| look.seconds.iter().copied()).collect();
     (median(&seconds), looks().map(|look| look.share).fold(f64::INFINITY, f64::min))
-}
-
-/// The median of the values; NaN if there are none.
-pub(super) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    match sorted.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
-    }
 }

@@ -253,7 +253,7 @@ impl Report {
                     found.sort_unstable_by(f64::total_cmp);
                     match (found.first(), found.last()) {
                         (Some(least), Some(most)) => {
-                            format!("{least:.1} / {:.1} / {most:.1}", super::measure::median(&found))
+                            format!("{least:.1} / {:.1} / {most:.1}", median(&found))
                         }
                         _ => "-".into(),
                     }
@@ -344,5 +344,16 @@ impl fmt::Display for Report {
             writeln!(f, "note: {note}")?;
         }
         writeln!(f, "kept: {}", self.kept.display())
+    }
+}
+
+/// The median of the values; NaN if there are none.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }

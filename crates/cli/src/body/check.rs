@@ -6,8 +6,8 @@ use gfmd_files::Reader;
 
 use super::Args;
 use super::quantity::{TENSOR, TENSOR_OF_A_LINE};
-use crate::check::{Comparison, Configuration, printable};
 use crate::failure::Failure;
+use crate::result::{Comparison, Configuration, printable};
 use crate::session::Session;
 use crate::source::file_of;
 

@@ -5,7 +5,7 @@ use gfmd_files::{Reader, npy};
 use serde::Serialize;
 
 use super::component::Component;
-use super::pictures::Pictures;
+use super::pictures::{Compared, Pictures};
 use super::quantity::Quantity;
 use super::volume::archive_components;
 use crate::failure::Failure;
@@ -29,16 +29,6 @@ pub struct Difference {
     pub largest_difference: f64,
     /// The largest absolute value of the reference.
     pub largest_reference: f64,
-}
-
-/// A component of the reference with its difference from ours, as they are drawn.
-pub(super) struct Compared {
-    pub(super) component: Component,
-    pub(super) shape: [usize; 2],
-    pub(super) reference: Vec<f64>,
-    pub(super) common: [usize; 2],
-    /// Ours less the reference, on the common points.
-    pub(super) difference: Vec<f64>,
 }
 
 /// Values of one quantity in a file, level by level from above, point by point.

@@ -6,7 +6,6 @@ use gfmd_body::Interior;
 use gfmd_field::Grid;
 use gfmd_plot::{Map, Maps, Mark, Series};
 
-use super::comparison::Compared;
 use super::component::Component;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
@@ -20,6 +19,16 @@ pub(super) struct Pictures {
     levels: usize,
     maps: Vec<(Component, Vec<f64>)>,
     buffer: Vec<f64>,
+}
+
+/// A component of the reference with its difference from ours, as they are drawn.
+pub(super) struct Compared {
+    pub(super) component: Component,
+    pub(super) shape: [usize; 2],
+    pub(super) reference: Vec<f64>,
+    pub(super) common: [usize; 2],
+    /// Ours less the reference, on the common points.
+    pub(super) difference: Vec<f64>,
 }
 
 /// Where the values of a section lie.

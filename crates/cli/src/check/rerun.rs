@@ -1,11 +1,11 @@
 //! A run that is repeated from the configuration in its file.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gfmd_files::Reader;
 
-use super::{Against, Comparison, Configuration, Kind, Pair};
 use crate::failure::Failure;
+use crate::result::{Against, Comparison, Configuration, Folder, Kind, Pair};
 use crate::session::Session;
 
 /// A file whose run is repeated.
@@ -33,20 +33,5 @@ impl Rerun<'_> {
         }
         let second = Reader::open(&out)?;
         Pair { kind: self.kind, first: self.reader, second: &second, against: Against::Run }.compare(comparison)
-    }
-}
-
-/// A folder for a file that is only compared. It is removed when the value is dropped.
-pub(crate) struct Folder(tempfile::TempDir);
-
-impl Folder {
-    pub(crate) fn new() -> Result<Self, Failure> {
-        let made = tempfile::tempdir();
-        made.map(Self).map_err(|error| Failure::Computation(format!("cannot make a folder: {error}")))
-    }
-
-    /// The path of the file.
-    pub(crate) fn file(&self) -> PathBuf {
-        self.0.path().join("second.h5")
     }
 }

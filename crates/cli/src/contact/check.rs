@@ -16,18 +16,15 @@ use super::file::{Chosen, ContactFile};
 use super::statistics::{self, Findings, Measured, Stored};
 use super::{Args, Prepared};
 use crate::base::MovedBase;
-use crate::check::{
-    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
-    stored_problem, stored_unit,
-};
 use crate::failure::Failure;
+use crate::result::{
+    Comparison, Configuration, Kind as ResultKind, RESIDUAL_OF_A_PATCH, compare_heights, layout, regenerated,
+    repeated_problem, stored_problem, stored_unit,
+};
 use crate::session::Session;
 
 /// The relative differences of the numbers of a law on a patch, over the tolerance of the solve.
 const OF_A_PATCH: f64 = 100.0;
-/// The largest residual of a law on a patch that follows from the fields of a file, over the tolerance of the solve: the
-/// displacement outside of the patch, which a file does not contain, is that by its pressure, to the residual.
-pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
 
 /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
 pub(crate) fn check(

@@ -8,8 +8,7 @@ use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
 use ndarray::ArrayView2;
 
 use super::Report;
-use super::series::Gathered;
-use super::statistics::patches;
+use super::statistics::{Gathered, patches};
 use crate::failure::Failure;
 use crate::figures::{Drawn, Scene, area_chart, field, named, short, theories};
 use crate::hardness::GivenHardness;

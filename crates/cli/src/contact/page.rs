@@ -5,7 +5,7 @@ use maud::html;
 
 use super::figures;
 use crate::failure::Failure;
-use crate::report::{
+use crate::page::{
     Certificate, FaceFields, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole,
 };
 use crate::{hardness, lower};

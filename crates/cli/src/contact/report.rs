@@ -13,9 +13,9 @@ use crate::convergence::NotConverged;
 use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
 use crate::law::Adhesion;
-use crate::scan::Scan;
 use crate::session::Session;
 use crate::source::Second;
+use crate::source::scan::Scan;
 use crate::trace::Trace;
 
 /// The result, as printed.

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use gfmd_contact::{Equilibrium as _, Fields as _, Refusal, Resumable as _, SolveError, Stiffness};
 use gfmd_files::contiguous;
-use gfmd_flow::Flow;
 use gfmd_measure::Scales;
 use gfmd_problem::{NoStiffness, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, Record};
@@ -13,7 +12,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::file::ContactFile;
 use super::report::Report;
-use super::statistics::{Findings, Measured};
+use super::statistics::{Findings, Gathered, Measured};
 use super::watching::Watching;
 use super::whole::Whole;
 use super::{Args, Prepared, figures, file};
@@ -24,14 +23,6 @@ use crate::progress::Progress;
 use crate::resume::{Kept, Part};
 use crate::session::Session;
 use crate::trace::Tracer;
-
-/// The results of the loads of one contact beside their scalars.
-#[derive(Default)]
-pub(super) struct Gathered {
-    pub(super) loads: Vec<Measured>,
-    /// The state of the last load.
-    pub(super) flow: Option<Flow>,
-}
 
 /// The loads of one contact.
 pub(super) struct Series<'a> {

@@ -26,6 +26,14 @@ const DECADES: usize = 6;
 /// Its number of bins in a decade.
 const BINS_PER_DECADE: usize = 10;
 
+/// The results of the loads of one contact beside their scalars.
+#[derive(Default)]
+pub(super) struct Gathered {
+    pub(super) loads: Vec<Measured>,
+    /// The state of the last load.
+    pub(super) flow: Option<Flow>,
+}
+
 /// The arrays of one load.
 pub(super) struct Measured {
     /// Area, perimeter, force and centre of each patch, in the order of their first points.

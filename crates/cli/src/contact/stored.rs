@@ -5,15 +5,24 @@ use gfmd_problem::Facts;
 use gfmd_record::{Record, reason_of};
 
 use super::Args;
-use crate::check::{Configuration, Kind};
 use crate::failure::Failure;
+use crate::result::{Configuration, Kind};
+
+/// The configuration of the result of a contact.
+///
+/// # Errors
+/// A file that cannot be read; a key that is none of such results, a value of another type.
+pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
+    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    Configuration::read::<Args>(Kind::Contact, &text).map(Configuration::into_table)
+}
 
 /// The facts of the configuration of a contact, whose surface may be a `line`.
 ///
 /// # Errors
 /// A configuration of another kind; a name that is not known.
 pub fn facts_of(config: &str, line: bool) -> Result<Facts, Failure> {
-    Ok(Configuration::read(Kind::Contact, config)?.as_named::<Args>()?.facts(line))
+    Ok(Configuration::read::<Args>(Kind::Contact, config)?.as_named::<Args>()?.facts(line))
 }
 
 /// The records of all loads of a file. A number that the file does not have is NaN.

@@ -10,8 +10,8 @@ use gfmd_sweep::{Analysis, Config, Example, Plan, Pressed, Study, run_one};
 use ndarray::Array2;
 
 use super::file;
-use crate::check::{Against, Comparison, Folder, Kind, Pair};
 use crate::failure::Failure;
+use crate::result::{Against, Comparison, Folder, Kind, Pair};
 use crate::session::Session;
 
 /// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit only.

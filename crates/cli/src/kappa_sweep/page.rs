@@ -7,10 +7,10 @@ use maud::{Markup, html};
 
 use super::check::runs;
 use super::{figures, protocol};
-use crate::check::Comparison;
 use crate::failure::Failure;
 use crate::figures::{field, pressure};
-use crate::report::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, whole};
+use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, whole};
+use crate::result::Comparison;
 use crate::session::Session;
 
 const CITED: [&str; 5] = [

@@ -12,12 +12,11 @@ use std::path::Path;
 
 use super::file::PathFile;
 use super::{Args, Prepared};
-use crate::check::{
-    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
-    stored_problem, stored_unit,
-};
-use crate::contact::RESIDUAL_OF_A_PATCH;
 use crate::failure::Failure;
+use crate::result::{
+    Comparison, Configuration, Kind as ResultKind, RESIDUAL_OF_A_PATCH, compare_heights, layout, regenerated,
+    repeated_problem, stored_problem, stored_unit,
+};
 use crate::session::Session;
 
 /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.

@@ -11,9 +11,9 @@ use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
 use crate::law::Adhesion;
 use crate::memory::peak_bytes;
-use crate::scan::Scan;
 use crate::session::list_files;
 use crate::source::Second;
+use crate::source::scan::Scan;
 
 /// The problem whose path is followed.
 #[derive(Clone, Debug, Serialize)]

@@ -8,8 +8,8 @@ use ndarray::Array3;
 
 use super::report::scalars;
 use super::{Args, Prepared, by_point};
-use crate::check::{Comparison, Configuration, Kind, layout};
 use crate::failure::Failure;
+use crate::result::{Comparison, Configuration, Kind, layout};
 use crate::session::Session;
 
 /// The scalars that the traction does not determine.

@@ -7,6 +7,7 @@ use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
 
 use super::SqueezedContact;
+use crate::attempt::MARGIN;
 use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Effort, Load};
 
@@ -16,9 +17,6 @@ pub(super) struct Ended {
     pub(super) effort: Effort,
     pub(super) ending: Ending,
 }
-
-/// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
-const MARGIN: f64 = 0.95;
 
 /// Stiffness of the uniform mode in the preconditioner, relative to the softest wave, if the slab is incompressible and the
 /// approach is prescribed.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Attribute, FileError, content};
+use super::{FileError, content};
 use crate::Input;
+use crate::attribute::Attribute;
 use crate::stored::{Hdf5, Number};
 
 /// An HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file is an error.

@@ -1,10 +1,18 @@
-//! The contents of a page, section by section, and its HTML.
+//! The contents of a page about a result, section by section, and its HTML.
+
+mod about;
+mod parts;
+mod reading;
+mod write;
 
 use gfmd_plot::{COLUMN, Chart, PlotError};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::write::{given, number, text};
 use crate::figures::Drawn;
+
+pub(crate) use about::{warnings, whole_page};
+pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
+pub(crate) use write::{given, interval, number, of, quoted, text, whole};
 
 /// The contents of a page about a result; what is common to all kinds of results is added when it is written.
 #[derive(Default)]
@@ -125,7 +133,7 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (page.title) " · " (common.kicker) }
-                style { (PreEscaped(include_str!("page.css"))) }
+                style { (PreEscaped(include_str!("page/page.css"))) }
             }
             body {
                 header {

@@ -4,20 +4,27 @@ use gfmd_files::Reader;
 use maud::{Markup, html};
 use serde::Deserialize as _;
 
-use super::page::{Common, Fact, Page, render};
 use super::write::{given, of, quoted, text};
-use crate::check::{Configuration, Kind};
+use super::{Common, Fact, Page, render};
+
 use crate::elastic::OtherArgs;
 use crate::lower::{self, LowerArgs};
+use crate::result::Kind;
 
 /// The warnings of the run, a line each.
-pub(super) fn warnings(reader: &Reader) -> Vec<String> {
+pub(crate) fn warnings(reader: &Reader) -> Vec<String> {
     let all = reader.text("/", "warnings").unwrap_or_default();
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
-/// The page with the parts that every result has.
-pub(super) fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>) -> Markup {
+/// The page with the parts that every result has. `again` is the command that repeats the run.
+pub(crate) fn whole_page(
+    page: &Page,
+    reader: &Reader,
+    kind: Kind,
+    intact: Option<bool>,
+    again: Option<&str>,
+) -> Markup {
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
     let created = root("created");
@@ -40,7 +47,7 @@ pub(super) fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Optio
         kicker: format!("gfmd {} · {file}", kind.name()),
         dated,
         checksum,
-        repeat: repeat(reader, kind, &whole, &file),
+        repeat: repeat(reader, kind, again, &file),
         config: whole,
         cost,
         own: html! {
@@ -58,16 +65,8 @@ pub(super) fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Optio
 }
 
 /// The command that repeats the run, the recorded one, and the check.
-fn repeat(reader: &Reader, kind: Kind, config: &str, file: &str) -> Markup {
+fn repeat(reader: &Reader, kind: Kind, again: Option<&str>, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
-    let again = match kind {
-        Kind::KappaSweep => Some("gfmd kappa-sweep --config sweep.toml --out again.h5".to_owned()),
-        // A configuration that check refuses makes no command.
-        _ => Configuration::read(kind, config).ok().map(|config| {
-            let words: Vec<String> = config.told().iter().map(|word| quoted(word)).collect();
-            format!("gfmd {} {} --out again.h5", kind.name(), words.join(" "))
-        }),
-    };
     // A line may end between two flags, not within one.
     let lines = |command: &str| html! { @for word in text(command).split(' ') { span.word { (word) } " " } };
     let from_file = reader.text("/surface", "file").ok().map(|path| {
@@ -80,7 +79,7 @@ fn repeat(reader: &Reader, kind: Kind, config: &str, file: &str) -> Markup {
                 @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
                 @else { "All flags are written out:" }
             }
-            pre tabindex="0" { code { (lines(&again)) } }
+            pre tabindex="0" { code { (lines(again)) } }
         }
         @if let Some(from_file) = from_file { (from_file) }
         p { "To recompute every number of the file from its inputs, and to run it again:" }

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use gfmd_files::{Attribute, Output, Reader};
 
-use super::rerun::Folder;
+use super::Kind;
+use super::comparison::Comparison;
+use super::folder::Folder;
 use super::trust::{Row, Way, row_of};
-use super::{Comparison, Kind};
 use crate::failure::Failure;
 
 /// The most groups inside each other. Results have one; a group of a file may contain itself.

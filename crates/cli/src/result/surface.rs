@@ -6,7 +6,8 @@ use gfmd_files::{Checksum, Reader};
 use serde::de::DeserializeOwned;
 use toml::Table;
 
-use super::{Comparison, Configuration};
+use super::comparison::Comparison;
+use super::configuration::Configuration;
 use crate::base::{BaseArgs, stored_base};
 use crate::failure::Failure;
 use crate::flags::keys;

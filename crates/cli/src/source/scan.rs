@@ -12,9 +12,9 @@ use ndarray::Array2;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use super::{Detrend, SourceArgs};
 use crate::failure::Failure;
 use crate::memory;
-use crate::source::{Detrend, SourceArgs};
 
 /// The words of a file about its heights, and the changes made to them.
 #[derive(Clone, Debug, Serialize)]

@@ -3,13 +3,13 @@
 //! A result may come from a stranger. No key names a file that is written, and no file is opened that a key names, but the input
 //! of a result of `body`, which [`Configuration::file`] returns and whose name the result has a second time, with a checksum.
 
+use clap::Args;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use super::Kind;
 use crate::failure::Failure;
 use crate::flags::{self, keys, line};
-use crate::{body, contact, path, punch};
 
 /// Keys that say how a run was shown and kept, and change no number of a result. They are left out.
 const SHOWN: [&str; 10] =
@@ -34,16 +34,9 @@ const LONGEST: usize = 1 << 24;
 /// The name of a configuration in messages.
 const NAME: &str = "config of the file";
 
-/// The keys of results of a `kind`.
-fn keys_of(kind: Kind) -> Vec<String> {
-    let mut keys = match kind {
-        Kind::Contact => keys::<contact::Args>(),
-        Kind::Path => keys::<path::Args>(),
-        Kind::Punch => keys::<punch::Args>(),
-        Kind::Body => keys::<body::Args>(),
-        // It is read by the library, which refuses all other keys.
-        Kind::KappaSweep => Vec::new(),
-    };
+/// The keys of the results of a command with these flags.
+fn keys_of<A: Args>() -> Vec<String> {
+    let mut keys = keys::<A>();
     keys.retain(|key| !SHOWN.contains(&key.as_str()));
     keys
 }
@@ -55,29 +48,23 @@ pub(crate) struct Configuration {
 }
 
 impl Configuration {
-    /// Reads the configuration of a result of a `kind`.
+    /// Reads the configuration of a result of a `kind`, of a command with these flags.
     ///
     /// # Errors
     /// A text that is not TOML; a key that results of this kind do not have; a value of another type.
-    pub(crate) fn read(kind: Kind, text: &str) -> Result<Self, Failure> {
+    pub(crate) fn read<A: Args + DeserializeOwned>(kind: Kind, text: &str) -> Result<Self, Failure> {
         let refuse = |reason: String| Failure::input(NAME, reason);
         if text.len() > LONGEST {
             return Err(refuse(format!("it has {} bytes; it must have at most {LONGEST}", text.len())));
         }
         let mut table: Table = text.parse().map_err(|error: toml::de::Error| refuse(line(error.message())))?;
-        let keys = keys_of(kind);
+        let keys = keys_of::<A>();
         table.retain(|key, _| !SHOWN.contains(&key));
         if let Some(key) = table.keys().find(|key| !keys.contains(key)) {
             return Err(refuse(format!("{} is no key of a result of {}", flags::quoted(key), kind.name())));
         }
         let config = Self { table };
-        match kind {
-            Kind::Contact => config.as_named::<contact::Args>().map(drop),
-            Kind::Path => config.as_named::<path::Args>().map(drop),
-            Kind::Punch => config.as_named::<punch::Args>().map(drop),
-            Kind::Body => config.as_named::<body::Args>().map(drop),
-            Kind::KappaSweep => Ok(()),
-        }?;
+        config.as_named::<A>()?;
         Ok(config)
     }
 
@@ -157,13 +144,14 @@ mod tests {
     use gfmd_contact::Boundary;
 
     use super::*;
+    use crate::{body, contact, path, punch};
 
     #[test]
     fn a_configuration_is_a_problem_and_flags() {
         let config = "young = 2.0\np_star = [0.01, -0.5]\nflip = true\ndetrend = \"none\"\nstatistics = false\n\
                       height = inf\nparam = [[\"gamma\", 1e-4], [\"range\", 0.003]]\nplots = \"p\"\n\
                       surface = \"/dev/zero\"\nhardness = \"h.npy\"\nhistory_mode = [[1, -2, \"z\"]]\nboundary = \"free\"\n";
-        let found = Configuration::read(Kind::Contact, config).unwrap();
+        let found = Configuration::read::<contact::Args>(Kind::Contact, config).unwrap();
         let wanted = [
             "--boundary=free",
             "--detrend=none",
@@ -222,12 +210,12 @@ mod tests {
             ("flip = \"yes\"", "flip is \"yes\": invalid type"),
             ("[young]\nx = 1", "young is "),
         ] {
-            let message = Configuration::read(Kind::Contact, config).unwrap_err().to_string();
+            let message = Configuration::read::<contact::Args>(Kind::Contact, config).unwrap_err().to_string();
             assert!(message.contains(words) && message.starts_with("config of the file: "), "{config}: {message}");
             assert!(!message.contains('\n') && message.len() < 700, "{message}");
         }
         let long = format!("law = \"{}\"", "a".repeat(10_000));
-        assert!(Configuration::read(Kind::Contact, &long).unwrap_err().to_string().len() < 700);
+        assert!(Configuration::read::<contact::Args>(Kind::Contact, &long).unwrap_err().to_string().len() < 700);
     }
 
     #[test]
@@ -240,9 +228,10 @@ mod tests {
         again::<contact::Args>();
         again::<path::Args>();
         again::<punch::Args>();
-        for kind in [Kind::Contact, Kind::Path, Kind::Punch, Kind::Body] {
-            let keys = keys_of(kind);
-            assert!(keys.len() > 10 && FILES.iter().any(|file| keys.iter().any(|key| key == file)), "{kind:?}");
+        for keys in
+            [keys_of::<contact::Args>(), keys_of::<path::Args>(), keys_of::<punch::Args>(), keys_of::<body::Args>()]
+        {
+            assert!(keys.len() > 10 && FILES.iter().any(|file| keys.iter().any(|key| key == file)), "{keys:?}");
         }
     }
 }
