@@ -350,12 +350,12 @@ impl Prepared {
             };
             let text = error.to_string();
             let (state, stopped) = match error {
+                SolveError::Refused(refusal) if index == 0 => return Err(refusal.into()),
                 // Numbers that this step alone makes too large; the steps before it stay.
-                SolveError::Refused(_) if index > 0 => {
+                SolveError::Refused(_) => {
                     failure = Some(Failure::Computation(text).at(&format!("step {index}")));
                     break;
                 }
-                SolveError::Refused(_) => return Err(Failure::Computation(text)),
                 SolveError::Detached { .. } => {
                     parted_at = Some(index);
                     break;

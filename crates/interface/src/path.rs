@@ -541,9 +541,13 @@ impl Halves {
         self.missing + self.change / 3.0
     }
 
-    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half.
+    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half. No energy
+    /// is gained, so that one that is missing less than nothing shows that the forces are not monotonic.
     fn doubt(&self) -> f64 {
-        self.spread.min(self.missing.abs().max(self.change.abs()))
+        match self.missing < 0.0 {
+            true => self.spread - self.missing,
+            false => self.spread.min(self.missing.max(self.change.abs())),
+        }
     }
 }
 

@@ -572,7 +572,8 @@ pub(crate) fn layered(
         }
     };
     // An even function of r on [-reach, reach] at Chebyshev's nodes.
-    let count = 128;
+    // The image of a source below the layer lies twice its height deep.
+    let count = 2 * 64.max((6.0 * reach / least) as usize);
     let table: Vec<[f64; 2]> = (0..count)
         .map(|k| {
             let r = reach * (PI * (k as f64 + 0.5) / count as f64).cos();
@@ -594,7 +595,9 @@ pub(crate) fn layered(
         }
         above / below
     };
-    let (half_space, inner, [dx, dy]) = (love(plane, e_star), gauss(8), plane.spacing());
+    let (half_space, [dx, dy]) = (love(plane, e_star), plane.spacing());
+    let across = dx.max(if is_line { 0.0 } else { dy });
+    let inner = gauss(8.max((3.0 * across / least) as usize).min(64));
     move |[x, y]| {
         let mut mean = 0.0;
         for [s, weight] in &inner {
