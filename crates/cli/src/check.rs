@@ -147,21 +147,21 @@ fn recompute(
     session: &Session,
 ) -> Result<(), Failure> {
     let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
-    if kind == Kind::KappaSweep {
-        return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
-    }
     let config = match kind {
         Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
-        Kind::Body | Kind::KappaSweep => Configuration::read::<body::Args>(kind, &text),
+        Kind::Body => Configuration::read::<body::Args>(kind, &text),
+        Kind::KappaSweep => {
+            return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
+        }
     }?;
     match kind {
         Kind::Contact => contact::check(reader, &config, comparison, session)?,
         Kind::Path => path::check(reader, &config, comparison, session)?,
         Kind::Punch => punch::check(reader, &config, comparison, session)?,
-        Kind::KappaSweep => {}
         Kind::Body => body::check(reader, comparison)?,
+        Kind::KappaSweep => {}
     }
     let rerun = Rerun { reader, kind, config: &config, session };
     match kind {

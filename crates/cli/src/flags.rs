@@ -17,8 +17,8 @@ pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
         true => flag.required(false).default_value("nan"),
         false => flag,
     });
-    let matches = command.get_matches_from(std::iter::empty::<&str>());
-    A::from_arg_matches(&matches).expect("every flag has a default, or may be absent")
+    let matches = command.try_get_matches_from(std::iter::empty::<&str>());
+    matches.and_then(|matches| A::from_arg_matches(&matches)).expect("every flag has a default, or may be absent")
 }
 
 /// The keys of a group of flags in a configuration.

@@ -302,7 +302,7 @@ fn one(
     let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 1e-9 };
     found.near("mean_pressure", number(load, "mean_pressure"), mean_pressure, unbalanced * stress);
     let asked = case.loads[k];
-    // That of wall and law is the load to the tolerance, over the scale of the stress of a law.
+    // The mean pressure of wall and law is the load to the tolerance, over the scale of the stress of a law.
     let of_stress = match case.law.is_some() {
         true => 2.02 * case.tolerance * stress.max(softest(case) * rough.deviation),
         false => 1.01 * case.tolerance * stress,
