@@ -3,35 +3,31 @@
 mod check;
 mod conductance;
 mod figures;
-mod file;
 mod page;
 mod report;
-mod series;
-mod shared;
-mod slopes;
 mod statistics;
 mod stored;
 mod table;
 mod threshold;
 mod together;
 mod vtk;
-mod watching;
 mod whole;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Dynamics, Equilibrium as _, Hardness, Load, Refusal};
+use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Output;
-use gfmd_green::{Body, Height};
-use gfmd_law::{Kind, Law};
-use gfmd_problem::{Facts, Given, Posed, Rest, Unknown, pose};
-use gfmd_record::repulsion;
+use gfmd_green::Height;
+use gfmd_interface::Path;
+use gfmd_law::Kind;
+use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown};
+use gfmd_record::{At, NOT_SOLVED, Record, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::PowerSpectrum;
-use ndarray::Array2;
+use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::base::{BaseArgs, MovedBase};
@@ -39,28 +35,31 @@ use crate::choice::{named, parse_choice};
 use crate::dynamics::DynamicsArgs;
 use crate::elastic::{BodyArgs, height, parse_height};
 use crate::failure::{Failure, Outcome, reached};
-use crate::figures::parse_prefix;
+use crate::figures::{Face, Scene, Shown, parse_prefix};
 use crate::flags::without_flags;
-use crate::hardness::{self, GivenHardness};
-use crate::law::{Adhesion, LawArgs};
-use crate::lower::{self, LowerArgs};
-use crate::memory::{self, peak_bytes};
+use crate::hardness::GivenHardness;
+use crate::law::LawArgs;
+use crate::lower::LowerArgs;
+use crate::memory::peak_bytes;
+use crate::progress::Progress;
 use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
+use crate::series::{
+    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, is_normal, keeping,
+};
 use crate::session::Session;
 use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
-use crate::trace::TraceArgs;
+use crate::trace::{Trace, TraceArgs, Tracer};
 use crate::values::{Entry, as_numbers, from_numbers, numbers};
 
 pub(crate) use check::{again, check};
 use conductance::Conducting;
-pub use file::{Chosen, ContactFile};
 pub(crate) use page::page;
-pub use report::{Lower, Report};
-use series::Series;
-pub use slopes::Slopes;
+pub use report::Report;
+use statistics::{Findings, Gathered, Measured};
 pub use stored::{configuration, facts_of, records};
 use vtk::VtkFile;
+use whole::Whole;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
@@ -190,19 +189,40 @@ struct ControlArgs {
 }
 
 impl ControlArgs {
+    /// The flags with their values.
+    fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
+        [("--pressure", &self.pressure), ("--p-star", &self.p_star), ("--displacement", &self.displacement)]
+    }
+
     /// The flag that is given.
     fn flag(&self) -> &'static str {
-        match (self.pressure.is_empty(), self.p_star.is_empty()) {
-            (false, _) => "--pressure",
-            (_, false) => "--p-star",
-            _ => "--displacement",
-        }
+        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("--displacement", |(flag, _)| flag)
     }
-}
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn is_normal(components: &Unknown) -> bool {
-    *components == Unknown::Normal
+    /// The number of loads, which all have their sign right: an attraction alone goes with tension.
+    fn check(&self, pulls: bool) -> Result<usize, Failure> {
+        let flags = self.given();
+        if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
+            let allowed = flags.map(|(flag, _)| flag).join(", ");
+            return Err(Failure::Input(format!(
+                "loads are given by none or several of {allowed}; it must be one of them"
+            )));
+        }
+        let allowed = if pulls { "finite" } else { "positive and finite" };
+        for (flag, values) in flags {
+            if let Some(bad) = numbers(values).find(|v| !(v.is_finite() && (pulls || *v > 0.0))) {
+                return Err(Failure::value(flag, bad, allowed));
+            }
+        }
+        Ok(flags.iter().map(|(_, values)| numbers(values).count()).sum())
+    }
+
+    /// The loads, with this unit of reduced pressures.
+    fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
+        (numbers(&self.pressure).map(Load::MeanPressure))
+            .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
+            .chain(numbers(&self.displacement).map(Load::Approach))
+    }
 }
 
 fn is_infinite(height: &Height) -> bool {
@@ -218,72 +238,320 @@ pub const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if session.ranks().is_none() {
-        return Prepared::new(args, session)?.run(args, session);
+        return Loads::new(args, session)?.run(args, session);
     }
     args.check_solver_of_several()?;
     // A file that one process cannot read or write ends all of them.
-    session.agree(Prepared::new(args, session))?.run(args, session)
+    session.agree(Loads::new(args, session))?.run(args, session)
 }
 
 /// The input of the command, checked before the first solve.
-struct Prepared {
-    facts: Facts,
-    surface: Surface,
-    body: Body,
-    base: Option<MovedBase>,
-    /// Below the slab.
-    lower: Option<Surface>,
-    law: Arc<dyn Law>,
-    hardness: Option<Hardness>,
+struct Loads {
+    prepared: Prepared,
     conducting: Conducting,
-    controls: Vec<Load>,
+    drives: Vec<Drive>,
     output: Option<Output>,
     vtk: Option<VtkFile>,
 }
 
-impl Prepared {
+impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        let body = args.body.body()?;
-        args.solver.budget().check().map_err(|error| Failure::input("--tol", error))?;
         args.checkpoint.every()?;
-        let law = args.law.build()?.into_shared();
-        let flags = [
-            ("--pressure", &args.control.pressure),
-            ("--p-star", &args.control.p_star),
-            ("--displacement", &args.control.displacement),
-        ];
-        if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
-            let allowed = flags.map(|(flag, _)| flag).join(", ");
-            return Err(Failure::Input(format!(
-                "loads are given by none or several of {allowed}; it must be one of them"
-            )));
-        }
-        // Negative (tensile) loads need an attractive law.
-        let pulls = args.law.law != Kind::HardWall;
-        let allowed = if pulls { "finite" } else { "positive and finite" };
-        for (flag, values) in flags {
-            if let Some(bad) = numbers(values).find(|v| !(v.is_finite() && (pulls || *v > 0.0))) {
-                return Err(Failure::value(flag, bad, allowed));
-            }
-        }
+        let count = args.control.check(args.law.law != Kind::HardWall)?;
         if args.range_continuation && args.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
             return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
         }
-        let facts = |line: bool| Facts { processes: session.processes().all, ..args.facts(line) };
-        facts(false).check()?;
         args.check_dynamics()?;
-        let surface = args.source.bounded(args.boundary, session)?;
-        let facts = facts(surface.grid.is_line());
-        facts.check()?;
-        let lower = args.lower.read(&args.source, &surface, session)?;
-        if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
-            return Err(Failure::input(
-                &args.source.name(),
-                "the heights are all equal; with a lower surface only that may be flat",
-            ));
+        if args.flow_threshold {
+            threshold::check(args)?;
         }
-        if let Some(missing) = args.fields.as_ref().and_then(|fields| fields.missing(&facts)) {
+        let once = count <= 1 && !args.statistics && !args.flow;
+        let prepared = Prepared::new(&Asked { once, ..args.asked()? }, |line| args.facts(line), session)?;
+        let Prepared { facts, surface, body, .. } = &prepared;
+        args.check_fields(facts)?;
+        args.trace.tracer(&surface.grid, args.axes(surface))?;
+        let conducting = Conducting::new(args, body, surface)?;
+        let drives = args.control.loads(prepared.unit_pressure()).map(Into::into).collect();
+        let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
+        let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
+        Ok(Self { prepared, conducting, drives, output, vtk })
+    }
+
+    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
+    /// free boundaries.
+    fn pressure_variance(&self, surface: &Surface, unknown: Unknown) -> f64 {
+        let Surface { grid, heights, boundary, .. } = surface;
+        let modulus = self.prepared.body.contact_modulus();
+        let by_gradient = 0.25 * (modulus * surface.rms_gradient()).powi(2);
+        // Of several processes the first one has all heights, and the lift of its own rows.
+        let base = self.prepared.base.as_ref();
+        if base.is_some_and(|base| base.lift.dim() != heights.dim()) {
+            return by_gradient;
+        }
+        let heights = MovedBase::under(base, heights);
+        let Ok(spectrum) = PowerSpectrum::of(&heights, grid) else { return by_gradient };
+        if *boundary == Boundary::Free {
+            return by_gradient;
+        }
+        let response = unknown.response(*grid, &self.prepared.body);
+        let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
+        modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
+    }
+
+    /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
+    fn after_longer_ranges(&self, args: &Args, session: &Session) -> Result<Option<Rest>, Failure> {
+        let mut last: Option<Rest> = None;
+        for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
+            let Some(law) = args.law.with_range(factor)? else { break };
+            let interface = self.prepared.pose(&args.source, &law.into())?;
+            let mut watch = |_: &gfmd_contact::Progress| {
+                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let press = interface.press(self.drives[0]).solver(args.solver.solver).budget(args.solver.budget());
+            let (state, failure) = reached(press.starting_from(last.as_ref()).watch(&mut watch).solve())?;
+            if let Some(failure) = failure {
+                return Err(failure.at(&format!("range times {factor}")));
+            }
+            last = Some(state);
+        }
+        Ok(last)
+    }
+
+    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
+        let Self { prepared, drives, output, .. } = self;
+        let (asked, solver) = (args.asked()?, args.solver.solver);
+        let contact = prepared.pose_and_tell(&asked, session)?;
+        if !contact.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
+        }
+        prepared.check_drives(&contact, drives, args.control.flag(), args.solver.tol)?;
+        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
+        let kept = match output {
+            Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
+                let head = prepared.identity(&config, session);
+                Some(Kept::open(output, head, drives.len(), args.resume, args.checkpoint.every()?)?)
+            }
+            _ => None,
+        };
+        let outcome =
+            keeping(kept, |kept| self.solve(&contact, args, config, kept, session), |report| report.out.as_ref());
+        let Outcome { mut report, failure } = outcome?;
+        report.peak_bytes = session.largest(peak_bytes());
+        Ok(Outcome { report, failure })
+    }
+
+    /// Solves the loads that are not kept, and writes the file. An interrupted run whose state is kept has no file.
+    fn solve(
+        &self,
+        contact: &Posed,
+        args: &Args,
+        config: String,
+        mut kept: Option<&mut Kept>,
+        session: &Session,
+    ) -> Result<Outcome<Report>, Failure> {
+        let Self { prepared, drives, output, .. } = self;
+        let series = Series {
+            prepared,
+            session,
+            drives,
+            tolerance: args.solver.tol,
+            every: 1,
+            chosen: args.fields.clone().unwrap_or_default(),
+            ends_with_file: !args.flow_threshold,
+        };
+        let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
+        let progress = Progress::new(&session.common, "loads", drives.len() as f64);
+        let mut measuring =
+            Measuring { loads: self, contact, args, session, gathered: Gathered::default(), trace: None };
+        let mut path = Path::new(contact, args.solver.budget(), None).solver(args.solver.solver);
+        let ended = series.run(
+            &mut path,
+            || self.after_longer_ranges(args, session),
+            (file.as_mut(), kept.as_deref_mut()),
+            &progress,
+            &mut measuring,
+        )?;
+        let Measuring { gathered, trace, .. } = measuring;
+        let is_kept = ended.is_kept(kept.as_deref());
+        let Ended { records, failure, not_converged, .. } = ended;
+        let mut report = Report {
+            head: Head::new(&args.asked()?, prepared, contact.surface()),
+            loads: records,
+            history: trace,
+            flow_threshold: None,
+            not_converged,
+            peak_bytes: 0,
+            out: None,
+            vtk: None,
+            plots: Vec::new(),
+        };
+        if failure.is_none() && args.flow_threshold {
+            report.flow_threshold = Some(self.threshold(contact, args, session, &progress)?);
+        }
+        progress.finish();
+        if is_kept {
+            return Ok(Outcome { report, failure });
+        }
+        report.head.warn_of_slopes(&report.loads, &prepared.facts, session);
+        if let Some(file) = file {
+            report.out = session.agree(self.finish(file, &report, &gathered))?;
+        }
+        let wanted = args.plots.is_some() || args.vtk.is_some();
+        if let (None, Some(state), true) = (&failure, path.state(), wanted) {
+            let lift = prepared.lift();
+            let shown = Shown::of(state, lift, state.plastic_depth());
+            let fields = if args.vtk.is_some() { fields(&prepared.facts, state, lift) } else { Vec::new() };
+            let whole = Whole::of(prepared, shown, fields);
+            session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
+        }
+        Ok(Outcome { report, failure })
+    }
+
+    /// Writes the measurements of all loads, and gives the file its name.
+    fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
+        let surface = &self.prepared.surface;
+        if let Some(archive) = file.archive() {
+            statistics::write(archive, surface, &gathered.loads)?;
+            if let Some(found) = &report.flow_threshold {
+                threshold::write(archive, surface.unit(), found)?;
+            }
+            if let Some(history) = &report.history {
+                history.write(archive, surface.unit())?;
+            }
+        }
+        file.finish(&report.loads, self.drives.len(), report.not_converged.as_ref())
+    }
+
+    /// Writes the last load as a file of VTK and draws it, as far as this is asked for.
+    fn show(
+        &self,
+        args: &Args,
+        state: &Rest,
+        whole: &Whole,
+        gathered: &Gathered,
+        report: &mut Report,
+    ) -> Result<(), Failure> {
+        if let Some(vtk) = &self.vtk {
+            report.vtk = Some(vtk.write(&whole.surface, &whole.shown, &whole.fields, state.lateral())?);
+        }
+        let Some(prefix) = &args.plots else { return Ok(()) };
+        let Whole { surface, hardness, shown, .. } = whole;
+        let variance = self.pressure_variance(surface, args.components);
+        let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
+        let below = state.lower().map(Shown::below);
+        let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
+        let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
+        report.plots = figures::draw(prefix, report, &scenes, variance)?;
+        let measured = figures::measured(prefix, report, surface, &state.repulsion().view(), gathered, variance)?;
+        report.plots.extend(measured);
+        Ok(())
+    }
+}
+
+/// What is measured of the loads.
+struct Measuring<'a> {
+    loads: &'a Loads,
+    contact: &'a Posed,
+    args: &'a Args,
+    session: &'a Session,
+    gathered: Gathered,
+    trace: Option<Trace>,
+}
+
+impl Outlet for Measuring<'_> {
+    fn tracer(&self) -> Result<Option<Tracer>, Failure> {
+        let surface = &self.loads.prepared.surface;
+        self.args.trace.tracer(&surface.grid, self.args.axes(surface))
+    }
+
+    fn traced(&mut self, tracer: Tracer) {
+        self.trace = Some(tracer.trace());
+    }
+
+    fn refused(&self, refusal: Refusal) -> Failure {
+        match refusal {
+            Refusal::Search(error) if self.args.dynamics.is_given() => Failure::input("--dt, --damping", error),
+            refusal => refusal.into(),
+        }
+    }
+
+    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
+        let Reached { index, state, at, started, is_cut, .. } = reached;
+        let warn = |code, text: String| self.session.warn(code, format!("load {index}: {text}"));
+        let stiffness =
+            if is_cut { Err(NOT_SOLVED) } else { stiffness(self.contact, state, |text| warn("stiffness", text)) };
+        let at = At { stiffness: stiffness.map_err(Into::into), ..at };
+        let repulsion = state.repulsion();
+        let findings = Findings::of((self.args, self.loads), [repulsion.view(), state.gap()], &at, warn);
+        let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
+        let seconds = started.elapsed().as_secs_f64();
+        let record = Record::of(&At { seconds, measured: findings.borrowed(), ..at });
+        self.gathered.loads.extend(findings.arrays);
+        self.gathered.flow = findings.flow.or(self.gathered.flow.take());
+        Ok(record)
+    }
+
+    fn recall(&mut self, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        let Prepared { facts, surface, .. } = &self.loads.prepared;
+        let places = self.args.fields.clone().unwrap_or_default().contact_and_gap(facts).filter(|_| facts.statistics);
+        if let Some([repulsion, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
+            let field = |values| ArrayView2::from_shape(surface.grid.points(), values);
+            let unusable = |error: ndarray::ShapeError| Failure::Input(error.to_string());
+            let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
+            let repulsion = repulsion.mapv(|p| p.max(0.0));
+            self.gathered.loads.push(Measured::of(surface, repulsion.view(), gap)?.0);
+        }
+        Ok(())
+    }
+}
+
+/// The stiffness of a state at rest, or the reason why it has none; `warn` takes the remark on one that is less exact than it
+/// should be.
+///
+/// # Errors
+/// The reason.
+pub fn stiffness(contact: &Posed, state: &Rest, warn: impl FnOnce(String)) -> Result<Stiffness, &'static str> {
+    contact.stiffness(state).or_else(|error| match error {
+        NoStiffness::Undefined(reason) => Err(reason),
+        NoStiffness::Inexact(reached, why) => {
+            warn(why);
+            Ok(reached)
+        }
+    })
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl Args {
+    /// The problem that the flags ask for.
+    fn asked(&self) -> Result<Asked<'_>, Failure> {
+        Ok(Asked {
+            source: &self.source,
+            body: &self.body,
+            base: &self.base,
+            lower: &self.lower,
+            law: &self.law,
+            hardness: self.hardness.as_ref(),
+            limit: None,
+            boundary: self.boundary,
+            dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
+            budget: self.solver.budget(),
+            once: false,
+        })
+    }
+
+    /// Checks that the fields that are chosen are there, with those that are needed.
+    fn check_fields(&self, facts: &Facts) -> Result<(), Failure> {
+        let Some(fields) = &self.fields else { return Ok(()) };
+        if let Some(missing) = fields.missing(facts) {
             let needs = match missing {
                 "plastic_depth" => "--hardness",
                 "displacement_x" | "displacement_y" => "--components all or --finite-slope (a profile has no y)",
@@ -295,214 +563,11 @@ impl Prepared {
             return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
         }
         // The statistics of loads that are kept are measured again.
-        if let (Some(fields), true) = (&args.fields, args.statistics && args.resume.resume)
-            && fields.contact_and_gap(&facts).is_none()
-        {
-            let needed = format!("with {} and gap for --statistics with --resume", repulsion(&facts));
+        if self.statistics && self.resume.resume && fields.contact_and_gap(facts).is_none() {
+            let needed = format!("with {} and gap for --statistics with --resume", repulsion(facts));
             return Err(Failure::value("--fields", fields, needed));
         }
-        args.trace.tracer(&surface.grid, args.axes(&surface))?;
-        if args.flow_threshold {
-            threshold::check(args)?;
-        }
-        let loads = flags.iter().map(|(_, values)| numbers(values).count()).sum::<usize>();
-        let held = facts.held(loads <= 1 && !args.statistics && !args.flow);
-        session.agree(memory::fits_with_rest(held, "the grid", surface.grid.points(), session.processes()))?;
-        let (base, hardness) = args.read_fields(&body, &surface, session)?;
-        let surface = match &base {
-            // What the contact sees is the surface that the base displaces.
-            Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&args.source.name(), error))?,
-            None => surface,
-        };
-        let unit_pressure = body.contact_modulus() * surface.rms_gradient();
-        args.body.check_on(&surface.grid, unit_pressure)?;
-        let conducting = Conducting::new(args, &body, &surface)?;
-        let controls = (numbers(&args.control.pressure).map(Load::MeanPressure))
-            .chain(numbers(&args.control.p_star).map(|p| Load::MeanPressure(p * unit_pressure)))
-            .chain(numbers(&args.control.displacement).map(Load::Approach))
-            .collect();
-        let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
-        let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
-        Ok(Self { facts, surface, body, base, lower, law, hardness, conducting, controls, output, vtk })
-    }
-
-    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
-    /// free boundaries.
-    fn pressure_variance(&self, surface: &Surface, unknown: Unknown) -> f64 {
-        let Surface { grid, heights, boundary, .. } = surface;
-        let modulus = self.body.contact_modulus();
-        let by_gradient = 0.25 * (modulus * surface.rms_gradient()).powi(2);
-        // Of several processes the first one has all heights, and the lift of its own rows.
-        let base = self.base.as_ref();
-        if base.is_some_and(|base| base.lift.dim() != heights.dim()) {
-            return by_gradient;
-        }
-        let heights = MovedBase::under(base, heights);
-        let Ok(spectrum) = PowerSpectrum::of(&heights, grid) else { return by_gradient };
-        if *boundary == Boundary::Free {
-            return by_gradient;
-        }
-        let response = unknown.response(*grid, &self.body);
-        let modes = grid.modes().zip(spectrum.power()).zip(response.stiffness());
-        modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
-    }
-
-    /// The numbers of the attraction, if there is one.
-    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
-        Adhesion::of(
-            &args.law,
-            &self.law,
-            &self.surface.grid,
-            &self.surface.statistics.moments,
-            self.body.contact_modulus(),
-        )
-    }
-
-    /// Poses the contact with this law.
-    fn pose(&self, args: &Args, heights: &Array2<f64>, law: Arc<dyn Law>) -> Result<Posed, Failure> {
-        let given = Given {
-            share: self.surface.share.clone(),
-            lower: self.lower.as_ref().map(|lower| &*lower.heights),
-            law,
-            hardness: self.hardness.clone(),
-            dynamics: args.dynamics()?,
-            ..Given::new(self.facts, &self.body, &self.surface.grid, heights)
-        };
-        pose(&given).map_err(|refusal| Failure::posing(refusal, &args.source.name()))
-    }
-
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let heights = &*MovedBase::under(self.base.as_ref(), &self.surface.heights);
-        let contact = self.pose(args, heights, Arc::clone(&self.law))?;
-        let adhesion = self.adhesion(args);
-        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        if let Some(trapping) = contact.trapping() {
-            session.warn("lattice-trapping", trapping);
-        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
-            session.warn("process-zone", unresolved);
-        }
-        self.press(&contact, args, heights, session)
-    }
-
-    /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
-    fn after_longer_ranges(
-        &self,
-        args: &Args,
-        heights: &Array2<f64>,
-        session: &Session,
-    ) -> Result<Option<Rest>, Failure> {
-        let mut last: Option<Rest> = None;
-        for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
-            let Some(law) = args.law.with_range(factor)? else { break };
-            let interface = self.pose(args, heights, law.into_shared())?;
-            let mut watch = |_: &gfmd_contact::Progress| {
-                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
-            let press = interface.press(self.controls[0]).solver(args.solver.solver).budget(args.solver.budget());
-            let (state, failure) = reached(press.starting_from(last.as_ref()).watch(&mut watch).solve())?;
-            if let Some(failure) = failure {
-                return Err(failure.at(&format!("range times {factor}")));
-            }
-            last = Some(state);
-        }
-        Ok(last)
-    }
-
-    /// Solves the loads in turn, each from the state of the load before, until one fails.
-    fn press(
-        &self,
-        contact: &Posed,
-        args: &Args,
-        heights: &Array2<f64>,
-        session: &Session,
-    ) -> Result<Outcome<Report>, Failure> {
-        let solver = args.solver.solver;
-        if !contact.solvers().contains(&solver) {
-            return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
-        }
-        for (index, load) in self.controls.iter().enumerate() {
-            let drive = (*load).into();
-            let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, args.solver.tol));
-            checked.map_err(|refusal| Failure::input(&format!("{}, load {index}", args.control.flag()), refusal))?;
-        }
-        let mut report = Report {
-            n: self.surface.grid.points(),
-            length: self.surface.grid.lengths(),
-            unit: self.surface.unit.clone(),
-            surface: self.surface.description.clone(),
-            scan: self.surface.scan.clone(),
-            second: self.surface.second.clone(),
-            rms_gradient: self.surface.rms_gradient(),
-            max_slope: self.surface.max_slope(),
-            rms_height: contact.surface().rms_height(),
-            e_star: self.body.contact_modulus(),
-            others: args.body.others.clone(),
-            body: args.body.words(args.lower.flag().map(|_| lower::BETWEEN)),
-            base: args.base.clone(),
-            lower: self.lower.as_ref().map(|lower| Lower {
-                surface: lower.description.clone(),
-                scan: lower.scan.clone(),
-                rms_gradient: lower.rms_gradient(),
-                rms_height: lower.statistics.moments.rms_height(),
-            }),
-            boundary: self.surface.boundary.name(),
-            components: args.components,
-            hardness: args.hardness.clone(),
-            adhesion: self.adhesion(args),
-            loads: Vec::new(),
-            history: None,
-            flow_threshold: None,
-            not_converged: None,
-            peak_bytes: 0,
-            out: None,
-            vtk: None,
-            plots: Vec::new(),
-        };
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
-        let mut kept = match &self.output {
-            Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
-                let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
-                let lower =
-                    self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
-                let hardness = hardness::identity(self.hardness.as_ref());
-                let head = session.identity(&config, &self.surface.checksum()) + &base + &lower + &hardness;
-                Some(Kept::open(output, head, self.controls.len(), args.resume, args.checkpoint.every()?)?)
-            }
-            _ => None,
-        };
-        let series = Series { prepared: self, contact, args, heights, session };
-        let outcome = series.solve(&mut report, kept.as_mut(), config);
-        if let (Err(_) | Ok(Some(Failure::Interrupted(_))), Some(kept)) = (&outcome, &mut kept) {
-            // The failure is the news; a disk that is full keeps what it has.
-            let _ = kept.flush();
-        }
-        let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
-        let mut failure = outcome.map_err(|failure| failure.with(&remark))?;
-        let interrupted = matches!(failure, Some(Failure::Interrupted(_)));
-        match (interrupted, kept) {
-            (true, Some(_)) => failure = failure.map(|failure| failure.with(&remark)),
-            (false, Some(kept)) => kept.remove(),
-            _ => {}
-        }
-        report.peak_bytes = session.largest(peak_bytes());
-        let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
-        let failure = failure.map(|failure| failure.with(&written));
-        Ok(Outcome { report, failure })
-    }
-}
-
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
-
-impl Args {
-    fn dynamics(&self) -> Result<Dynamics, Failure> {
-        Ok(Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? })
+        Ok(())
     }
 
     /// The axes of the components that move.

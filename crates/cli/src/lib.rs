@@ -50,6 +50,7 @@ pub mod report;
 pub mod result;
 pub mod resume;
 mod rows;
+pub mod series;
 pub mod session;
 pub mod solver;
 pub mod source;

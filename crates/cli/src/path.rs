@@ -2,51 +2,41 @@
 
 mod check;
 mod figures;
-mod file;
 mod page;
 mod report;
 mod waypoints;
 
-use std::borrow::Cow;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{
-    Boundary, Budget, Drive, Equilibrium as _, Fields as _, Hardness, Refusal, RigidSurface, SolveError, Visit,
-};
-use gfmd_field::Grid;
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Visit};
 use gfmd_files::Output;
-use gfmd_green::Body;
-use gfmd_interface::{Path, Quasistatic as _, Reading, Refinement, Step};
-use gfmd_law::{Kind, Law, Limit};
-use gfmd_measure::Scales;
-use gfmd_problem::{Facts, Friction, Given, Posed, Rest, Task, pose};
+use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
+use gfmd_law::{Kind, Limit};
+use gfmd_problem::{Facts, Friction, Posed, Task};
 use gfmd_record::{At, Record};
 use serde::{Deserialize, Serialize};
 
-use self::file::PathFile;
 use self::waypoints::WaypointArgs;
+use crate::base::BaseArgs;
 use crate::choice::{named, parse_choice};
-use crate::convergence::{History, NotConverged};
 use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
-use crate::figures::{Face, Scene, Shown, parse_prefix, rough};
+use crate::figures::{Scene, Shown, parse_prefix};
 use crate::flags::{of_keys, without_flags};
-use crate::hardness::{self, GivenHardness};
-use crate::law::{Adhesion, LawArgs};
-use crate::memory;
+use crate::hardness::GivenHardness;
+use crate::law::LawArgs;
+use crate::lower::LowerArgs;
 use crate::progress::Progress;
-use crate::resume::{Kept, Part, ResumeArgs};
+use crate::resume::{Kept, ResumeArgs};
+use crate::series::{Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, keeping};
 use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
+use crate::source::SourceArgs;
 use crate::values::within;
 
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;
-pub use self::report::{Head, Report, Sliding};
+pub use self::report::{Report, Sliding};
 
 /// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
 const FRICTION_SOLVES: u64 = 10;
@@ -160,6 +150,25 @@ impl Args {
         }
     }
 
+    /// Gives the problem that the flags ask for to `take`.
+    fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
+        let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "--friction")))
+            .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "--shear-strength")));
+        take(&Asked {
+            source: &self.source,
+            body: &self.body,
+            base: &BaseArgs::default(),
+            lower: &LowerArgs::default(),
+            law: &self.law,
+            hardness: self.hardness.as_ref(),
+            limit,
+            boundary: self.boundary,
+            dynamics: Dynamics::default(),
+            budget: self.budget(),
+            once: false,
+        })
+    }
+
     fn energy_solves(&self) -> u64 {
         let slips = self.friction.is_some() || self.shear_strength.is_some();
         let default = if slips { FRICTION_SOLVES } else { Refinement::default().solves_per_step };
@@ -179,7 +188,7 @@ impl Args {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Prepared::new(args, session)?.run(args, session)
+    Way::new(args, session)?.run(args, session)
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -187,331 +196,133 @@ fn is_periodic(boundary: &Boundary) -> bool {
 }
 
 /// The input of the command, checked before the first solve.
-struct Prepared {
-    facts: Facts,
-    surface: Surface,
-    body: Body,
-    law: Arc<dyn Law>,
-    hardness: Option<Hardness>,
-    limit: Option<Limit>,
+struct Way {
+    prepared: Prepared,
     drives: Vec<Drive>,
     output: Option<Output>,
 }
 
-impl Prepared {
+impl Way {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        let body = args.body.body()?;
-        args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         if !(1e-9..=0.1).contains(&args.energy_tol) {
             return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
         }
-        args.facts(false).check()?;
-        let limit = (args.friction.map(Limit::Coulomb)).or(args.shear_strength.map(Limit::Tresca));
-        let flag = if args.friction.is_some() { "--friction" } else { "--shear-strength" };
-        let limit = limit.map(Limit::check).transpose().map_err(|error| Failure::input(flag, error))?;
-        let law = args.law.build()?.into_shared();
-        let surface = args.source.bounded(args.boundary, session)?;
-        let facts = args.facts(surface.grid.is_line());
-        facts.check()?;
-        let hardness = args.hardness.as_ref().map(|hardness| hardness.read(&surface.grid)).transpose()?;
-        memory::fits(facts.held(false), "the grid", surface.grid.points())?;
-        let hard = limit.is_some() || args.law.law == Kind::HardWall;
-        let unit_pressure = body.contact_modulus() * surface.rms_gradient();
-        args.body.check_on(&surface.grid, unit_pressure)?;
-        let drives = args.waypoints.drives(args.steps, unit_pressure, hard)?;
+        let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+        let hard = prepared.limit.is_some() || args.law.law == Kind::HardWall;
+        let drives = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
         let output =
             args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
-        Ok(Self { facts, surface, body, law, hardness, limit, drives, output })
-    }
-
-    /// Poses the contact.
-    fn pose(&self, args: &Args) -> Result<Posed, Failure> {
-        let given = Given {
-            law: Arc::clone(&self.law),
-            hardness: self.hardness.clone(),
-            limit: self.limit,
-            ..Given::new(self.facts, &self.body, &self.surface.grid, &self.surface.heights)
-        };
-        pose(&given).map_err(|refusal| Failure::posing(refusal, &args.source.name()))
+        Ok(Self { prepared, drives, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let contact = self.pose(args)?;
-        let adhesion = self.adhesion(args);
-        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(args.law.coarse))?;
-        if let Some(trapping) = contact.trapping() {
-            session.warn("lattice-trapping", trapping);
-        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
-            session.warn("process-zone", unresolved);
-        }
-        self.follow(&contact, args, session)
-    }
-
-    /// The numbers of the attraction, if there is one.
-    fn adhesion(&self, args: &Args) -> Option<Adhesion> {
-        let moments = &self.surface.statistics.moments;
-        Adhesion::of(&args.law, &self.law, &self.surface.grid, moments, self.body.contact_modulus())
-    }
-
-    /// True if the states are those of a law, of a hard wall too.
-    fn solves_a_law(&self) -> bool {
-        self.limit.is_none() && !self.facts.is_wall_on_path()
-    }
-
-    /// The units of reduced quantities.
-    fn scales(&self) -> Scales {
-        Scales { contact_modulus: self.body.contact_modulus(), rms_gradient: self.surface.rms_gradient() }
-    }
-
-    /// Solves the problem along all drives, until a step fails.
-    fn follow(&self, problem: &Posed, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        for (index, drive) in self.drives.iter().enumerate() {
-            let checked = problem.check(*drive).and_then(|()| problem.check_resolution(*drive, args.tol));
-            checked.map_err(|error| Failure::input(&format!("{}, step {index}", args.waypoints.flag()), error))?;
-        }
-        let mut kept = match &self.output {
+        let Self { prepared, drives, output } = self;
+        let contact = args.asked(|asked| prepared.pose_and_tell(asked, session))?;
+        prepared.check_drives(&contact, drives, args.waypoints.flag(), args.tol)?;
+        let config = args.config()?;
+        let kept = match output {
             Some(output) if session.is_resumable() => {
-                let identity = session.identity(&args.config()?, &self.surface.checksum())
-                    + &hardness::identity(self.hardness.as_ref());
-                Some(Kept::open(output, identity, self.drives.len(), args.resume, None)?)
+                Some(Kept::open(output, prepared.identity(&config, session), drives.len(), args.resume, None)?)
             }
             _ => None,
         };
-        let outcome = self.steps(problem, args, session, kept.as_mut());
-        if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept)
-        {
-            // The failure is the news; a disk that is full keeps what it has.
-            let _ = kept.flush();
-        }
-        let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
-        let Outcome { report, failure } = outcome.map_err(|failure| failure.with(&remark))?;
-        let written = report.out.as_ref().map_or_else(String::new, |out| format!("; kept in {}", out.display()));
-        let failure = match (failure, kept) {
-            (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(&remark)),
-            (failure, kept) => {
-                kept.into_iter().for_each(Kept::remove);
-                failure.map(|failure| failure.with(&written))
-            }
-        };
-        Ok(Outcome { report, failure })
+        keeping(kept, |kept| self.follow(&contact, args, config, kept, session), |report| report.out.as_ref())
     }
 
     /// Makes the steps that are not kept, and writes the file. An interrupted run whose state is kept has no file.
-    fn steps(
+    fn follow(
         &self,
-        problem: &Posed,
+        contact: &Posed,
         args: &Args,
-        session: &Session,
+        config: String,
         mut kept: Option<&mut Kept>,
+        session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
+        let Self { prepared, drives, output } = self;
         let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
-        let mut path = Path::new(problem, args.budget(), refinement);
-        let progress = Progress::new(&session.common, "steps", self.drives.len() as f64);
-        let mut log = Log::new(self, args, session)?;
-        if let Some(kept) = &mut kept {
-            log.recall(kept, &mut path, &self.drives)?;
-            progress.advance(log.steps.len() as f64, "kept");
-        }
-        let (mut parted_at, mut failure, mut not_converged) = (None, None, None);
-        let (mut unsettled, mut settling_solves) = (Vec::new(), 0);
-        for (index, drive) in self.drives.iter().enumerate().skip(log.steps.len()) {
-            let started = Instant::now();
-            let mut history = History::default();
-            let mut watch = |now: &gfmd_contact::Progress| {
-                let note = format!("step {index}, iteration {}, residual {:.1e}", now.iteration, now.residual);
-                progress.advance(0.0, &note);
-                history.see(now.iteration, now.residual);
-                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
-            let reached = path.step(*drive, &mut watch);
-            let seconds = started.elapsed().as_secs_f64();
-            let error = match (reached, path.state()) {
-                (Ok(step), Some(state)) => {
-                    let fields = log.write(state, &problem.reading(state), &step, seconds)?;
-                    if step.is_unsettled {
-                        unsettled.push(index);
-                        settling_solves = settling_solves.max(path.settling_solves(&step));
-                    }
-                    let record = &log.steps[index];
-                    let [pressure, area] = ["mean_pressure", "area_fraction"].map(|name| record.number(name));
-                    progress.advance(1.0, &format!("p {pressure:.3e}, area {area:.4}"));
-                    if let Some(kept) = &mut kept {
-                        let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
-                        kept.add(&Part { text, fields });
-                        kept.keep_state(|visitor| {
-                            path.keep(visitor);
-                            log.visit_widest(visitor);
-                        })?;
-                    }
-                    continue;
-                }
-                (Err(error), _) => error,
-                (Ok(_), None) => break,
-            };
-            let text = error.to_string();
-            let (state, stopped) = match error {
-                SolveError::Refused(refusal) if index == 0 => return Err(refusal.into()),
-                // Numbers that this step alone makes too large; the steps before it stay.
-                SolveError::Refused(_) => {
-                    failure = Some(Failure::Computation(text).at(&format!("step {index}")));
-                    break;
-                }
-                SolveError::Detached { .. } => {
-                    parted_at = Some(index);
-                    break;
-                }
-                SolveError::Interrupted { state } => (state, Failure::Interrupted("interrupted".into())),
-                SolveError::NotConverged { state, why, .. } => {
-                    let unmet = NotConverged::new(index, &*state, args.tol, &why, history);
-                    unmet.tell("step");
-                    not_converged = Some(unmet);
-                    (state, Failure::Computation(text))
-                }
-            };
-            failure = Some(stopped.at(&format!("step {index}")));
-            let reading = problem.reading(&state);
-            log.write(&state, &reading, &Step { effort: state.effort(), ..Step::default() }, seconds)?;
-            break;
-        }
+        let mut path = Path::new(contact, args.budget(), refinement);
+        let series = Series {
+            prepared,
+            session,
+            drives,
+            tolerance: args.tol,
+            every: args.steps as usize,
+            chosen: Chosen::All,
+            ends_with_file: true,
+        };
+        let mut file = series.file(output.as_ref(), config, output.is_some())?;
+        let progress = Progress::new(&session.common, "steps", drives.len() as f64);
+        let mut log = Log { contact, points: prepared.surface.grid.len(), widest: None, unsettled: Vec::new() };
+        let kept_files = (file.as_mut(), kept.as_deref_mut());
+        let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
-        if let Some(first) = unsettled.first() {
-            let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
-            let others = match unsettled.len() - 1 {
-                0 => String::new(),
-                others => format!(" and {others} more"),
-            };
-            session.warn(
-                "increments",
-                format!(
-                    "step {first}{others}: shear, lost energy and sticking points may change by more than \
-                     --energy-tol {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: \
-                     about {settling_solves} should, or take more --steps"
-                ),
-            );
-        }
-        let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
-        let file = log.file.filter(|_| !is_kept);
-        let out = file.map(|file| file.finish(&log.steps, self.drives.len(), not_converged.as_ref())).transpose()?;
-        let report = Report::new(self.head(args), log.steps, args.steps as usize);
+        self.tell_of_unsettled(&log.unsettled, &path, args, session);
+        let file = file.filter(|_| !ended.is_kept(kept.as_deref()));
+        let Ended { records, failure, not_converged, parted_at } = ended;
+        let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
+        let head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+        let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
         let mut report = Report { parted_at, not_converged, out, ..report };
         if let (None, Some(prefix), Some((_, shown))) = (&failure, &args.plots, &log.widest) {
-            let scene = Scene {
-                shown,
-                grid: &self.surface.grid,
-                unit: self.surface.unit(),
-                modulus: report.head.e_star,
-                hardness: self.hardness.as_ref(),
-                rigid: rough(self.surface.second.is_some()),
-                face: Face::Upper,
-            };
+            let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
             report.plots = figures::draw(prefix, &report, args.steps as usize, &scene)?;
         }
         Ok(Outcome { report, failure })
     }
 
-    fn head(&self, args: &Args) -> Head {
-        Head {
-            n: self.surface.grid.points(),
-            length: self.surface.grid.lengths(),
-            unit: self.surface.unit.clone(),
-            surface: self.surface.description.clone(),
-            scan: self.surface.scan.clone(),
-            second: self.surface.second.clone(),
-            rms_gradient: self.surface.rms_gradient(),
-            rms_height: RigidSurface::new(&self.surface.grid, &self.surface.heights)
-                .map_or(f64::NAN, |rigid| rigid.rms_height()),
-            e_star: self.body.contact_modulus(),
-            others: args.body.others.clone(),
-            body: args.body.words(None),
-            law: match &self.limit {
-                Some(Limit::Coulomb(_)) => "coulomb".into(),
-                Some(Limit::Tresca(_)) => "tresca".into(),
-                None => args.law.law.name().into(),
-            },
-            boundary: Some(self.surface.boundary.name()).filter(|_| self.surface.boundary == Boundary::Free),
-            hardness: args.hardness.clone(),
-            adhesion: self.adhesion(args),
-            direction: args.waypoints.along(),
-        }
+    /// Warns of steps that further increments would change.
+    fn tell_of_unsettled(&self, unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
+        let Some((first, _)) = unsettled.first() else { return };
+        let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
+        let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);
+        let others = match unsettled.len() - 1 {
+            0 => String::new(),
+            others => format!(" and {others} more"),
+        };
+        session.warn(
+            "increments",
+            format!(
+                "step {first}{others}: shear, lost energy and sticking points may change by more than --energy-tol \
+                 {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: about {settling} \
+                 should, or take more --steps"
+            ),
+        );
     }
 }
 
-/// The records of the steps so far.
+/// What a path makes of its states.
 struct Log<'a> {
-    steps: Vec<Record>,
-    steps_of_leg: usize,
-    file: Option<PathFile<'a>>,
+    contact: &'a Posed,
+    points: usize,
     /// The largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
-    facts: Facts,
-    grid: Grid,
-    scales: Scales,
-    tolerance: f64,
+    /// The steps that further increments would change.
+    unsettled: Vec<(usize, Step)>,
 }
 
-impl<'a> Log<'a> {
-    fn new(prepared: &'a Prepared, args: &Args, session: &Session) -> Result<Self, Failure> {
-        let create = |output| PathFile::create(output, prepared, args, session);
-        Ok(Self {
-            steps: Vec::new(),
-            steps_of_leg: args.steps as usize,
-            file: prepared.output.as_ref().map(create).transpose()?,
-            widest: None,
-            facts: prepared.facts,
-            grid: prepared.surface.grid,
-            scales: prepared.scales(),
-            tolerance: args.tol,
-        })
-    }
-
-    /// Takes over the steps that are kept, and continues the path from the last one.
-    fn recall(&mut self, kept: &mut Kept, path: &mut Path<Posed>, drives: &[Drive]) -> Result<(), Failure> {
-        for index in 0..kept.finished() {
-            let Part { text, fields } = kept.part(index)?;
-            let step = Record::from_line(&self.facts, &text);
-            self.steps.push(step.map_err(|error| kept.unusable(index, error.to_string()))?);
-            if let (Some(file), false) = (&mut self.file, fields.is_empty()) {
-                file.write(index / self.steps_of_leg, &fields)?;
-            }
+impl Outlet for Log<'_> {
+    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
+        let Reached { index, state, step, at, started, .. } = reached;
+        let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
+        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), ..at });
+        if step.is_unsettled {
+            self.unsettled.push((index, *step));
         }
-        let (Some(mut stored), Some(index)) = (kept.state(), kept.finished().checked_sub(1)) else { return Ok(()) };
-        stored.restore(|visitor| {
-            path.resume(drives[index], visitor)?;
-            self.widest = Some((f64::NAN, Shown::zeros(self.grid.len())));
-            self.visit_widest(visitor);
-            Ok::<_, Refusal>(())
-        })
-    }
-
-    /// Visits the largest contact area and its fields; there are none before the first step.
-    fn visit_widest(&mut self, visitor: &mut dyn Visit) {
-        if let Some((area, shown)) = &mut self.widest {
-            visitor.number(area);
-            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
-        }
-    }
-
-    /// Records a step. Returns the fields that the file has of it, which are none between waypoints.
-    fn write(
-        &mut self,
-        state: &Rest,
-        reading: &Reading,
-        step: &Step,
-        seconds: f64,
-    ) -> Result<Vec<Cow<'static, [f64]>>, Failure> {
-        let index = self.steps.len();
-        let mut fields = Vec::new();
-        if let (Some(file), true) = (&mut self.file, index.is_multiple_of(self.steps_of_leg)) {
-            fields = file.fields(state);
-            file.write(index / self.steps_of_leg, &fields)?;
-        }
-        let at = At::in_scales(&self.facts, state, &self.scales, &self.grid, self.tolerance);
-        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, *reading)), ..at });
         let area = record.number("area_fraction");
         if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
             self.widest = Some((area, Shown::of(state, None, state.plastic_depth())));
         }
-        self.steps.push(record);
-        Ok(fields)
+        Ok(record)
+    }
+
+    /// Visits the largest contact area and its fields; there are none before the first step.
+    fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
+        if is_new {
+            self.widest = Some((f64::NAN, Shown::zeros(self.points)));
+        }
+        if let Some((area, shown)) = &mut self.widest {
+            visitor.number(area);
+            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
+        }
     }
 }

@@ -166,7 +166,9 @@ pub struct Step {
 pub struct Path<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
-    refinement: Refinement,
+    solver: Solver,
+    /// `None` for a path without its energy balance.
+    refinement: Option<Refinement>,
     last: Option<Reached<P::State>>,
     /// Work exchanged in all steps so far, and their number.
     exchanged: f64,
@@ -176,10 +178,25 @@ pub struct Path<'a, P: Quasistatic> {
 }
 
 impl<'a, P: Quasistatic> Path<'a, P> {
-    /// Makes a path without a state.
-    pub fn new(problem: &'a P, budget: Budget, refinement: Refinement) -> Self {
-        let allowance = refinement.solves_per_step.saturating_mul(IN_ADVANCE);
-        Self { problem, budget, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
+    /// Makes a path without a state. With `None` in place of a refinement each step is one solve, and its loss is not sought.
+    pub fn new(problem: &'a P, budget: Budget, refinement: impl Into<Option<Refinement>>) -> Self {
+        let refinement = refinement.into();
+        let allowance = refinement.map_or(0, |refinement| refinement.solves_per_step.saturating_mul(IN_ADVANCE));
+        Self { problem, budget, solver: Solver::Auto, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
+    }
+
+    /// The method of all solves, [`Solver::Auto`] if none is chosen.
+    #[must_use]
+    pub fn solver(self, solver: Solver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// Starts the next step from a state that was found in another way, or from none.
+    pub fn start_from(&mut self, state: Option<P::State>) {
+        self.last = state.map(|state| {
+            let reading = self.problem.reading(&state);
+            (state, reading)
+        });
     }
 
     /// The last state.
@@ -190,7 +207,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     /// The [solves per step](Refinement::solves_per_step) that would probably have settled `step`, the last one, if it
     /// is unsettled: its change falls to a quarter from one division to the next. Never less than those of this path.
     pub fn settling_solves(&self, step: &Step) -> u64 {
-        let Refinement { tolerance, solves_per_step } = self.refinement;
+        let Some(Refinement { tolerance, solves_per_step }) = self.refinement else { return 0 };
         if !step.is_unsettled {
             return solves_per_step;
         }
@@ -209,6 +226,13 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     {
         if let Some((state, _)) = &mut self.last {
             self.problem.keep(state, visitor);
+            self.visit_balance(visitor);
+        }
+    }
+
+    /// Visits the numbers of the energy balance, if there is one.
+    fn visit_balance(&mut self, visitor: &mut dyn Visit) {
+        if self.refinement.is_some() {
             visitor.number(&mut self.exchanged);
             visitor.count(&mut self.steps);
             visitor.count(&mut self.allowance);
@@ -226,9 +250,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         let state = self.problem.restore(drive, visitor)?;
         let reading = self.problem.reading(&state);
         self.last = Some((state, reading));
-        visitor.number(&mut self.exchanged);
-        visitor.count(&mut self.steps);
-        visitor.count(&mut self.allowance);
+        self.visit_balance(visitor);
         Ok(())
     }
 
@@ -237,21 +259,27 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     /// # Errors
     /// The errors of the solver. The state is then the last state at rest that is known to lie on the path.
     pub fn step(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<Step, SolveError<P::State>> {
+        let solves_per_step = self.refinement.map_or(0, |refinement| refinement.solves_per_step);
         let mut search = Search {
             problem: self.problem,
             budget: self.budget,
+            solver: self.solver,
             watch,
             step: Step::default(),
-            allowance: self.allowance.saturating_add(self.refinement.solves_per_step),
+            allowance: self.allowance.saturating_add(solves_per_step),
         };
         let (state, reading) = search.rest(drive, self.state())?;
+        let Some(Refinement { tolerance, .. }) = self.refinement else {
+            self.last = Some((state, reading));
+            return Ok(search.step);
+        };
         let step = &mut search.step;
         match (reading.loss, self.last.take()) {
             (Loss::Unknown, last) => self.last = last,
             (Loss::Known(_), last) => {
                 // An error leaves the path where it was.
                 self.last = last;
-                let made = search.divide(self.last.as_ref(), (state, reading), drive, self.refinement.tolerance);
+                let made = search.divide(self.last.as_ref(), (state, reading), drive, tolerance);
                 self.allowance = search.allowance;
                 self.last = Some(made?);
                 return Ok(search.step);
@@ -266,7 +294,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 let reference = exchanged.max(self.exchanged / self.steps as f64);
                 let mut here = Rest { state: start, reading: begin, share: 0.0, origin: 0.0 };
                 let end = Rest { state, reading, share: 1.0, origin: 0.0 };
-                let outcome = search.account(&mut here, end, drive, reference, self.refinement.tolerance);
+                let outcome = search.account(&mut here, end, drive, reference, tolerance);
                 self.allowance = search.allowance;
                 self.last = Some((here.state, here.reading));
                 return outcome.map(|()| search.step);
@@ -307,6 +335,7 @@ const RESERVE: u64 = 5;
 struct Search<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
+    solver: Solver,
     watch: &'a mut dyn Watch,
     step: Step,
     /// Extra solves that may still be made.
@@ -315,7 +344,7 @@ struct Search<'a, P: Quasistatic> {
 
 impl<P: Quasistatic> Search<'_, P> {
     fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
-        let state = self.problem.equilibrate(drive, Solver::Auto, &self.budget, start, &mut *self.watch)?;
+        let state = self.problem.equilibrate(drive, self.solver, &self.budget, start, &mut *self.watch)?;
         let reading = self.problem.reading(&state);
         let Effort { iterations, transform_pairs } = state.effort();
         self.step.effort.iterations += iterations;

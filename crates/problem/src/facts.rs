@@ -159,6 +159,14 @@ impl Facts {
         self.unknown == Unknown::All || self.finite_slope || self.friction.is_some() || self.lateral
     }
 
+    /// True if the states are those of a law across the gap; on a periodic path also those of a hard wall.
+    pub fn solves_a_law(&self) -> bool {
+        match self.task {
+            Task::Loads => self.has_law(),
+            Task::Path => self.friction.is_none() && !self.is_wall_on_path(),
+        }
+    }
+
     /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, or on a patch.
     pub fn is_wall_on_path(&self) -> bool {
         self.task == Task::Path

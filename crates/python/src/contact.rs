@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use gfmd_cli::contact::Slopes;
 use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
 use gfmd_cli::law::{Adhesion, LawArgs};
 use gfmd_cli::memory;
+use gfmd_cli::series::Slopes;
 use gfmd_contact::{
     Boundary, Budget, Conductance, ConductanceError, Conductors, Hardness, Load, Progress, Refusal, Solver,
 };

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use gfmd_cli::contact::{self, Chosen, ContactFile, configuration, facts_of};
+use gfmd_cli::contact::{self, configuration, facts_of};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
+use gfmd_cli::series::{Chosen, StateFile};
 use gfmd_cli::session::{Common, Session};
 use gfmd_cli::source::Surface;
 use gfmd_contact::{Boundary, Hardness};
@@ -68,7 +69,7 @@ pub(crate) fn save(
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
         let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
         let provenance = session.provenance(config);
-        let mut file = ContactFile::create(Some(&output), &provenance, &surface, records.len(), facts, Chosen::All)?;
+        let mut file = StateFile::create(Some(&output), &provenance, &surface, records.len(), facts, Chosen::All)?;
         if let Some(lower) = &lower {
             file.write_lower(lower)?;
         }

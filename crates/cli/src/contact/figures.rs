@@ -26,8 +26,9 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
             .loads
             .iter()
             .map(|load| ["p_star", "area_fraction", "area_fraction_corrected"].map(|name| load.number(name)));
-        let mut chart = area(&loads.collect::<Vec<_>>(), report.n[1] == 1);
-        if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.hardness) {
+        let mut chart = area(&loads.collect::<Vec<_>>(), report.head.n[1] == 1);
+        if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.head.hardness)
+        {
             // Without the hardness Persson's line hides below that with it.
             panel.series.retain(|series| series.label != "Persson");
             panel.series.extend(plastic(report, *hardness, variance));
@@ -39,7 +40,7 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
 
 /// The points at the hardness, and both areas of Persson's theory with a hardness, against the reduced pressure.
 fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
-    let unit = report.e_star * report.rms_gradient;
+    let unit = report.head.e_star * report.head.rms_gradient;
     let loads = || report.loads.iter().map(|load| load.number("p_star"));
     let (lowest, highest) = (loads().fold(f64::INFINITY, f64::min), loads().fold(0.0, f64::max));
     let curve = |part: fn(&ElastoplasticArea) -> f64| {
@@ -135,7 +136,7 @@ pub(super) fn measured(
         files.extend(drawn.save(&named(prefix, "patches"))?);
     }
     let chosen = chosen(report, gathered.loads.len());
-    let scale = report.e_star * report.rms_gradient;
+    let scale = report.head.e_star * report.head.rms_gradient;
     let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].number("p_star")));
     let (mut pressures, mut gaps) = (Vec::new(), Vec::new());
     for (hue, &load) in chosen.iter().enumerate() {
@@ -145,14 +146,14 @@ pub(super) fn measured(
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
         pressures.push(Series::line(&label(load), hue, densities));
         // The theory is one of elastic bodies that do not attract each other.
-        if report.hardness.is_none() && !report.loads[load].has("interface_energy") {
+        if report.head.hardness.is_none() && !report.loads[load].has("interface_energy") {
             let mean = report.loads[load].number("mean_pressure");
             let density = |p: &f64| (p / scale, persson_pressure(*p, mean, variance) * scale);
             let theory: Vec<_> = found.pressure.middles.iter().map(density).filter(|(_, p)| *p > 1e-6).collect();
             let name = if hue == 0 { "Persson" } else { "" };
             pressures.push(Series { mark: Mark::Dashes, ..Series::line(name, hue, theory) });
         }
-        let height = report.rms_height;
+        let height = report.head.rms_height;
         let bins = found.gap_decades.iter().filter(|[_, density]| *density > 0.0);
         gaps.push(Series::line(&label(load), hue, bins.map(|[gap, density]| (gap / height, density * height))));
     }
@@ -170,7 +171,7 @@ pub(super) fn measured(
             .spectrum()?
             .iter()
             .filter(|bin| bin[1] > 0.0)
-            .map(|bin| (bin[0], bin[1] / report.e_star.powi(2)));
+            .map(|bin| (bin[0], bin[1] / report.head.e_star.powi(2)));
         Some(Series::line(&label(load), hue, bins))
     });
     let spectra: Vec<Series> = spectra.filter(|series| !series.points.is_empty()).collect();

@@ -12,7 +12,7 @@ use gfmd_record::At;
 use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
-use super::{Args, Prepared};
+use super::{Args, Loads};
 use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::source::Surface;
@@ -182,12 +182,12 @@ impl Findings {
     /// # Errors
     /// Fields that do not fit the grid, a flow or a conductance that cannot be computed.
     pub(super) fn of(
-        (args, prepared): (&Args, &Prepared),
+        (args, loads): (&Args, &Loads),
         [repulsion, gap]: [ArrayView2<f64>; 2],
         at: &At,
         mut warn: impl FnMut(&'static str, String),
     ) -> Result<Self, Failure> {
-        let Prepared { surface, conducting, .. } = prepared;
+        let (surface, conducting) = (&loads.prepared.surface, &loads.conducting);
         let mut found = Self::default();
         if args.statistics {
             let stiffness = at.stiffness.as_ref().ok().map(|found| found.value);

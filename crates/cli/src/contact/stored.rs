@@ -2,11 +2,12 @@
 
 use gfmd_files::Reader;
 use gfmd_problem::Facts;
-use gfmd_record::{Record, reason_of};
+use gfmd_record::Record;
 
 use super::Args;
 use crate::failure::Failure;
 use crate::result::{Configuration, Kind};
+use crate::series::records_of;
 
 /// The configuration of the result of a contact.
 ///
@@ -33,33 +34,5 @@ pub fn records(reader: &Reader) -> Result<Vec<Record>, Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;
     let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
-    let facts = facts_of(&config, line)?;
-    let shape = reader.shape("/loads/mean_pressure").map_err(refuse)?;
-    let &[count] = &shape[..] else {
-        let path = reader.path().display();
-        return Err(Failure::Input(format!(
-            "{path}: /loads/mean_pressure has the shape {shape:?}; it must be [loads]"
-        )));
-    };
-    let mut columns = std::collections::BTreeMap::new();
-    for column in gfmd_record::columns(&facts) {
-        let path = format!("/loads/{}", column.name);
-        let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
-        if !values.is_empty() && values.len() != count {
-            let file = reader.path().display();
-            return Err(Failure::Input(format!(
-                "{file}: {path} has the shape [{}]; it must be [{count}]",
-                values.len()
-            )));
-        }
-        columns.insert(column.name, (values, reader.text(&path, "undefined").ok()));
-    }
-    let record = |row: usize| {
-        Record::stored(&facts, |column| {
-            let (values, reasons) = &columns[column.name];
-            let value = values.get(row).copied().unwrap_or(f64::NAN);
-            (value, reasons.as_ref().filter(|_| value.is_nan()).and_then(|reasons| reason_of(reasons, row)))
-        })
-    };
-    Ok((0..count).map(record).collect())
+    records_of(reader, &facts_of(&config, line)?)
 }

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use gfmd_contact::Boundary;
-use gfmd_problem::Unknown;
 use gfmd_record::{Record, lines};
 
 use super::Report;
@@ -12,42 +10,8 @@ use crate::session::list_files;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [nx, ny] = self.n;
-        let unit = self.unit.as_deref().unwrap_or("length units");
-        writeln!(f, "{}", self.surface)?;
-        if let Some(scan) = &self.scan {
-            write!(f, "{scan}")?;
-        }
-        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", self.length[0], self.length[1])?;
-        let (kind, free) = if self.boundary == Boundary::Free.name() {
-            ("differences", "; free boundaries: a patch on an unbounded body")
-        } else {
-            ("spectral", "")
-        };
-        writeln!(
-            f,
-            "rms gradient {:.6} ({kind}), rms height {:.6e} {unit}, E* = {:.6e}{free}{}\n",
-            self.rms_gradient,
-            self.rms_height,
-            self.e_star,
-            match self.components {
-                Unknown::Normal => "",
-                Unknown::All => "; u_x, u_y and u_z unknown, no lateral traction",
-                Unknown::Held => "; u_x and u_y held at zero",
-            }
-        )?;
-        if let Some(body) = &self.body {
-            writeln!(f, "elastic body: {body}\n")?;
-        }
-        if let Some(lower) = &self.lower {
-            writeln!(f, "lower surface: {}", lower.surface)?;
-            writeln!(
-                f,
-                "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n",
-                lower.rms_gradient, lower.rms_height
-            )?;
-        }
-        if let Some(hardness) = &self.hardness {
+        write!(f, "{}", self.head)?;
+        if let Some(hardness) = &self.head.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.number("plastic_fraction")));
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
@@ -99,7 +63,7 @@ impl fmt::Display for Report {
 impl Report {
     /// The lines of the lower face.
     fn lower_face(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.lower.is_some() {
+        if self.head.lower.is_some() {
             let head = ["p*", "approach", "area", "corrected", "mean gap", "peak p", "residual"];
             let [p, approach, area, corrected, gap, peak, residual] = head;
             writeln!(

@@ -1,17 +1,17 @@
 //! The loads at which the gap closes for a flow, by bisection.
 
-use gfmd_contact::{Equilibrium as _, Fields as _, Load};
+use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
-use gfmd_measure::{Patches, Scales};
-use gfmd_problem::{Facts, Rest};
+use gfmd_measure::Patches;
+use gfmd_problem::{Facts, Posed, Rest};
 use gfmd_record::{At, Record};
 use serde::Serialize;
 
-use super::watching::Watching;
-use super::{Args, Series};
-use crate::convergence::History;
+use super::{Args, Loads};
 use crate::failure::{Failure, reached};
 use crate::progress::Progress;
+use crate::series::{Prepared, Watching};
+use crate::session::Session;
 
 /// The relative width of the interval at which the bisection ends.
 const WIDTH: f64 = 1e-3;
@@ -55,9 +55,8 @@ struct Sample {
 /// # Errors
 /// A single load.
 pub(super) fn check(args: &Args) -> Result<(), Failure> {
-    let control = &args.control;
-    let given = [&control.pressure, &control.p_star, &control.displacement];
-    let mut loads: Vec<f64> = given.into_iter().flat_map(|values| crate::values::numbers(values)).collect();
+    let given = args.control.given();
+    let mut loads: Vec<f64> = given.into_iter().flat_map(|(_, values)| crate::values::numbers(values)).collect();
     loads.sort_by(f64::total_cmp);
     loads.dedup();
     if loads.len() < 2 {
@@ -68,20 +67,23 @@ pub(super) fn check(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-impl Series<'_> {
+impl Loads {
     /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the highest load.
-    pub(super) fn threshold(&self, scales: &Scales, progress: &Progress) -> Result<[Option<Threshold>; 2], Failure> {
-        let controls = &self.prepared.controls;
-        let asked = |load: &Load| match *load {
+    pub(super) fn threshold(
+        &self,
+        contact: &Posed,
+        args: &Args,
+        session: &Session,
+        progress: &Progress,
+    ) -> Result<[Option<Threshold>; 2], Failure> {
+        let asked = |drive: &Drive| match drive.load {
             Load::MeanPressure(value) | Load::Approach(value) => value,
         };
-        let values = controls.iter().map(asked);
+        let values = self.drives.iter().map(asked);
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
         let mut last = None;
-        let mut samples = Vec::new();
-        for value in [low, high] {
-            samples.push(self.sample(value, scales, progress, &mut last)?);
-        }
+        let mut sample = |asked: f64| self.sample(asked, (contact, args), session, progress, &mut last);
+        let mut samples = vec![sample(low)?, sample(high)?];
         let mut found = [None, None];
         for (axis, found) in found.iter_mut().enumerate() {
             loop {
@@ -89,7 +91,7 @@ impl Series<'_> {
                 else {
                     let state = if samples[0].open[axis] { "open at the highest" } else { "closed at the lowest" };
                     let name = ["x", "y"][axis];
-                    self.session.warn("flow-threshold", format!("the gap is {state} load for a flow along {name}"));
+                    session.warn("flow-threshold", format!("the gap is {state} load for a flow along {name}"));
                     break;
                 };
                 let (open, closed_load) = (&samples[closed - 1], &samples[closed]);
@@ -98,7 +100,7 @@ impl Series<'_> {
                     break;
                 }
                 let middle = (open.asked * closed_load.asked).sqrt();
-                let sample = self.sample(middle, scales, progress, &mut last)?;
+                let sample = sample(middle)?;
                 samples.insert(closed, sample);
             }
         }
@@ -108,28 +110,25 @@ impl Series<'_> {
     fn sample(
         &self,
         asked: f64,
-        scales: &Scales,
+        (contact, args): (&Posed, &Args),
+        session: &Session,
         progress: &Progress,
         last: &mut Option<Rest>,
     ) -> Result<Sample, Failure> {
-        let Self { prepared, contact, args, session, .. } = self;
-        let surface = &prepared.surface;
-        let load = match prepared.controls.first() {
-            Some(Load::Approach(_)) => Load::Approach(asked),
-            _ => Load::MeanPressure(asked),
-        };
+        let Prepared { facts, surface, .. } = &self.prepared;
+        let load = if facts.approach { Load::Approach(asked) } else { Load::MeanPressure(asked) };
         let budget = args.solver.budget();
-        let history = History::default();
-        let (kept, tracer) = (None, None);
-        let mut watch = Watching { index: 0, progress, session, history, tracer, kept, closing: false, failed: None };
+        let place = format!("--flow-threshold, load {asked:e}");
+        let mut watch = Watching::new(place.clone(), progress, session);
         let press = contact.press(load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
         let (state, stopped) = reached(press.watch(&mut watch).solve())?;
         if let Some(stopped) = stopped {
-            return Err(stopped.at(&format!("--flow-threshold, load {asked:e}")));
+            return Err(stopped.at(&place));
         }
         // Neither statistics nor flow are measured on the way.
-        let plain = Facts { statistics: false, flow: false, ..prepared.facts };
-        let record = Record::of(&At::in_scales(&plain, &state, scales, &surface.grid, budget.tolerance));
+        let plain = Facts { statistics: false, flow: false, ..*facts };
+        let scales = self.prepared.scales();
+        let record = Record::of(&At::in_scales(&plain, &state, &scales, &surface.grid, budget.tolerance));
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
         let open = Patches::of(conducting.view(), surface.boundary.surroundings()).percolate();

@@ -51,9 +51,7 @@ impl Args {
         if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
             return Err(Failure::value("--damping", format!("{factors:?}"), "one number without --components all"));
         }
-        let control = &self.control;
-        let given = [&control.pressure, &control.p_star, &control.displacement];
-        let loads: usize = given.into_iter().map(|values| numbers(values).count()).sum();
+        let loads: usize = self.control.given().into_iter().map(|(_, values)| numbers(values).count()).sum();
         if self.trace.is_wanted() && loads > 1 {
             return Err(Failure::Input(format!("--history: {loads} loads; it records the search for one load")));
         }

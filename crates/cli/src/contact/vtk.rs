@@ -7,9 +7,9 @@ use gfmd_files::vtp::{Sheet, write};
 use gfmd_files::{Output, PointArray, contiguous};
 use ndarray::Array2;
 
-use super::file::Field;
 use crate::failure::Failure;
 use crate::figures::Shown;
+use crate::series::Field;
 use crate::source::Surface;
 
 /// A file of VTK to be written.

@@ -4,10 +4,9 @@ use gfmd_contact::Hardness;
 use gfmd_field::Share;
 use ndarray::{Array2, ArrayView2};
 
-use super::Prepared;
-use super::file::Field;
 use crate::figures::Shown;
 use crate::rows;
+use crate::series::{Field, Prepared};
 use crate::source::Surface;
 
 /// The fields of a contact that figures and files of VTK need, whole, which the first of several processes gathers.

@@ -11,6 +11,7 @@ use ndarray::Array2;
 
 use super::{Drawn, MOST_POINTS, field, named, short};
 use crate::failure::Failure;
+use crate::source::Surface;
 
 /// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
 #[derive(Clone, Debug, Default)]
@@ -112,6 +113,14 @@ pub(crate) fn rough(is_composite: bool) -> &'static str {
 
 /// The index of the colour of contact.
 const CONTACT: usize = 1;
+
+impl<'a> Scene<'a> {
+    /// The upper face of a contact with this surface.
+    pub(crate) fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
+        let rigid = rough(surface.second.is_some());
+        Self { shown, grid: &surface.grid, unit: surface.unit(), modulus, hardness, rigid, face: Face::Upper }
+    }
+}
 
 impl Scene<'_> {
     /// Draws the figures: `PREFIX-map` and so on, of a lower face `PREFIX-lower-map` and so on.

@@ -7,46 +7,9 @@ use gfmd_record::{Record, lines};
 use serde::Serialize;
 
 use crate::convergence::NotConverged;
-use crate::elastic::OtherArgs;
-use crate::hardness::GivenHardness;
-use crate::law::Adhesion;
 use crate::memory::peak_bytes;
+use crate::series::Head;
 use crate::session::list_files;
-use crate::source::Second;
-use crate::source::scan::Scan;
-
-/// The problem whose path is followed.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Head {
-    pub n: [usize; 2],
-    pub length: [f64; 2],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unit: Option<String>,
-    pub surface: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scan: Option<Scan>,
-    #[serde(flatten)]
-    pub second: Option<Second>,
-    pub rms_gradient: f64,
-    pub rms_height: f64,
-    pub e_star: f64,
-    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
-    #[serde(flatten)]
-    pub others: OtherArgs,
-    #[serde(skip)]
-    pub body: Option<String>,
-    pub law: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub boundary: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hardness: Option<GivenHardness>,
-    /// With an attraction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub adhesion: Option<Adhesion>,
-    /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
-    pub direction: [f64; 2],
-}
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -54,6 +17,8 @@ pub struct Head {
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
+    /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
+    pub direction: [f64; 2],
     pub steps: Vec<Record>,
     /// Stiffness and friction of each leg with lateral motion.
     pub sliding: Vec<Sliding>,
@@ -87,10 +52,11 @@ pub struct Sliding {
 
 impl Report {
     /// Collects the results of the steps; a leg has `steps_of_leg` steps.
-    pub(super) fn new(head: Head, steps: Vec<Record>, steps_of_leg: usize) -> Self {
+    pub(super) fn new(head: Head, direction: [f64; 2], steps: Vec<Record>, steps_of_leg: usize) -> Self {
         let sum = |name: &str| steps.iter().filter_map(|step| step.value(name)).reduce(|a, b| a + b);
         let mut report = Self {
             head,
+            direction,
             sliding: Vec::new(),
             dissipated: sum("dissipated"),
             dissipated_error: sum("dissipated_error"),
@@ -109,7 +75,7 @@ impl Report {
 
     /// The component of a vector along the lateral displacement.
     pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
-        x * self.head.direction[0] + y * self.head.direction[1]
+        x * self.direction[0] + y * self.direction[1]
     }
 
     /// Returns true if the rigid surface moves sideways.
@@ -182,20 +148,9 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Head { n: [nx, ny], length, unit, surface, rms_gradient, rms_height, e_star, law, .. } = &self.head;
-        let unit = unit.as_deref().unwrap_or("length units");
-        let kind = if self.head.boundary.is_some() { "differences; free boundaries" } else { "spectral" };
-        writeln!(f, "{surface}")?;
-        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", length[0], length[1])?;
-        writeln!(
-            f,
-            "rms gradient {rms_gradient:.6} ({kind}), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}, law {law}\n"
-        )?;
+        write!(f, "{}", self.head)?;
         if let Some(hardness) = &self.head.hardness {
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
-        }
-        if let Some(body) = &self.head.body {
-            writeln!(f, "elastic body: {body}\n")?;
         }
         let columns = self.columns();
         let heads: String = columns.iter().map(|(head, _)| format!("{head:>12}")).collect();

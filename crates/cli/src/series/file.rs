@@ -1,4 +1,4 @@
-//! The HDF5 file of a contact.
+//! The HDF5 file of a series.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -15,21 +15,20 @@ use ndarray::{Array2, CowArray, Ix2};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::statistics::{self, Measured};
-use super::threshold::{self, Threshold};
-use crate::base::MovedBase;
+use super::parts::Parts;
+use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;
 use crate::failure::Failure;
 use crate::hardness;
 use crate::lower;
 use crate::rows;
+use crate::session::Session;
 use crate::source::Surface;
-use crate::trace::Trace;
 
-/// The file of a contact: the surface is written at once, the fields load by load, the scalars at the end. Of several processes the
+/// The file of a series: the surface is written at once, the fields state by state, the scalars at the end. Of several processes the
 /// first one writes it; all make the same calls, and give their rows of the fields.
-pub struct ContactFile<'a> {
+pub struct StateFile<'a> {
     /// The file of the process that writes.
     archive: Option<Archive<'a>>,
     share: Share,
@@ -37,7 +36,7 @@ pub struct ContactFile<'a> {
     chosen: Chosen,
 }
 
-/// The fields of each load that go into a file.
+/// The fields of each state that go into a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Chosen {
     /// All that there are.
@@ -67,19 +66,19 @@ impl Chosen {
     }
 
     /// The first of the fields named that the loads do not have.
-    pub(super) fn missing(&self, facts: &Facts) -> Option<&'static str> {
+    pub(crate) fn missing(&self, facts: &Facts) -> Option<&'static str> {
         let Self::Named(names) = self else { return None };
         names.iter().copied().find(|name| arrays(facts).all(|array| array.name != *name))
     }
 
     /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
-    pub(super) fn contact_and_gap(&self, facts: &Facts) -> Option<[usize; 2]> {
+    pub(crate) fn contact_and_gap(&self, facts: &Facts) -> Option<[usize; 2]> {
         let place = |wanted: &str| self.of(facts).position(|array| array.name == wanted);
         Some([place(repulsion(facts))?, place("gap")?])
     }
 
     /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the displacement.
-    pub(super) fn fields<'s>(
+    pub(crate) fn fields<'s>(
         &self,
         facts: &Facts,
         state: &'s Rest,
@@ -131,14 +130,14 @@ impl Serialize for Chosen {
 }
 
 /// A field of a state, named as in a file.
-pub(super) struct Field<'s> {
-    pub(super) name: &'static str,
-    pub(super) units: &'static str,
-    pub(super) values: CowArray<'s, f64, Ix2>,
+pub(crate) struct Field<'s> {
+    pub(crate) name: &'static str,
+    pub(crate) units: &'static str,
+    pub(crate) values: CowArray<'s, f64, Ix2>,
 }
 
 /// All fields of a state; a base that moves adds `lift` to the displacement.
-pub(super) fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+pub(crate) fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
     let values = Chosen::All.fields(facts, state, lift);
     arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
 }
@@ -148,8 +147,8 @@ fn path_of(array: &Array) -> String {
     format!("/fields/{}", array.name)
 }
 
-impl<'a> ContactFile<'a> {
-    /// A file for `loads` loads of a surface; processes without an `output` only send their rows.
+impl<'a> StateFile<'a> {
+    /// A file for the fields of so many states of a surface; processes without an `output` only send their rows.
     ///
     /// # Errors
     /// A file that cannot be written, at the process that writes.
@@ -157,7 +156,7 @@ impl<'a> ContactFile<'a> {
         output: Option<&'a Output>,
         provenance: &Provenance,
         surface: &Surface,
-        loads: usize,
+        states: usize,
         facts: Facts,
         chosen: Chosen,
     ) -> Result<Self, Failure> {
@@ -165,7 +164,8 @@ impl<'a> ContactFile<'a> {
             Ok(archive) => (archive, Ok(())),
             Err(error) => (None, Err(error)),
         };
-        let load = Dimension::index("load", loads, "load step");
+        let (name, meaning) = Parts::of(facts.task).stored;
+        let state = Dimension::index(name, states, meaning);
         let unit = surface.unit();
         let [x, y] = axes(&surface.grid, unit);
         if surface.share.is_whole() {
@@ -178,20 +178,33 @@ impl<'a> ContactFile<'a> {
         if let Some(archive) = &mut archive {
             for array in chosen.of(&facts) {
                 let units = if array.unit == "length" { unit } else { array.unit };
-                let variable = Variable { dimensions: &[&load, &x, &y], units, long_name: array.meaning(&facts) };
+                let variable = Variable { dimensions: &[&state, &x, &y], units, long_name: array.meaning(&facts) };
                 archive.define(&path_of(array), &variable)?;
             }
         }
         Ok(Self { archive, share: surface.share.clone(), facts, chosen })
     }
 
-    /// Writes the group `/base`.
+    /// As [`create`](Self::create), with all fields that the input of a series has.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub(super) fn write_base(&mut self, base: &MovedBase, surface: &Surface) -> Result<(), Failure> {
+    /// A file that cannot be written; of several processes at all of them.
+    pub(crate) fn of(
+        output: Option<&'a Output>,
+        provenance: &Provenance,
+        prepared: &Prepared,
+        states: usize,
+        (chosen, session): (Chosen, &Session),
+    ) -> Result<Self, Failure> {
+        let Prepared { facts, surface, base, lower, hardness, .. } = prepared;
+        let mut file = session.agree(Self::create(output, provenance, surface, states, *facts, chosen))?;
         let [x, y] = axes(&surface.grid, surface.unit());
-        base.write(self.archive.as_mut(), &self.share, [&x, &y], surface.unit())
+        if let Some(base) = base {
+            session.agree(base.write(file.archive.as_mut(), &file.share, [&x, &y], surface.unit()))?;
+        }
+        lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
+        session.agree(file.write_hardness(hardness.as_ref(), surface))?;
+        Ok(file)
     }
 
     /// Writes the group `/lower`.
@@ -232,7 +245,7 @@ impl<'a> ContactFile<'a> {
         Ok(())
     }
 
-    /// Writes the chosen fields of one load, in the order of the file.
+    /// Writes the chosen fields of one state, in the order of the file.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -254,35 +267,26 @@ impl<'a> ContactFile<'a> {
         outcome
     }
 
-    /// Writes patches, distributions and spectra of the loads.
-    pub(super) fn write_statistics(&mut self, surface: &Surface, loads: &[Measured]) -> Result<(), Failure> {
-        self.archive.as_mut().map_or(Ok(()), |archive| statistics::write(archive, surface, loads))
+    /// The file, for what a command adds; `None` at the processes that do not write.
+    pub(crate) fn archive(&mut self) -> Option<&mut Archive<'a>> {
+        self.archive.as_mut()
     }
 
-    /// Writes the record of the search for the load.
-    pub(super) fn write_history(&mut self, history: &Trace, unit: &str) -> Result<(), Failure> {
-        self.archive.as_mut().map_or(Ok(()), |archive| history.write(archive, unit))
-    }
-
-    /// Writes the loads at which the flow stops.
-    pub(super) fn write_threshold(&mut self, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
-        self.archive.as_mut().map_or(Ok(()), |archive| threshold::write(archive, unit, found))
-    }
-
-    /// Writes the scalars of `count` loads, NaN beyond those there are, and gives the file its name; `None` at the processes that do
+    /// Writes the scalars of `count` parts, NaN beyond those there are, and gives the file its name; `None` at the processes that do
     /// not write.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(
         self,
-        loads: &[Record],
+        records: &[Record],
         count: usize,
         not_converged: Option<&NotConverged>,
     ) -> Result<Option<PathBuf>, Failure> {
         let Some(mut archive) = self.archive else { return Ok(None) };
-        let load = Dimension::index("load", count, "load step");
-        write_columns(&mut archive, ("/loads", &load, ["load", "loads"]), &self.facts, loads, count)?;
+        let parts = Parts::of(self.facts.task);
+        let rows = Dimension::index(parts.name, count, parts.meaning);
+        write_columns(&mut archive, (parts.group, &rows, [parts.name, parts.plural]), &self.facts, records, count)?;
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         Ok(Some(archive.finish()?))
     }

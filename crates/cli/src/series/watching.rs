@@ -1,4 +1,4 @@
-//! Progress, interruptions and checkpoints while a load is solved.
+//! Progress, interruptions and checkpoints while a part is solved.
 
 use std::ops::ControlFlow;
 
@@ -11,23 +11,36 @@ use crate::resume::Kept;
 use crate::session::Session;
 use crate::trace::Tracer;
 
-/// The watcher of one load: progress, history, interruption, and copies of the solve.
-pub(super) struct Watching<'a, 'k> {
-    pub(super) index: usize,
-    pub(super) progress: &'a Progress,
-    pub(super) session: &'a Session,
+/// The watcher of one part: progress, history, interruption, and copies of the solve.
+pub(crate) struct Watching<'a, 'k> {
+    place: String,
+    progress: &'a Progress,
+    session: &'a Session,
     pub(super) history: History,
     pub(super) tracer: Option<Tracer>,
-    pub(super) kept: Option<&'a mut Kept<'k>>,
+    kept: Option<&'a mut Kept<'k>>,
     /// True after an interruption, which waits for the next copy.
-    pub(super) closing: bool,
+    closing: bool,
     pub(super) failed: Option<Failure>,
+}
+
+impl<'a, 'k> Watching<'a, 'k> {
+    /// The watcher of a solve at a place such as "load 3", of which nothing is kept.
+    pub(crate) fn new(place: String, progress: &'a Progress, session: &'a Session) -> Self {
+        let history = History::default();
+        Self { place, progress, session, history, tracer: None, kept: None, closing: false, failed: None }
+    }
+
+    /// The same with a record of the search, and with copies of it.
+    pub(super) fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut Kept<'k>>) -> Self {
+        Self { tracer, kept, ..self }
+    }
 }
 
 impl Watch for Watching<'_, '_> {
     fn see(&mut self, now: &gfmd_contact::Progress) -> ControlFlow<()> {
         let gfmd_contact::Progress { iteration, residual } = *now;
-        let note = format!("load {}, iteration {iteration}, residual {residual:.1e}", self.index);
+        let note = format!("{}, iteration {iteration}, residual {residual:.1e}", self.place);
         self.progress.advance(0.0, &note);
         self.history.see(iteration, residual);
         if let Some(tracer) = &mut self.tracer {
