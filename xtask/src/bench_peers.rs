@@ -23,11 +23,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_cli::choice::{named, parse_choice};
 use gfmd_cli::failure::Failure;
 use gfmd_cli::session::{Session, machine};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_field::Grid;
+use gfmd_problem::options::{named, parse_choice};
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};

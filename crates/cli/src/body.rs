@@ -21,15 +21,15 @@ use gfmd_green::Body;
 use serde::{Deserialize, Serialize};
 
 use crate::base::{self, BaseArgs};
-use crate::elastic::{BodyArgs, RecordedBodyArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::flags::{of_keys, without_flags};
 use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::file_of;
-use crate::values::up_to;
+use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::values::up_to;
+use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
 
 pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};

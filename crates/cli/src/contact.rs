@@ -31,14 +31,9 @@ use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::base::{BaseArgs, MovedBase};
-use crate::choice::{named, parse_choice};
-use crate::dynamics::DynamicsArgs;
-use crate::elastic::{BodyArgs, height, parse_height};
 use crate::failure::{Failure, Outcome, reached};
 use crate::figures::{Face, Scene, Shown, parse_prefix};
-use crate::flags::without_flags;
 use crate::hardness::GivenHardness;
-use crate::law::LawArgs;
 use crate::lower::LowerArgs;
 use crate::memory::peak_bytes;
 use crate::progress::Progress;
@@ -47,10 +42,15 @@ use crate::series::{
     Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, is_normal, keeping,
 };
 use crate::session::Session;
-use crate::solver::SolverArgs;
 use crate::source::{SourceArgs, Surface};
 use crate::trace::{Trace, TraceArgs, Tracer};
-use crate::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::options::DynamicsArgs;
+use gfmd_problem::options::LawArgs;
+use gfmd_problem::options::SolverArgs;
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::options::{BodyArgs, height, parse_height};
+use gfmd_problem::options::{named, parse_choice};
 
 pub(crate) use check::{again, check};
 use conductance::Conducting;

@@ -13,12 +13,12 @@ use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::Height;
 use serde::Serialize;
 
-use crate::elastic::{BodyArgs, OtherArgs};
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
 use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
+use gfmd_problem::options::{BodyArgs, OtherArgs};
 
 use experiment::{Experiment, FEWEST_STEPS, MOST_STEPS, Unusable};
 pub use experiment::{Optimal, Regime, Run};

@@ -1,13 +1,12 @@
 //! The failures of a command, and their exit status.
 
 use std::fmt::Display;
-use std::ops::RangeInclusive;
 
 use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::FileError;
 use gfmd_files::legible::line;
 use gfmd_plot::PlotError;
-use gfmd_problem::Clash;
+use gfmd_problem::{Clash, Unusable};
 
 /// Reasons why a command fails. Each message is one line, without characters that steer a terminal, also if it quotes a file.
 #[derive(Debug, thiserror::Error)]
@@ -27,12 +26,12 @@ pub enum Failure {
 impl Failure {
     /// The failure of a value that is out of its range, "--dt is 2; it must be above 0 and below 1".
     pub fn value(name: &str, found: impl Display, allowed: impl Display) -> Self {
-        Self::Input(short(&format!("{name} is {found}; it must be {allowed}")))
+        Unusable::value(name, found, allowed).into()
     }
 
     /// The failure of a flag, field or file for a reason that a library states.
     pub fn input(name: &str, reason: impl Display) -> Self {
-        Self::Input(short(&format!("{name}: {reason}")))
+        Unusable::input(name, reason).into()
     }
 
     /// The failure of a problem that cannot be posed on the surface with this name.
@@ -73,35 +72,6 @@ impl Failure {
             Self::Interrupted(_) => 130,
         }
     }
-}
-
-/// Writes numbers with more than this many digits as powers of ten.
-const MOST_DIGITS: usize = 24;
-
-/// The text with very long numbers, as 1 followed by three hundred zeros, as powers of ten.
-fn short(text: &str) -> String {
-    let is_number = |c: char| c.is_ascii_digit() || c == '.';
-    let mut words = Vec::new();
-    for word in text.split_inclusive(|c: char| !is_number(c)) {
-        let digits = word.trim_end_matches(|c: char| !is_number(c));
-        let number: Option<f64> = if digits.len() > MOST_DIGITS { digits.parse().ok() } else { None };
-        words.push(number.map_or_else(|| word.to_owned(), |number| format!("{number:e}{}", &word[digits.len()..])));
-    }
-    words.concat()
-}
-
-/// The sizes of moduli, lengths and stresses whose squares are numbers with all their digits.
-pub const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
-
-/// Checks the size of a number, which depends on the unit in which it is given.
-///
-/// # Errors
-/// A size whose square is too large or too small for a number.
-pub fn check_size(flag: &str, found: f64) -> Result<(), Failure> {
-    if SIZES.contains(&found) {
-        return Ok(());
-    }
-    Err(Failure::value(flag, format!("{found:e}"), "between 1e-140 and 1e140, which another unit makes it"))
 }
 
 /// The report of a command that may end early, and the reason if it did.
@@ -168,6 +138,12 @@ impl From<Clash> for Failure {
     }
 }
 
+impl From<Unusable> for Failure {
+    fn from(unusable: Unusable) -> Self {
+        Self::Input(unusable.to_string())
+    }
+}
+
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
         Self::Computation(error.to_string())
@@ -177,19 +153,5 @@ impl From<FileError> for Failure {
 impl From<PlotError> for Failure {
     fn from(error: PlotError) -> Self {
         Self::Computation(error.to_string())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_numbers_are_short_in_messages() {
-        let message = |found: f64| Failure::value("--young", found, "positive").to_string();
-        assert_eq!(message(1e300), "--young is 1e300; it must be positive");
-        assert_eq!(message(-2.5e-300), "--young is -2.5e-300; it must be positive");
-        assert_eq!(message(0.1), "--young is 0.1; it must be positive");
-        assert_eq!(Failure::input("--out", "a.b/c-1.2.3").to_string(), "--out: a.b/c-1.2.3");
     }
 }

@@ -6,10 +6,10 @@ use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
-use crate::elastic::{BodyArgs, OtherArgs, height, parse_height};
 use crate::failure::Failure;
-use crate::flags::{of_keys, without_flags};
-use crate::values::within;
+use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::values::within;
+use gfmd_problem::options::{BodyArgs, OtherArgs, height, parse_height};
 
 /// Flags of `green`.
 #[derive(clap::Args, Clone, Debug, Deserialize)]
@@ -63,7 +63,7 @@ impl Args {
     /// # Errors
     /// Another key; a value of another type.
     pub(crate) fn of(table: toml::Table) -> Result<Self, Failure> {
-        of_keys(table)
+        Ok(of_keys(table)?)
     }
 }
 
@@ -182,7 +182,7 @@ impl Report {
 
 fn body(args: &Args) -> Result<Body, Failure> {
     let Args { young, poisson, height, others, .. } = args;
-    BodyArgs { young: *young, poisson: *poisson, e_star: None, height: *height, others: others.clone() }.body()
+    Ok(BodyArgs { young: *young, poisson: *poisson, e_star: None, height: *height, others: others.clone() }.body()?)
 }
 
 fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {

@@ -6,9 +6,9 @@ use gfmd_surface::Periodisation;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::generator::{GeneratorArgs, LARGEST_SEED};
 use crate::session::Session;
 use crate::source::{Detrend, SourceArgs, Surface};
+use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 
 /// Flags of a rigid surface below the slab.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]

@@ -19,20 +19,20 @@ use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
 use crate::base::BaseArgs;
-use crate::choice::{named, parse_choice};
-use crate::elastic::BodyArgs;
 use crate::failure::{Failure, Outcome};
 use crate::figures::{Scene, Shown, parse_prefix};
-use crate::flags::{of_keys, without_flags};
 use crate::hardness::GivenHardness;
-use crate::law::LawArgs;
 use crate::lower::LowerArgs;
 use crate::progress::Progress;
 use crate::resume::{Kept, ResumeArgs};
 use crate::series::{Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, keeping};
 use crate::session::Session;
 use crate::source::SourceArgs;
-use crate::values::within;
+use gfmd_problem::options::BodyArgs;
+use gfmd_problem::options::LawArgs;
+use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::values::within;
+use gfmd_problem::options::{named, parse_choice};
 
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;

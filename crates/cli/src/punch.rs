@@ -15,16 +15,17 @@ use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::convergence::{History, NotConverged};
-use crate::dynamics::{DampedBy, DynamicsArgs};
-use crate::elastic::{BodyArgs, OtherArgs, height_if, parse_height};
-use crate::failure::{Failure, Outcome, check_size};
+use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
-use crate::flags::{of_keys, without_flags};
 use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::trace::{TraceArgs, Tracer};
-use crate::values::{up_to, within};
+use gfmd_problem::check_size;
+use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::values::{up_to, within};
+use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
+use gfmd_problem::options::{DampedBy, DynamicsArgs};
 
 mod check;
 mod comparison;

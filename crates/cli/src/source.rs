@@ -10,14 +10,16 @@ use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, com
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::choice::{named, named_if, parse_choice};
-use crate::elastic::sides;
-use crate::failure::{Failure, SIZES, check_size};
-use crate::flags::without_flags;
-use crate::generator::GeneratorArgs;
+use crate::failure::Failure;
+use crate::memory::{self, Processes};
 use crate::session::Session;
-use crate::values::up_to;
 use crate::{processes, rows};
+use gfmd_problem::options::GeneratorArgs;
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::sides;
+use gfmd_problem::options::values::up_to;
+use gfmd_problem::options::{named, named_if, parse_choice};
+use gfmd_problem::{SIZES, check_size};
 
 use scan::{Prepared, Scan};
 
@@ -66,6 +68,20 @@ pub struct SourceArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub generator: GeneratorArgs,
+}
+
+/// The grid of a generated surface, if it fits into the memory of this machine.
+///
+/// # Errors
+/// Numbers that make no grid, more points than fit.
+pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failure> {
+    generated_grid(generator, length, Processes::ALONE)
+}
+
+/// As [`grid_of`], of several processes that share the points.
+fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
+    memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
+    Ok(generator.grid(length)?)
 }
 
 /// The trends that can be subtracted from measured heights.
@@ -315,7 +331,7 @@ impl SourceArgs {
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
-            let grid = session.agree(self.generator.grid_shared(&self.length, session.processes()))?;
+            let grid = session.agree(generated_grid(&self.generator, &self.length, session.processes()))?;
             let share = shared(&grid)?;
             return Ok(Made::generated(self.generator.heights_shared(&grid, &share)?, grid, share, &self.generator));
         }
@@ -348,7 +364,7 @@ impl SourceArgs {
                 (heights, grid, description, Some(scan), Some((file_of(file).into(), checksum)))
             }
             None => {
-                let grid = self.generator.grid(&self.length)?;
+                let grid = grid_of(&self.generator, &self.length)?;
                 (self.generator.heights(&grid)?, grid, self.generator.to_string(), None, None)
             }
         };

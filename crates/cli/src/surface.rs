@@ -14,10 +14,10 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::generator::Method;
 use crate::session::{Session, list_files};
 use crate::source::scan::Scan;
 use crate::source::{Second, SourceArgs};
+use gfmd_problem::options::Method;
 
 use file::Target;
 use listing::Listing;

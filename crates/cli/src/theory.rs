@@ -11,12 +11,12 @@ use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
 use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
-use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::generator::Method;
 use crate::session::{Session, list_files};
 use crate::source::SourceArgs;
+use gfmd_problem::options::BodyArgs;
+use gfmd_problem::options::Method;
 
 /// Flags of `theory`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -1,5 +1,6 @@
 //! A contact problem of any kind, from its description to its states at rest.
 //!
+//! - [`options`] describe a problem: what the flags of the program, its configurations and the dictionaries of Python fill.
 //! - [`Facts`] are what a problem has: a law, free boundaries, a second body, ... [`RULES`] say which of them do not go
 //!   together, once for the program, the Python package, the documentation and the tests.
 //! - [`pose`] is the one place that makes a contact of them: a [`Posed`] problem, which every solver, path and file takes as
@@ -29,18 +30,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adhesion;
 mod facts;
 mod kinds;
 mod memory;
+pub mod options;
 mod parts;
 mod pose;
 mod posed;
 mod rules;
 mod unknown;
+mod unusable;
 
+pub use adhesion::Adhesion;
 pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 pub use memory::Held;
 pub use pose::{Given, pose};
 pub use posed::{Kind, NoStiffness, Posed, Rest, State};
 pub use rules::{Clash, Part, RULES, Rule, rules_of, table};
 pub use unknown::{NoUnknown, Unknown};
+pub use unusable::{SIZES, Unusable, check_size};

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use gfmd_cli::elastic::body_of;
 use gfmd_cli::failure::Failure;
 use gfmd_cli::json;
-use gfmd_cli::law::{Adhesion, LawArgs};
 use gfmd_cli::memory;
 use gfmd_cli::series::Slopes;
 use gfmd_contact::{
@@ -16,6 +14,8 @@ use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::{Kind, Law};
 use gfmd_measure::Scales;
+use gfmd_problem::options::body_of;
+use gfmd_problem::{Adhesion, options::LawArgs};
 use gfmd_problem::{Facts, Given as Parts, Lower, Unknown};
 use gfmd_surface::{Moments, PowerSpectrum, Statistics};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
@@ -329,7 +329,10 @@ impl Problem {
         let loads = Loads::new(given, solver).map_err(refuse)?;
         if let Some(coarse) = coarse {
             let advice = Adhesion::of(args, law, grid, &moments, body.contact_modulus());
-            advice.map_or(Ok(()), |advice| advice.tell(coarse))?;
+            if let Some(advice) = &advice {
+                advice.check(coarse)?;
+                tracing::info!("{advice}");
+            }
             if let Some(trapping) = loads.trapping() {
                 tracing::warn!("{trapping}");
             } else if let Some(unresolved) = advice.and_then(|advice| advice.unresolved()) {

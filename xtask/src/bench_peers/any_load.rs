@@ -54,7 +54,7 @@ pub struct Kind {
     /// The name in tables.
     pub name: &'static str,
     /// "periodic" or "free".
-    #[serde(with = "gfmd_cli::choice::named")]
+    #[serde(with = "gfmd_problem::options::named")]
     pub boundary: Boundary,
     /// Largest pressure over E*.
     pub hardness: Option<f64>,

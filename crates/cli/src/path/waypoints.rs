@@ -5,9 +5,9 @@ use gfmd_contact::{Drive, Load};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::flags::without_flags;
 use crate::memory;
-use crate::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 
 /// The largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;

@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::convergence::NotConverged;
-use crate::elastic::{OtherArgs, height};
 use crate::session::list_files;
 use crate::trace::Trace;
+use gfmd_problem::options::{OtherArgs, height};
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::Kind;
 use crate::failure::Failure;
-use crate::flags::{self, keys, line};
+use gfmd_problem::options::flags::{self, keys, line};
 
 /// Keys that say how a run was shown and kept, and change no number of a result. They are left out.
 const SHOWN: [&str; 10] =

@@ -10,11 +10,11 @@ use super::comparison::Comparison;
 use super::configuration::Configuration;
 use crate::base::{BaseArgs, stored_base};
 use crate::failure::Failure;
-use crate::flags::keys;
 use crate::hardness::stored_hardness;
 use crate::lower::{LowerArgs, stored_lower};
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
+use gfmd_problem::options::flags::keys;
 
 /// Compares the heights of a result with their checksum.
 ///

@@ -11,14 +11,14 @@ use serde::Serialize;
 use super::Slopes;
 use super::prepared::{Asked, Prepared};
 use crate::base::BaseArgs;
-use crate::choice::named;
-use crate::elastic::OtherArgs;
 use crate::hardness::GivenHardness;
-use crate::law::Adhesion;
 use crate::lower;
 use crate::session::Session;
 use crate::source::scan::Scan;
 use crate::source::{Second, Surface};
+use gfmd_problem::Adhesion;
+use gfmd_problem::options::OtherArgs;
+use gfmd_problem::options::named;
 
 /// The problem that was solved, as printed.
 #[derive(Clone, Debug, Serialize)]

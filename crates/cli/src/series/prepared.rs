@@ -12,15 +12,15 @@ use ndarray::Array2;
 
 use super::parts::Parts;
 use crate::base::{BaseArgs, MovedBase};
-use crate::elastic::BodyArgs;
 use crate::failure::Failure;
 use crate::hardness::{self, GivenHardness};
-use crate::law::{Adhesion, LawArgs};
 use crate::lower::LowerArgs;
 use crate::memory;
 use crate::result::stored_unit;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
+use gfmd_problem::options::BodyArgs;
+use gfmd_problem::{Adhesion, options::LawArgs};
 
 /// The parts of a problem that all series have, as they are asked for.
 pub(crate) struct Asked<'a> {
@@ -142,7 +142,10 @@ impl Prepared {
     pub(crate) fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
         let adhesion = self.adhesion(asked.law);
-        adhesion.map_or(Ok(()), |adhesion| adhesion.tell(asked.law.coarse))?;
+        if let Some(adhesion) = adhesion {
+            adhesion.check(asked.law.coarse)?;
+            tracing::info!("{adhesion}");
+        }
         if let Some(trapping) = contact.trapping() {
             session.warn("lattice-trapping", trapping);
         } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {

@@ -8,8 +8,8 @@ use gfmd_law::Law;
 use gfmd_surface::Moments;
 use serde::Serialize;
 
-use super::LawArgs;
-use crate::failure::Failure;
+use crate::Unusable;
+use crate::options::LawArgs;
 
 /// The numbers of an attraction on a surface and a grid.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -35,7 +35,7 @@ pub struct Adhesion {
 }
 
 /// The least width of the process zone in grid steps that is solved without `--coarse`.
-pub(super) const LEAST_POINTS: f64 = 0.1;
+pub(crate) const LEAST_POINTS: f64 = 0.1;
 
 /// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the attraction.
 const WANG_ZHOU_MUSER: f64 = 0.5;
@@ -71,18 +71,17 @@ impl Adhesion {
         sizes.iter().all(|size| *size > 0.0 && size.is_finite()).then_some(found)
     }
 
-    /// Tells the numbers, and refuses a grid that is much too coarse unless `coarse`.
+    /// Refuses a grid that is much too coarse, unless `coarse`.
     ///
     /// # Errors
     /// A process zone below a tenth of a grid step.
-    pub fn tell(&self, coarse: bool) -> Result<(), Failure> {
+    pub fn check(&self, coarse: bool) -> Result<(), Unusable> {
         let points = self.process_zone_points;
         if points < LEAST_POINTS && !coarse {
             let found = format!("--law: the process zone at the edge of a contact is {points:.1e} grid steps wide");
             let allowed = "refine the grid, take a longer range, or give --coarse for a contact of single points";
-            return Err(Failure::Input(format!("{found}; it must be at least {LEAST_POINTS}: {allowed}")));
+            return Err(Unusable::of(format!("{found}; it must be at least {LEAST_POINTS}: {allowed}")));
         }
-        tracing::info!("{self}");
         Ok(())
     }
 

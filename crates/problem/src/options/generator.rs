@@ -11,11 +11,10 @@ use gfmd_surface::{
 use ndarray::{Array2, s};
 use serde::{Deserialize, Serialize};
 
-use crate::choice::{named, parse_choice};
-use crate::failure::{Failure, check_size};
-use crate::flags::without_flags;
-use crate::memory::{self, Processes};
-use crate::values::within;
+use super::choice::{named, parse_choice};
+use super::flags::without_flags;
+use super::values::within;
+use crate::{Unusable, check_size};
 
 /// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
 pub const LARGEST_SEED: u64 = i64::MAX as u64;
@@ -114,7 +113,7 @@ impl GeneratorArgs {
     ///
     /// # Errors
     /// Numbers that make no grid.
-    pub fn resolved(&self) -> Result<Self, Failure> {
+    pub fn resolved(&self) -> Result<Self, Unusable> {
         let mut whole = self.clone();
         if self.method == Method::Psd {
             whole.eps_t_inv = Some(self.eps_t_inv.unwrap_or(EPS_T_INV));
@@ -129,34 +128,25 @@ impl GeneratorArgs {
     /// Makes the grid in a cell of `length`: Lx and Ly, or Lx with equal spacings along x and y, or nothing for Lx = 1.
     ///
     /// # Errors
-    /// Numbers that make no grid, lengths that make no cell, more points than fit into memory.
-    pub fn grid(&self, length: &[f64]) -> Result<Grid, Failure> {
-        self.grid_shared(length, Processes::ALONE)
-    }
-
-    /// As [`grid`](Self::grid), whose points several processes share.
-    ///
-    /// # Errors
-    /// As [`grid`](Self::grid).
-    pub(crate) fn grid_shared(&self, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
+    /// Numbers that make no grid, lengths that make no cell.
+    pub fn grid(&self, length: &[f64]) -> Result<Grid, Unusable> {
         let [nx, ny] = self.points()?;
-        memory::fits_shared(memory::SURFACE, "--n", [nx, ny], processes)?;
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),
-            (2, _) => return Err(Failure::value("--length", format!("{length:?}"), "one length for a profile")),
+            (2, _) => return Err(Unusable::value("--length", format!("{length:?}"), "one length for a profile")),
             (_, [lx, ly]) => Grid::new([nx, ny], [*lx, *ly]),
             (_, [] | [_]) => Grid::new([nx, ny], [along_x, along_x * ny as f64 / nx as f64]),
-            _ => return Err(Failure::value("--length", format!("{length:?}"), "L or LX,LY")),
+            _ => return Err(Unusable::value("--length", format!("{length:?}"), "L or LX,LY")),
         };
-        grid.map_err(|error| Failure::input("--length", error))
+        grid.map_err(|error| Unusable::input("--length", error))
     }
 
     /// Makes the heights on a grid made by [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
     ///
     /// # Errors
     /// A flag out of its range, flags that do not go together.
-    pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Failure> {
+    pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         match self.method {
             Method::Psd => self.heights_shared(grid, &grid.whole()),
@@ -166,7 +156,7 @@ impl GeneratorArgs {
     }
 
     /// True if several processes make their own rows by [`heights_shared`](Self::heights_shared).
-    pub(crate) fn is_shared(&self) -> bool {
+    pub fn is_shared(&self) -> bool {
         self.method == Method::Psd
     }
 
@@ -174,12 +164,12 @@ impl GeneratorArgs {
     ///
     /// # Errors
     /// As [`heights`](Self::heights), on all processes.
-    pub(crate) fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Failure> {
+    pub fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| flagged(&error))
     }
 
-    fn check_normalisation(&self) -> Result<(), Failure> {
+    fn check_normalisation(&self) -> Result<(), Unusable> {
         let (flag, size) = match self.normalisation() {
             Normalisation::RmsGradient(gradient) => ("--rms-gradient", gradient),
             Normalisation::RmsHeight(height) => ("--rms-height", height),
@@ -191,12 +181,15 @@ impl GeneratorArgs {
     }
 
     /// The number of points along x and y.
-    fn points(&self) -> Result<[usize; 2], Failure> {
-        let allowed = || Failure::value("--n", format!("{:?}", self.n), "N, or NX,NY for a surface");
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn points(&self) -> Result<[usize; 2], Unusable> {
+        let allowed = || Unusable::value("--n", format!("{:?}", self.n), "N, or NX,NY for a surface");
         let [nx, ny] = match (&self.n[..], self.eps_c_inv) {
             (_, Some(_)) if self.method != Method::Psd => return Err(self.no_cut_offs("--eps-c-inv")),
             ([_, ..], Some(_)) => {
-                return Err(Failure::Input("--eps-c-inv follows from --n; give one of the two".into()));
+                return Err(Unusable::of("--eps-c-inv follows from --n; give one of the two"));
             }
             ([], Some(eps_c_inv)) => {
                 let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
@@ -210,7 +203,7 @@ impl GeneratorArgs {
             _ => return Err(allowed()),
         };
         if nx < 2 || ny < 2 {
-            return Err(Failure::value("--n", nx.min(ny), "at least 2"));
+            return Err(Unusable::value("--n", nx.min(ny), "at least 2"));
         }
         Ok([nx, if self.dim == 2 { 1 } else { ny }])
     }
@@ -219,7 +212,7 @@ impl GeneratorArgs {
     ///
     /// # Errors
     /// A number out of its range, or a grid too coarse for the shortest wavelength.
-    pub fn spectrum(&self, grid: &Grid) -> Result<SelfAffine, Failure> {
+    pub fn spectrum(&self, grid: &Grid) -> Result<SelfAffine, Unusable> {
         let sides = if grid.is_line() { 1 } else { 2 };
         let smaller = |values: [f64; 2]| values[..sides].iter().copied().fold(f64::INFINITY, f64::min);
         let larger = |values: [f64; 2]| values[..sides].iter().copied().fold(0.0, f64::max);
@@ -227,7 +220,7 @@ impl GeneratorArgs {
         let eps_f_inv = self.eps_f_inv_on(smaller(grid.lengths()) / larger(grid.spacing()));
         for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
             if !(1.0..=MOST_POINTS).contains(&found) {
-                return Err(Failure::value(flag, found, format!("between 1 and {MOST_POINTS}")));
+                return Err(Unusable::value(flag, found, format!("between 1 and {MOST_POINTS}")));
             }
         }
         let longest = smaller(grid.lengths()) / eps_t_inv;
@@ -236,7 +229,7 @@ impl GeneratorArgs {
         if per_wave < 2.0 * (1.0 - 1e-12) {
             let n = self.n.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
             let n = if n.is_empty() { POINTS.to_string() } else { n };
-            return Err(Failure::Input(format!(
+            return Err(Unusable::of(format!(
                 "--n is {n}; with --eps-t-inv {eps_t_inv} and --eps-f-inv {eps_f_inv} the shortest wavelength has \
                  {per_wave} points, and it must have at least 2"
             )));
@@ -266,13 +259,13 @@ impl GeneratorArgs {
 
     /// Makes heights by subdivision on at least as many points as the grid has, cuts them to the grid, subtracts their mean
     /// and scales them.
-    fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Failure> {
+    fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Unusable> {
         let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
             return Err(self.no_cut_offs(flag));
         }
         if self.amplitudes == Amplitudes::Fixed {
-            return Err(Failure::value("--amplitudes", "fixed", format!("gaussian with --method {}", self.method)));
+            return Err(Unusable::value("--amplitudes", "fixed", format!("gaussian with --method {}", self.method)));
         }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
@@ -289,17 +282,17 @@ impl GeneratorArgs {
             Normalisation::RmsHeight(asked) => ("--rms-height", moments.rms_height(), asked),
         };
         if !(asked.is_finite() && asked > 0.0) {
-            return Err(Failure::value(flag, asked, "positive and finite"));
+            return Err(Unusable::value(flag, asked, "positive and finite"));
         }
         if found == 0.0 {
-            return Err(Failure::input("--n", format!("{nx} x {ny} points make a flat surface; more are needed")));
+            return Err(Unusable::input("--n", format!("{nx} x {ny} points make a flat surface; more are needed")));
         }
         heights *= asked / found;
         Ok(heights)
     }
 
-    fn no_cut_offs(&self, flag: &str) -> Failure {
-        Failure::input(flag, format!("--method {} has no cut-offs; only --method psd has them", self.method))
+    fn no_cut_offs(&self, flag: &str) -> Unusable {
+        Unusable::input(flag, format!("--method {} has no cut-offs; only --method psd has them", self.method))
     }
 }
 
@@ -322,7 +315,7 @@ impl fmt::Display for Method {
 }
 
 /// The error of the library under the name of its flag.
-fn flagged(error: &SurfaceError) -> Failure {
+fn flagged(error: &SurfaceError) -> Unusable {
     let flag = match error {
         SurfaceError::Hurst(_) => "--hurst",
         SurfaceError::RollOff { .. } => "--roll-off",
@@ -334,7 +327,7 @@ fn flagged(error: &SurfaceError) -> Failure {
         SurfaceError::Discretisation { .. } | SurfaceError::PointCount { .. } => "--eps-c-inv",
         _ => "--n",
     };
-    Failure::input(flag, error)
+    Unusable::input(flag, error)
 }
 
 #[cfg(test)]
@@ -355,7 +348,7 @@ mod tests {
     }
 
     /// The heights of a line of flags in a cell of length 1, and their grid.
-    fn made(line: &str) -> Result<(Array2<f64>, Grid), Failure> {
+    fn made(line: &str) -> Result<(Array2<f64>, Grid), Unusable> {
         let generator = flags(line);
         let grid = generator.grid(&[])?;
         Ok((generator.heights(&grid)?, grid))
@@ -419,7 +412,6 @@ mod tests {
         says("--method sra --amplitudes fixed", "--amplitudes is fixed; it must be gaussian with --method sra");
         says("--n 1", "--n is 1; it must be at least 2");
         says("--n 64,64 --dim 2", "--n is [64, 64]; it must be N, or NX,NY for a surface");
-        says("--n 100000000", "--n: 100000000 x 100000000 points need");
         says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to");
         let length = |length: &[f64]| flags("").grid(length).unwrap_err().to_string();
         assert!(length(&[-1.0]).starts_with("--length: the cell lengths are [-1.0, -1.0]; they must be positive"));

@@ -4,8 +4,8 @@ use clap::Args;
 use gfmd_contact::Factors;
 use serde::{Deserialize, Serialize};
 
-use crate::failure::Failure;
-use crate::values::up_to;
+use super::values::up_to;
+use crate::Unusable;
 
 /// Flags of the dynamics.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct DynamicsArgs {
 
 /// The method for which the flags are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DampedBy {
+pub enum DampedBy {
     /// Numbers, one or one for each component: `verlet-critical`.
     Numbers,
     /// Modes: `verlet-modes`.
@@ -38,18 +38,18 @@ impl DynamicsArgs {
     ///
     /// # Errors
     /// A flag that the method does not take; two numbers in place of one or three.
-    pub(crate) fn check(&self, method: DampedBy) -> Result<(), Failure> {
+    pub fn check(&self, method: DampedBy) -> Result<(), Unusable> {
         if let (Some(dt), DampedBy::Other) = (self.dt, method) {
-            return Err(Failure::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
+            return Err(Unusable::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
         }
         if let (Some(factor), false) = (self.damping.first(), method == DampedBy::Numbers) {
-            return Err(Failure::value("--damping", factor, "left out without --solver verlet-critical"));
+            return Err(Unusable::value("--damping", factor, "left out without --solver verlet-critical"));
         }
         self.factors().map(drop)
     }
 
     /// The time step over its stability limit.
-    pub(crate) fn time_step(&self) -> Option<f64> {
+    pub fn time_step(&self) -> Option<f64> {
         self.dt
     }
 
@@ -57,17 +57,17 @@ impl DynamicsArgs {
     ///
     /// # Errors
     /// Two numbers.
-    pub(crate) fn factors(&self) -> Result<Factors, Failure> {
+    pub fn factors(&self) -> Result<Factors, Unusable> {
         match self.damping[..] {
             [] => Ok(Factors::Softest(1.0)),
             [factor] => Ok(Factors::Softest(factor)),
             [x, y, z] => Ok(Factors::Components([x, y, z])),
-            _ => Err(Failure::value("--damping", format!("{:?}", self.damping), "one number, or three")),
+            _ => Err(Unusable::value("--damping", format!("{:?}", self.damping), "one number, or three")),
         }
     }
 
     /// Returns true if a flag is given.
-    pub(crate) fn is_given(&self) -> bool {
+    pub fn is_given(&self) -> bool {
         self.dt.is_some() || !self.damping.is_empty()
     }
 }

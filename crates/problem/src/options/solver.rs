@@ -4,8 +4,8 @@ use clap::Args;
 use gfmd_contact::{Budget, Solver};
 use serde::{Deserialize, Serialize};
 
-use crate::choice::{named, parse_choice};
-use crate::flags::without_flags;
+use super::choice::{named, parse_choice};
+use super::flags::without_flags;
 
 /// Flags of a contact solver.
 #[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]

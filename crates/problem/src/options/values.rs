@@ -7,7 +7,7 @@ const MOST: usize = 10_000;
 
 /// One entry of a list: a number, or `A:B:N`, which is N numbers from A to B in geometric steps.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Entry(Vec<f64>);
+pub struct Entry(Vec<f64>);
 
 impl std::str::FromStr for Entry {
     type Err = String;
@@ -46,22 +46,31 @@ impl std::str::FromStr for Entry {
 }
 
 /// The numbers of all entries.
-pub(crate) fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
+pub fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
     entries.iter().flat_map(|entry| entry.0.iter().copied())
 }
 
 /// Writes the numbers of all entries, as if each had been given.
-pub(crate) fn as_numbers<S: Serializer>(entries: &[Entry], serializer: S) -> Result<S::Ok, S::Error> {
+///
+/// # Errors
+/// An error of the serialiser.
+pub fn as_numbers<S: Serializer>(entries: &[Entry], serializer: S) -> Result<S::Ok, S::Error> {
     numbers(entries).collect::<Vec<f64>>().serialize(serializer)
 }
 
 /// Reads numbers, one entry each.
-pub(crate) fn from_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Entry>, D::Error> {
+///
+/// # Errors
+/// A value that is no list of numbers.
+pub fn from_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Entry>, D::Error> {
     Ok(Vec::<f64>::deserialize(deserializer)?.into_iter().map(|number| Entry(vec![number])).collect())
 }
 
 /// Reads a list of one to `MOST` values.
-pub(crate) fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
+///
+/// # Errors
+/// A list of another length.
+pub fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<T>, D::Error> {
     let values = Vec::deserialize(deserializer)?;
@@ -72,7 +81,10 @@ pub(crate) fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer
 }
 
 /// Reads a whole number from `LEAST` to `MOST`.
-pub(crate) fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deserializer<'de>>(
+///
+/// # Errors
+/// Another number.
+pub fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {
     let found = u64::deserialize(deserializer)?;

@@ -1,9 +1,9 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
+use crate::Unknown;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
-use gfmd_problem::Unknown;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 
 /// A list of values that a library defines, each with a name and a meaning.

@@ -6,13 +6,12 @@ use std::ops::RangeInclusive;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
-use gfmd_problem::{Facts, Support};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::choice::{named, named_if, parse_choice};
-use crate::failure::{Failure, SIZES, check_size};
-use crate::flags::{of_keys, without_flags};
+use super::choice::{named, named_if, parse_choice};
+use super::flags::{of_keys, without_flags};
+use crate::{Facts, SIZES, Support, Unusable, check_size};
 
 /// Flags that describe the elastic body.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -127,12 +126,12 @@ impl fmt::Display for Sheet {
 }
 
 impl Sheet {
-    fn material(&self, flag: &str) -> Result<Material, Failure> {
+    fn material(&self, flag: &str) -> Result<Material, Unusable> {
         material([flag, flag], self.young, self.poisson)
     }
 
-    fn body(&self, flag: &str) -> Result<Body, Failure> {
-        Body::new(self.material(flag)?, self.height).map_err(|error| Failure::input(flag, error))
+    fn body(&self, flag: &str) -> Result<Body, Unusable> {
+        Body::new(self.material(flag)?, self.height).map_err(|error| Unusable::input(flag, error))
     }
 
     /// The material in words.
@@ -142,12 +141,12 @@ impl Sheet {
 }
 
 /// A material, whose modulus and Poisson's ratio have the flags `[young, poisson]`.
-fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> Result<Material, Failure> {
+fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> Result<Material, Unusable> {
     if young.is_finite() && young > 0.0 {
         check_size(young_flag, young)?;
     }
     Material::from_young(young, poisson).map_err(|error| {
-        Failure::input(if matches!(error, GreenError::Young(_)) { young_flag } else { poisson_flag }, error)
+        Unusable::input(if matches!(error, GreenError::Young(_)) { young_flag } else { poisson_flag }, error)
     })
 }
 
@@ -162,7 +161,7 @@ impl BodyArgs {
     ///
     /// # Errors
     /// A flag out of its range; flags that do not go together.
-    pub fn body(&self) -> Result<Body, Failure> {
+    pub fn body(&self) -> Result<Body, Unusable> {
         let material = match self.e_star {
             Some(modulus) => {
                 if modulus.is_finite() && modulus > 0.0 {
@@ -170,7 +169,7 @@ impl BodyArgs {
                 }
                 Material::from_contact_modulus(modulus, self.poisson).map_err(|error| {
                     let of_modulus = matches!(error, GreenError::ContactModulus(_));
-                    Failure::input(if of_modulus { "--e-star" } else { "--poisson" }, error)
+                    Unusable::input(if of_modulus { "--e-star" } else { "--poisson" }, error)
                 })?
             }
             None => self::material(["--young", "--poisson"], self.young, self.poisson)?,
@@ -208,7 +207,7 @@ impl BodyArgs {
     ///
     /// # Errors
     /// A slab so thin or so high, or a unit so small or so large, that digits are lost.
-    pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Failure> {
+    pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Unusable> {
         self.others.check_heights(self.height, &sides(grid))?;
         let flag = if self.e_star.is_some() { "--e-star" } else { "--young" };
         // A flat surface is judged by what uses it.
@@ -216,7 +215,7 @@ impl BodyArgs {
             return Ok(());
         }
         let reason = format!("E* times the rms gradient is {unit:e}; it must be between 1e-140 and 1e140");
-        Err(Failure::input(flag, reason + ", which another unit of stress makes it"))
+        Err(Unusable::input(flag, reason + ", which another unit of stress makes it"))
     }
 }
 
@@ -224,7 +223,7 @@ impl BodyArgs {
 ///
 /// # Errors
 /// A key that no body has, a value of another type.
-pub fn body_of(table: toml::Table) -> Result<BodyArgs, Failure> {
+pub fn body_of(table: toml::Table) -> Result<BodyArgs, Unusable> {
     of_keys(table)
 }
 
@@ -233,23 +232,23 @@ impl OtherArgs {
     ///
     /// # Errors
     /// A flag out of its range; flags that do not go together.
-    pub fn below(&self, material: Material, height: Height) -> Result<Body, Failure> {
-        let top = Body::new(material, height).map_err(|error| Failure::input("--height", error))?;
+    pub fn below(&self, material: Material, height: Height) -> Result<Body, Unusable> {
+        let top = Body::new(material, height).map_err(|error| Unusable::input("--height", error))?;
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         if *base != BaseKind::HalfSpace {
             for (flag, value) in [("--base-young", base_young), ("--base-poisson", base_poisson)] {
                 if let Some(value) = value {
-                    return Err(Failure::value(flag, value, "left out without --base half-space"));
+                    return Err(Unusable::value(flag, value, "left out without --base half-space"));
                 }
             }
         }
         let body = match height {
             Height::Infinite => {
                 if let Some(layer) = layer.first() {
-                    return Err(Failure::value("--layer", layer, "left out with --height inf: nothing lies below"));
+                    return Err(Unusable::value("--layer", layer, "left out with --height inf: nothing lies below"));
                 }
                 if *base != BaseKind::Bonded {
-                    return Err(Failure::value("--base", base, "bonded with --height inf: a half-space has no base"));
+                    return Err(Unusable::value("--base", base, "bonded with --height inf: a half-space has no base"));
                 }
                 top
             }
@@ -258,14 +257,14 @@ impl OtherArgs {
                 for sheet in layer {
                     sheet.body("--layer")?;
                     let Height::Finite(height) = sheet.height else {
-                        return Err(Failure::value("--layer", sheet, "E,NU,H with a height"));
+                        return Err(Unusable::value("--layer", sheet, "E,NU,H with a height"));
                     };
                     layers.push((sheet.material("--layer")?, height));
                 }
                 let below = match base {
                     BaseKind::HalfSpace => {
                         let missing =
-                            |flag| Failure::Input(format!("{flag} is missing; it is needed with --base half-space"));
+                            |flag| Unusable::of(format!("{flag} is missing; it is needed with --base half-space"));
                         let young = base_young.ok_or_else(|| missing("--base-young"))?;
                         let poisson = base_poisson.ok_or_else(|| missing("--base-poisson"))?;
                         Some(self::material(["--base-young", "--base-poisson"], young, poisson)?)
@@ -273,7 +272,7 @@ impl OtherArgs {
                     _ => None,
                 };
                 let stack = base.with(below).and_then(|base| Body::stack(&layers, base));
-                stack.map_err(|error| Failure::input("--layer", error))?
+                stack.map_err(|error| Unusable::input("--layer", error))?
             }
         };
         match second_body {
@@ -286,7 +285,7 @@ impl OtherArgs {
     ///
     /// # Errors
     /// A slab so thin or so high that digits are lost.
-    pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Failure> {
+    pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Unusable> {
         let others = self.layer.iter().map(|sheet| ("--layer", sheet.height));
         let second = self.second_body.iter().map(|sheet| ("--second-body", sheet.height));
         for (flag, height) in std::iter::once(("--height", height)).chain(others).chain(second) {
@@ -295,7 +294,7 @@ impl OtherArgs {
                 let or = if flag == "--layer" { "" } else { ", or inf" };
                 let allowed = format!("between 1e-12 and 1e12 times the cell length {side:e}{or}");
                 let name = if flag == "--height" { flag.to_owned() } else { format!("the height of {flag}") };
-                return Err(Failure::value(&name, format!("{height:e}"), allowed));
+                return Err(Unusable::value(&name, format!("{height:e}"), allowed));
             }
         }
         Ok(())
@@ -387,8 +386,8 @@ impl RecordedBodyArgs {
     ///
     /// # Errors
     /// A property that neither has; a record that no run writes.
-    pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Failure> {
-        let unusable = |error: &dyn fmt::Display| Failure::input("the config that the input records", error);
+    pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Unusable> {
+        let unusable = |error: &dyn fmt::Display| Unusable::input("the config that the input records", error);
         let mut table = record.clone();
         let given = toml::Table::try_from(self).map_err(|error| unusable(&error))?;
         // A modulus replaces the other one, a base its half-space.
@@ -406,7 +405,7 @@ impl RecordedBodyArgs {
             [("--young", has("young") || has("e_star")), ("--poisson", has("poisson")), ("--height", has("height"))];
         match needed.into_iter().find(|(_, has)| !has) {
             Some((flag, _)) => {
-                Err(Failure::Input(format!("{flag} is missing; it is needed because the input does not record it")))
+                Err(Unusable::of(format!("{flag} is missing; it is needed because the input does not record it")))
             }
             None => BodyArgs::deserialize(table).map_err(|error| unusable(&error.message())),
         }

@@ -4,13 +4,13 @@ use clap::{Args, Command, FromArgMatches};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use crate::failure::Failure;
+use crate::Unusable;
 
 /// The longest value in a message.
 const LONGEST: usize = 200;
 
 /// A group of flags of which none is given: the defaults that the help names.
-pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
+pub fn without_flags<A: Args + FromArgMatches>() -> A {
     let command = A::augment_args(Command::new("gfmd").no_binary_name(true)).ignore_errors(true);
     // A number that a command needs is none.
     let command = command.mut_args(|flag| match flag.is_required_set() {
@@ -22,7 +22,7 @@ pub(crate) fn without_flags<A: Args + FromArgMatches>() -> A {
 }
 
 /// The keys of a group of flags in a configuration.
-pub(crate) fn keys<A: Args>() -> Vec<String> {
+pub fn keys<A: Args>() -> Vec<String> {
     let command = A::augment_args(Command::new("gfmd"));
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
 }
@@ -31,11 +31,11 @@ pub(crate) fn keys<A: Args>() -> Vec<String> {
 ///
 /// # Errors
 /// Another key; a value of another type, which is named.
-pub(crate) fn of_keys<A: Args + DeserializeOwned>(table: Table) -> Result<A, Failure> {
+pub fn of_keys<A: Args + DeserializeOwned>(table: Table) -> Result<A, Unusable> {
     let keys = keys::<A>();
     match table.keys().find(|key| !keys.contains(key)) {
-        Some(key) => Err(Failure::value("a key", quoted(key), format!("one of {}", keys.join(", ")))),
-        None => of_table(table).map_err(Failure::Input),
+        Some(key) => Err(Unusable::value("a key", quoted(key), format!("one of {}", keys.join(", ")))),
+        None => of_table(table).map_err(Unusable::of),
     }
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn of_keys<A: Args + DeserializeOwned>(table: Table) -> Result<A, Fai
 ///
 /// # Errors
 /// A value of another type, which is named.
-pub(crate) fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
+pub fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
     A::deserialize(table.clone()).map_err(|error| {
         // Every key has a default, so that a value is wrong if it cannot be read alone.
         let wrong = table.into_iter().find_map(|(key, value)| {
@@ -56,7 +56,7 @@ pub(crate) fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
 }
 
 /// A key in a message.
-pub(crate) fn quoted(key: &str) -> String {
+pub fn quoted(key: &str) -> String {
     shown(&Value::String(key.into()))
 }
 
@@ -69,7 +69,7 @@ fn shown(value: &Value) -> String {
 }
 
 /// A text in one line, without control characters, not too long.
-pub(crate) fn line(text: &str) -> String {
+pub fn line(text: &str) -> String {
     short(&text.escape_debug().to_string().replace("\\n", " ").replace("\\\"", "\""))
 }
 

@@ -1,0 +1,19 @@
+//! The options of a problem: groups of named values that the flags of the program, the tables of its configurations and the
+//! dictionaries of Python fill alike. A field is an option, its doc comment the help, its name the key.
+
+mod body;
+mod choice;
+mod dynamics;
+pub mod flags;
+mod generator;
+mod law;
+mod solver;
+pub mod values;
+
+pub use body::{BodyArgs, HEIGHTS, OtherArgs, RecordedBodyArgs, body_of, height, height_if, parse_height, sides};
+pub use choice::{Choice, named, named_if, parse_choice};
+pub use dynamics::{DampedBy, DynamicsArgs};
+use flags::without_flags;
+pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
+pub use law::LawArgs;
+pub use solver::SolverArgs;
