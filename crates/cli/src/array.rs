@@ -4,6 +4,8 @@ use gfmd_files::legible::line;
 use gfmd_files::{CONSISTENT_UNITS, FileError, Reader, convert_lengths, is_length_unit, npy, split_dataset};
 use ndarray::ArrayD;
 
+use gfmd_problem::options::given::Given;
+
 /// The kind of quantity that an array must hold. A dataset of HDF5 may say its unit, in the attribute `units` or
 /// `unit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +39,16 @@ impl Quantity<'_> {
     }
 }
 
-/// The array in FILE.npy or FILE.h5:/dataset, in the unit of the problem.
+/// The array in FILE.npy or FILE.h5:/dataset, or in memory, in the unit of the problem.
 ///
 /// # Errors
 /// A file that cannot be read, or has no such dataset; a unit that contradicts the quantity.
-pub(crate) fn read(name: &str, quantity: Quantity) -> Result<ArrayD<f64>, String> {
+pub(crate) fn read(given: &Given, quantity: Quantity) -> Result<ArrayD<f64>, String> {
+    let name = match given {
+        Given::File(name) => name,
+        Given::Array(array) => return Ok(ArrayD::clone(array)),
+        Given::Load(_) => return Err("it must be an array".into()),
+    };
     let Some((path, dataset)) = split_dataset(name) else { return npy::read(name) };
     let words = |error: FileError| error.to_string();
     let reader = Reader::open(path).map_err(words)?;

@@ -16,7 +16,6 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_body::{Interior, InteriorError};
 use gfmd_field::Grid;
-use gfmd_files::Output;
 use gfmd_green::Body;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +26,8 @@ use crate::memory;
 use crate::progress::Progress;
 use crate::session::{Session, list_files};
 use crate::source::file_of;
-use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
 
@@ -60,7 +60,7 @@ pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
     /// of this shape; to /fields/displacement_z of a contact, the lateral displacement without friction is added
     #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
-    surface: Option<String>,
+    surface: Option<Given>,
     /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves that are
     /// given add up, other components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
@@ -141,7 +141,7 @@ struct PlaceArgs {
 #[derive(Serialize)]
 struct Config<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
-    surface: Option<&'a str>,
+    surface: Option<&'a Given>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     wave: &'a [Wave],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -220,7 +220,7 @@ pub(crate) struct Plane {
 /// Unusable input; a file that could not be written; an interruption.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let (surface, name) = match &args.surface {
-        Some(file) => (Surface::read(file, args.load, &args.length)?, file.as_str()),
+        Some(given) => (Surface::read(given, args.load, &args.length)?, input::name(given)),
         None => (Surface::of_waves(&args.wave, &args.n, &args.length)?, "--wave"),
     };
     if let (None, Some(load)) = (&args.surface, args.load) {
@@ -242,9 +242,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let rows = Rows::new(args.slice, &surface.grid)?;
     memory::fits(memory::BODY, name, surface.grid.points())?;
     let interior = args.interior(name, &surface, &body, session)?;
-    let output = args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+    let output = session.output(args.out.as_ref())?;
     let config = toml::to_string(&Config {
-        surface: args.surface.as_deref(),
+        surface: args.surface.as_ref(),
         wave: &args.wave,
         n: args.surface.is_none().then(|| surface.grid.points()),
         scan: surface.scan.as_deref(),
@@ -268,7 +268,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         height: Some(body.total_height()).filter(|height| height.is_finite()),
         unit: &surface.unit,
     };
-    let origin = args.surface.as_deref().zip(surface.checksum.clone());
+    let origin = args.surface.as_ref().and_then(Given::file).zip(surface.checksum.clone());
     let origin = origin.map(|(file, checksum)| (file_of(file).to_owned(), checksum));
     let volume =
         output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, origin.as_ref()));
@@ -325,7 +325,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         _ => None,
     };
     let (comparison, compared) = compared.unzip();
-    let out = volume.map(Volume::finish).transpose()?;
+    let out = session.written(volume.map(Volume::finish).transpose()?);
     let plots = match (&pictures, &args.plots) {
         (Some(pictures), Some(prefix)) => {
             let place = Place { grid: &surface.grid, deepest: depths[depths.len() - 1], unit: &surface.unit };
@@ -345,16 +345,6 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         out,
         plots,
     })
-}
-
-impl Args {
-    /// The fields of a table of keys, which are written to `out`.
-    ///
-    /// # Errors
-    /// Another key; a value of another type.
-    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
-        Ok(Self { out, ..of_keys(table)? })
-    }
 }
 
 impl Default for Args {

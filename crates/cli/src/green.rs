@@ -7,7 +7,7 @@ use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{BodyArgs, OtherArgs, height, parse_height};
 
@@ -54,16 +54,6 @@ pub struct Args {
 impl Default for Args {
     fn default() -> Self {
         without_flags()
-    }
-}
-
-impl Args {
-    /// The wave vector and the body of a table of keys.
-    ///
-    /// # Errors
-    /// Another key; a value of another type.
-    pub(crate) fn of(table: toml::Table) -> Result<Self, Failure> {
-        Ok(of_keys(table)?)
     }
 }
 

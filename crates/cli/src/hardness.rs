@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
+use gfmd_problem::options::given::Given;
 
 /// The flag as it is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,15 +20,15 @@ use crate::rows;
 pub enum GivenHardness {
     /// A stress.
     Number(f64),
-    /// FILE.npy or FILE.h5:/dataset.
-    File(String),
+    /// That of each point.
+    Field(Given),
 }
 
 impl FromStr for GivenHardness {
     type Err = std::convert::Infallible;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(text.parse().map_or_else(|_| Self::File(text.into()), Self::Number))
+        Ok(text.parse().map_or_else(|_| Self::Field(Given::File(text.into())), Self::Number))
     }
 }
 
@@ -35,7 +36,7 @@ impl fmt::Display for GivenHardness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(hardness) => write!(f, "{hardness:.6e}"),
-            Self::File(name) => f.write_str(name),
+            Self::Field(given) => given.fmt(f),
         }
     }
 }
@@ -54,7 +55,7 @@ impl GivenHardness {
         let name = match self {
             Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
             Self::Number(hardness) => return Err(Failure::value(FLAG, hardness, "positive and finite")),
-            Self::File(name) => name,
+            Self::Field(given) => given,
         };
         let refuse = |reason: String| Failure::input(FLAG, format!("{name}: {reason}"));
         let found = array::read(name, Quantity::Stress).map_err(refuse)?;

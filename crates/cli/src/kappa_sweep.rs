@@ -17,13 +17,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::SolveError;
 use gfmd_files::{FileError, Output, target};
 use gfmd_problem::Held;
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, SweepError, run_shard};
+use serde::Deserialize;
 
 pub(crate) use check::check;
+pub use config::Configured;
 pub(crate) use page::page;
 pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
@@ -33,11 +34,15 @@ use crate::figures::check_names;
 use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
 use crate::session::Session;
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::values::parsed;
+use gfmd_problem::options::{named, parse_choice};
 use journal::{Finished, Journal, Size};
 use shards::Gathered;
 
 /// Flags of `kappa-sweep`.
-#[derive(ClapArgs, Clone, Debug)]
+#[derive(ClapArgs, Clone, Debug, Deserialize)]
+#[serde(default)]
 #[command(after_help = "Examples:
   gfmd kappa-sweep
   gfmd kappa-sweep --preset smoke --out smoke.h5
@@ -48,11 +53,12 @@ use shards::Gathered;
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --merge")]
 pub struct Args {
     /// Sweep to compute, by name
-    #[arg(long, default_value = Preset::Default.name(), value_parser = preset(), conflicts_with = "config")]
+    #[arg(long, default_value = Preset::Default.name(), value_parser = parse_choice::<Preset>(), conflicts_with = "config")]
+    #[serde(with = "named")]
     pub preset: Preset,
     /// Configuration of a sweep in TOML (docs/interface.md); missing fields are those of the preset "default"
     #[arg(long, value_name = "FILE.toml")]
-    pub config: Option<PathBuf>,
+    pub config: Option<Configured>,
     /// Write the results to this file, and plots beside it
     #[arg(long, default_value = "kappa.h5", value_name = "FILE.h5")]
     pub out: PathBuf,
@@ -65,6 +71,7 @@ pub struct Args {
     /// Compute the K-th (from 0) of M shards of the runs, of about equal work, into a journal beside --out, and no result:
     /// any scheduler can start them (docs/cluster.md)
     #[arg(long, value_name = "K/M", conflicts_with_all = ["runs_of", "merge", "show_config"])]
+    #[serde(deserialize_with = "parsed")]
     pub shard: Option<Shard>,
     /// Take the runs from all journals of this sweep beside --out, compute those that are missing, and write the result
     #[arg(long, conflicts_with_all = ["runs_of", "show_config"])]
@@ -81,9 +88,10 @@ pub struct Args {
     pub show_config: bool,
 }
 
-fn preset() -> impl TypedValueParser<Value = Preset> {
-    let names = Preset::ALL.map(|preset| PossibleValue::new(preset.name()).help(preset.meaning()));
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<Preset>())
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
 }
 
 /// The bytes of a finished contact: in the journal, in the result and in the file.
@@ -114,7 +122,7 @@ pub enum Outcome {
 /// runs are kept in the journal beside the output, which the message names.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let mut config = match &args.config {
-        Some(path) => config::read(path)?,
+        Some(configured) => configured.read()?,
         None => args.preset.config(),
     };
     if let Some(target) = args.target {

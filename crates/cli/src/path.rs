@@ -30,7 +30,7 @@ use crate::session::Session;
 use crate::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::LawArgs;
-use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
 
@@ -121,14 +121,6 @@ impl Default for Args {
 }
 
 impl Args {
-    /// The path of a table of keys, which is written to `out`.
-    ///
-    /// # Errors
-    /// Another key; a value of another type.
-    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
-        Ok(Self { out, ..of_keys(table)? })
-    }
-
     fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
@@ -210,8 +202,7 @@ impl Way {
         let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
         let hard = prepared.limit.is_some() || args.law.law == Kind::HardWall;
         let drives = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
-        let output =
-            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let output = session.output(args.out.as_ref())?;
         Ok(Self { prepared, drives, output })
     }
 
@@ -221,7 +212,7 @@ impl Way {
         prepared.check_drives(&contact, drives, args.waypoints.flag(), args.tol)?;
         let config = args.config()?;
         let kept = match output {
-            Some(output) if session.is_resumable() => {
+            Some(output) if !session.is_in_memory() => {
                 Some(Kept::open(output, prepared.identity(&config, session), drives.len(), args.resume, None)?)
             }
             _ => None,
@@ -260,6 +251,7 @@ impl Way {
         let file = file.filter(|_| !ended.is_kept(kept.as_deref()));
         let Ended { records, failure, not_converged, parted_at } = ended;
         let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
+        let out = session.written(out);
         let head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
         let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
         let mut report = Report { parted_at, not_converged, out, ..report };

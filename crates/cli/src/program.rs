@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -19,6 +18,8 @@ use crate::failure::{Failure, Outcome};
 use crate::processes;
 use crate::session::{Common, Session};
 use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface, theory};
+use gfmd_problem::options::flags::of_keys;
+use gfmd_problem::options::given::Arrays;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -152,54 +153,100 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
 }
 
 impl Command {
-    /// The command `name` of a problem in a table with the keys of its flags, which writes its result to `out`.
+    /// The command `name` of a problem in a table with the keys of its flags, and the arrays of its options.
     ///
     /// # Errors
     /// A command without such a table; a key that the command does not have; a value of another type.
-    pub fn of(name: &str, table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
-        match name {
-            "path" => path::Args::of(table, out).map(|args| Self::Path(args.into())),
-            "punch" => punch::Args::of(table, out).map(|args| Self::Punch(args.into())),
-            "body" => body::Args::of(table, out).map(|args| Self::Body(args.into())),
-            "green" => green::Args::of(table).map(|args| Self::Green(args.into())),
-            _ => Err(Failure::value("the command", name, "path, punch, body or green")),
-        }
+    pub fn of(name: &str, table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+        Ok(match name {
+            "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
+            "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
+            "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
+            "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
+            "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
+            _ => return Err(Failure::value("the command", name, "path, punch, body, kappa-sweep or green")),
+        })
     }
 
-    /// Runs the command and prints its report.
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The reason why the command could not do what it was asked.
+    pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Shown>>, Failure> {
+        fn whole<R: Shown + 'static>(report: R) -> Outcome<Box<dyn Shown>> {
+            ended(Outcome { report, failure: None })
+        }
+        fn ended<R: Shown + 'static>(Outcome { report, failure }: Outcome<R>) -> Outcome<Box<dyn Shown>> {
+            Outcome { report: Box::new(report), failure }
+        }
+        Ok(match self {
+            Self::Contact(args) => ended(contact::run(args, session)?),
+            Self::KappaSweep(args) => match kappa_sweep::run(args, session)? {
+                kappa_sweep::Outcome::Done(report) => whole(*report),
+                kappa_sweep::Outcome::Shard(report) => whole(report),
+                kappa_sweep::Outcome::Planned(plan) => whole(plan),
+                kappa_sweep::Outcome::Config(text) => whole(Plain(text)),
+            },
+            Self::Punch(args) => ended(punch::run(args, session)?),
+            Self::Body(args) => whole(body::run(args, session)?),
+            Self::Surface(args) => whole(surface::run(args, session)?),
+            Self::Damping(args) => whole(damping::run(args, session)?),
+            Self::Green(args) => whole(green::run(args)?),
+            Self::Path(args) => ended(path::run(args, session)?),
+            Self::Law(args) => whole(law::run(args)?),
+            Self::Theory(args) => whole(theory::run(args, session)?),
+            Self::Check(args) => ended(check::run(args, session)?),
+            Self::Report(args) => whole(report::run(args, session)?),
+        })
+    }
+
+    /// Runs the command and prints its report, also of a command that ended early.
     ///
     /// # Errors
     /// The reason why the command could not do what it was asked.
     pub fn run(&self, session: &Session) -> Result<(), Failure> {
-        match self {
-            Self::Contact(args) => conclude(contact::run(args, session)?, session),
-            Self::KappaSweep(args) => match kappa_sweep::run(args, session)? {
-                kappa_sweep::Outcome::Done(report) => print(&*report, session),
-                kappa_sweep::Outcome::Shard(report) => print(&report, session),
-                kappa_sweep::Outcome::Planned(plan) => print(&plan, session),
-                kappa_sweep::Outcome::Config(text) => write(&text),
-            },
-            Self::Punch(args) => conclude(punch::run(args, session)?, session),
-            Self::Body(args) => print(&body::run(args, session)?, session),
-            Self::Surface(args) => print(&surface::run(args, session)?, session),
-            Self::Damping(args) => print(&damping::run(args, session)?, session),
-            Self::Green(args) => print(&green::run(args)?, session),
-            Self::Path(args) => conclude(path::run(args, session)?, session),
-            Self::Law(args) => print(&law::run(args)?, session),
-            Self::Theory(args) => print(&theory::run(args, session)?, session),
-            Self::Check(args) => conclude(check::run(args, session)?, session),
-            Self::Report(args) => print(&report::run(args, session)?, session),
-        }
+        let Outcome { report, failure } = self.outcome(session)?;
+        let printed = report.print(session);
+        failure.map_or(printed, Err)
     }
 }
 
-/// Prints the report of a command that may have ended early, and passes on the reason.
-///
-/// # Errors
-/// The reason; a standard output that cannot be written.
-pub fn conclude(outcome: Outcome<impl Display + Serialize>, session: &Session) -> Result<(), Failure> {
-    let printed = print(&outcome.report, session);
-    outcome.failure.map_or(printed, Err)
+/// The report of a command.
+pub trait Shown {
+    /// Prints the report as a table, or as JSON with `--json`.
+    ///
+    /// # Errors
+    /// A standard output that cannot be written.
+    fn print(&self, session: &Session) -> Result<(), Failure>;
+
+    /// The report as one JSON object.
+    ///
+    /// # Errors
+    /// An error of the serialisation.
+    fn json(&self, session: &Session) -> Result<String, Failure>;
+}
+
+impl<R: Display + Serialize> Shown for R {
+    fn print(&self, session: &Session) -> Result<(), Failure> {
+        print(self, session)
+    }
+
+    fn json(&self, session: &Session) -> Result<String, Failure> {
+        session.json(self)
+    }
+}
+
+/// A text that is printed as it is.
+struct Plain(String);
+
+impl Shown for Plain {
+    fn print(&self, _: &Session) -> Result<(), Failure> {
+        write(&self.0)
+    }
+
+    fn json(&self, _: &Session) -> Result<String, Failure> {
+        crate::json::to_string(&self.0).map_err(|error| Failure::Computation(error.to_string()))
+    }
 }
 
 /// Prints a report as a table, or as JSON with `--json`.

@@ -22,7 +22,8 @@ use crate::progress::Progress;
 use crate::session::Session;
 use crate::trace::{TraceArgs, Tracer};
 use gfmd_problem::check_size;
-use gfmd_problem::options::flags::{of_keys, without_flags};
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
@@ -99,12 +100,12 @@ pub struct Args {
     /// FILE.h5:/dataset; those other than 0 are under it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"])]
     #[serde(skip_serializing_if = "Option::is_none")]
-    mask: Option<String>,
+    mask: Option<Given>,
     /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim 2), or
     /// FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with = "refine")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    traction: Option<String>,
+    traction: Option<Given>,
     /// Lateral displacement of a sticking punch, length
     #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
@@ -188,14 +189,6 @@ impl Default for Args {
 }
 
 impl Args {
-    /// The punch of a table of keys, which is written to `out`.
-    ///
-    /// # Errors
-    /// Another key; a value of another type.
-    pub(crate) fn of(table: toml::Table, out: Option<PathBuf>) -> Result<Self, Failure> {
-        Ok(Self { out, ..of_keys(table)? })
-    }
-
     /// The method, with its time step and damping.
     fn method(&self) -> Result<Method, Failure> {
         self.dynamics.check(match self.solver {
@@ -228,7 +221,7 @@ const SMALL: f64 = 0.1;
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Prepared::new(args)?.run(args, session)
+    Prepared::new(args, session)?.run(args, session)
 }
 
 /// The input of the command, checked before the first solve.
@@ -246,7 +239,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(args: &Args) -> Result<Self, Failure> {
+    fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.budget().check().map_err(|error| Failure::input("--tol", error))?;
         args.method()?;
         for (flag, given) in [("--mask", &args.mask), ("--traction", &args.traction)] {
@@ -289,8 +282,7 @@ impl Prepared {
         input::check_shift(args)?;
         let reference = args.compare.as_ref().map(|name| Reference::read(name, grids[0].points(), components));
         let reference = reference.transpose()?;
-        let output =
-            args.out.as_ref().map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let output = session.output(args.out.as_ref())?;
         Ok(Self { body, height, punch, mask, traction, grids, reference, output })
     }
 
@@ -318,7 +310,7 @@ impl Prepared {
         }
         report.peak_bytes = peak_bytes();
         if let Some(output) = &self.output {
-            report.out = Some(self.write(output, args, session, &report, &solution)?);
+            report.out = session.written(Some(self.write(output, args, session, &report, &solution)?));
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
             report.plots = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;

@@ -9,7 +9,7 @@ use clap::Args;
 use gfmd_contact::{Contact, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
-use gfmd_files::{Provenance, Warning, Warnings};
+use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
 use gfmd_mpi::World;
 use gfmd_vector::Ranks;
 use serde::Serialize;
@@ -55,7 +55,8 @@ pub struct Session {
     pub common: Common,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
-    resumable: bool,
+    /// The place of results that are kept in memory.
+    memory: Option<Memory>,
     /// The processes that run the command together.
     ranks: Option<Arc<dyn Ranks>>,
 }
@@ -112,7 +113,7 @@ impl Session {
     /// A session without global effects, for callers of the commands as a library.
     pub fn silent(common: Common) -> Self {
         let interrupted = Arc::new(AtomicBool::new(false));
-        Self { common, interrupted, warnings: Warnings::default(), resumable: true, ranks: None }
+        Self { common, interrupted, warnings: Warnings::default(), memory: None, ranks: None }
     }
 
     /// The processes that run this command together, if there is more than one.
@@ -161,16 +162,31 @@ impl Session {
         }
     }
 
-    /// The same session, of whose steps of a path nothing is kept beside the output: an interruption writes the output as far
-    /// as it came. For a caller that removes the output.
+    /// The same session, whose results go to memory in place of files: as far as they came, also after an interruption.
     #[must_use]
-    pub fn without_resumption(self) -> Self {
-        Self { resumable: false, ..self }
+    pub fn in_memory(self, memory: Memory) -> Self {
+        Self { memory: Some(memory), ..self }
     }
 
-    /// Returns true if the steps of a path are kept beside the output.
-    pub fn is_resumable(&self) -> bool {
-        self.resumable
+    /// The output of a command: a place in memory, or the file that is named, if there is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(crate) fn output(&self, named: Option<&PathBuf>) -> Result<Option<Output>, Failure> {
+        match &self.memory {
+            Some(memory) => Ok(Some(Output::memory(memory))),
+            None => named.map(Output::claim).transpose().map_err(|error| Failure::input("--out", error)),
+        }
+    }
+
+    /// The file that was written; none in memory.
+    pub(crate) fn written(&self, out: Option<PathBuf>) -> Option<PathBuf> {
+        out.filter(|_| !self.is_in_memory())
+    }
+
+    /// True if results go to memory, and nothing is kept to resume from.
+    pub(crate) fn is_in_memory(&self) -> bool {
+        self.memory.is_some()
     }
 
     /// Asks the run to stop, as Ctrl-C does.

@@ -16,6 +16,7 @@ use crate::session::Session;
 use crate::{processes, rows};
 use gfmd_problem::options::GeneratorArgs;
 use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::given::Given;
 use gfmd_problem::options::sides;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{named, named_if, parse_choice};
@@ -31,7 +32,7 @@ pub struct SourceArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
         "method", "roll_off", "roll_off_shape", "amplitudes"])]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub surface: Option<String>,
+    pub surface: Option<Given>,
     /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only one
     #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -58,7 +59,7 @@ pub struct SourceArgs {
     /// point at the first surface, and x and y are the same places of both
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub second_surface: Option<String>,
+    pub second_surface: Option<Given>,
     /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves; with
     /// --boundary free whole steps only, and the part in common stays
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
@@ -272,9 +273,13 @@ impl Default for SourceArgs {
 }
 
 impl SourceArgs {
-    /// The name of the surface in messages: its file, or `the generated surface`.
+    /// The name of the surface in messages: its file, `surface` of an array, or `the generated surface`.
     pub fn name(&self) -> String {
-        self.surface.clone().unwrap_or_else(|| "the generated surface".into())
+        match &self.surface {
+            Some(Given::File(file)) => file.clone(),
+            Some(_) => "surface".into(),
+            None => "the generated surface".into(),
+        }
     }
 
     /// Returns the flags with every default filled in, for the record of a run.
@@ -359,9 +364,10 @@ impl SourceArgs {
     /// All heights.
     fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
         let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
-            Some(file) => {
-                let Prepared { heights, grid, description, scan, checksum } = self.prepare(file, None)?;
-                (heights, grid, description, Some(scan), Some((file_of(file).into(), checksum)))
+            Some(given) => {
+                let Prepared { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
+                let origin = given.file().map(|file| (file_of(file).into(), checksum));
+                (heights, grid, description, Some(scan), origin)
             }
             None => {
                 let grid = grid_of(&self.generator, &self.length)?;
@@ -382,7 +388,7 @@ impl SourceArgs {
     }
 
     /// Reads the second surface, which has the cell and the points of the first.
-    fn second(&self, file: &str, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
+    fn second(&self, file: &Given, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const FLAG: &str = "--second-surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.length);
         let Prepared { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
@@ -401,7 +407,7 @@ impl SourceArgs {
             return Err(Failure::input(FLAG, format!("the unit of {file} is {found}; it must be {allowed}")));
         }
         let shift = [0, 1].map(|axis| self.shift.get(axis).copied().unwrap_or(0.0));
-        Ok((Second { second_surface: file.into(), shift, second_scan: scan, checksum }, heights))
+        Ok((Second { second_surface: file.to_string(), shift, second_scan: scan, checksum }, heights))
     }
 
     /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
@@ -414,8 +420,9 @@ impl SourceArgs {
         if all_equal || !largest.is_finite() {
             return Ok(()); // judged by what uses the heights
         }
+        let name = self.name();
         let flag = match (&self.surface, self.generator.rms_height) {
-            (Some(file), _) => file,
+            (Some(_), _) => &name,
             (None, Some(_)) => "--rms-height",
             (None, None) => "--rms-gradient",
         };

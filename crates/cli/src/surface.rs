@@ -18,6 +18,7 @@ use crate::session::{Session, list_files};
 use crate::source::scan::Scan;
 use crate::source::{Second, SourceArgs};
 use gfmd_problem::options::Method;
+use gfmd_problem::options::given::Given;
 
 use file::Target;
 use listing::Listing;
@@ -158,7 +159,7 @@ pub struct Asked {
 /// Flags or a file that cannot be used; an output that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
     match (&args.source.surface, args.list) {
-        (Some(file), true) => Listing::of(file).map(Printed::Listed),
+        (Some(Given::File(file)), true) => Listing::of(file).map(Printed::Listed),
         _ => measure(args, session).map(|report| Printed::Measured(Box::new(report))),
     }
 }

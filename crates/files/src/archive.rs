@@ -8,12 +8,14 @@
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
+//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file.
 //! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input. It is written in Rust, the HDF5 library only writes: a damaged file can
 //!   end a process that reads it by the library.
 
 mod chunks;
 mod content;
+mod memory;
 mod reader;
 mod scale;
 mod variable;
@@ -33,6 +35,7 @@ use crate::stored::Hdf5;
 use crate::{FileError, Input, Output, Warnings};
 use scale::Scale;
 
+pub use memory::{Memory, Value};
 pub use reader::Reader;
 pub use variable::{Coordinates, Dimension, Provenance, Variable};
 
@@ -53,7 +56,7 @@ const DEFLATE: u8 = 2;
 #[derive(Debug)]
 pub struct Archive<'a> {
     output: &'a Output,
-    /// `None` only while closing.
+    /// `None` in memory, and while closing.
     file: Option<File>,
     /// Dimension scales by group and name.
     scales: BTreeMap<(String, String), Scale>,
@@ -63,10 +66,13 @@ pub struct Archive<'a> {
 impl<'a> Archive<'a> {
     /// Creates `NAME.part` beside the claimed target; a part left by an earlier process is overwritten.
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
+        let (scales, warnings) = (BTreeMap::new(), provenance.warnings.clone());
+        if output.in_memory().is_some() {
+            return Ok(Self { output, file: None, scales, warnings });
+        }
         let part = output.part();
         let file = File::create(&part).map_err(|error| FileError::create(&part, &error))?;
-        let mut archive =
-            Self { output, file: Some(file), scales: BTreeMap::new(), warnings: provenance.warnings.clone() };
+        let mut archive = Self { output, file: Some(file), scales, warnings };
         let texts = [
             ("program", &provenance.program),
             ("version", &provenance.version),
@@ -85,13 +91,12 @@ impl<'a> Archive<'a> {
     }
 
     /// Writes a whole variable, row-major. Booleans are written as `u8` with the units `1`.
-    pub fn write<T: H5Type + Copy + Default + Sync>(
-        &mut self,
-        path: &str,
-        variable: &Variable,
-        values: &[T],
-    ) -> Result<(), FileError> {
+    pub fn write<T: Value>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
+        if let Some(memory) = self.output.in_memory() {
+            memory.put(path, &variable.shape(), values);
+            return Ok(());
+        }
         let dataset = self.new_dataset::<T>(path, variable, None)?;
         if !self.output.has_values() {
             return Ok(());
@@ -113,6 +118,9 @@ impl<'a> Archive<'a> {
     ) -> Result<(), FileError> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
         self.check_length(path, variable, texts.len())?;
+        if self.output.in_memory().is_some() {
+            return Ok(());
+        }
         let dataset = self.new_dataset::<VarLenUnicode>(path, variable, None)?;
         if !self.output.has_values() {
             return Ok(());
@@ -125,17 +133,21 @@ impl<'a> Archive<'a> {
     /// Defines a variable whose entries along the first dimension are written one by one with [`Archive::write_slab`].
     /// Entries that are not written are NaN.
     pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
+        if let Some(memory) = self.output.in_memory() {
+            memory.put::<f64>(path, &variable.shape(), &[]);
+            return Ok(());
+        }
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
 
     /// Writes entry `index` along the first dimension of a variable made by [`Archive::define`].
     pub fn write_slab(&mut self, path: &str, index: usize, values: &[f64]) -> Result<(), FileError> {
-        let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
-        let shape = dataset.shape();
+        let (dataset, shape) = self.defined(path)?;
         let expected: usize = shape.iter().skip(1).product();
         if shape.is_empty() || index >= shape[0] || values.len() != expected {
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
+        let Some(dataset) = dataset else { return self.fill(path, index * expected, values) };
         if !self.output.has_values() {
             return Ok(());
         }
@@ -147,6 +159,9 @@ impl<'a> Archive<'a> {
 
     /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
     pub fn define_rows(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
+        if self.output.in_memory().is_some() {
+            return self.define(path, variable);
+        }
         self.new_dataset::<f64>(path, variable, None).map(drop)
     }
 
@@ -160,8 +175,7 @@ impl<'a> Archive<'a> {
         first: usize,
         values: &[f64],
     ) -> Result<(), FileError> {
-        let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
-        let shape = dataset.shape();
+        let (dataset, shape) = self.defined(path)?;
         let [rows, columns] = match (&shape[..], index) {
             (&[rows, columns], None) => [rows, columns],
             (&[entries, rows, columns], Some(index)) if index < entries => [rows, columns],
@@ -172,6 +186,9 @@ impl<'a> Archive<'a> {
             let index = index.unwrap_or(first);
             return Err(FileError::Slab { variable: path.into(), index, found: values.len(), shape });
         }
+        let Some(dataset) = dataset else {
+            return self.fill(path, (index.unwrap_or(0) * rows + first) * columns, values);
+        };
         if !self.output.has_values() {
             return Ok(());
         }
@@ -183,6 +200,9 @@ impl<'a> Archive<'a> {
 
     /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
     pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
+        if self.output.in_memory().is_some() {
+            return Ok(());
+        }
         let file = self.file()?;
         let whole = format!("{}@{name}", path.trim_end_matches('/'));
         let at: Location = match file.dataset(path) {
@@ -198,8 +218,11 @@ impl<'a> Archive<'a> {
         written.map_err(|error| self.failed(&whole, &error))
     }
 
-    /// Completes the file, syncs it to the disk, and renames it to the target.
+    /// Completes the file, syncs it to the disk, and renames it to the target. In memory, the path is empty.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
+        if self.output.in_memory().is_some() {
+            return Ok(PathBuf::new());
+        }
         let part = self.output.part();
         self.attribute("/", "warnings", self.warnings.lines())?;
         for scale in self.scales.values() {
@@ -226,6 +249,24 @@ impl<'a> Archive<'a> {
 
     fn file(&self) -> Result<&File, FileError> {
         self.file.as_ref().ok_or_else(|| FileError::Closed { path: self.output.path().into() })
+    }
+
+    /// The variable at `path`, `None` in memory, and its shape.
+    fn defined(&self, path: &str) -> Result<(Option<Dataset>, Vec<usize>), FileError> {
+        if let Some(memory) = self.output.in_memory() {
+            return Ok((None, memory.shape(path)));
+        }
+        let dataset = self.file()?.dataset(path).map_err(|error| self.failed(path, &error))?;
+        let shape = dataset.shape();
+        Ok((Some(dataset), shape))
+    }
+
+    /// Writes numbers from place `start` on of a variable in memory.
+    fn fill(&self, path: &str, start: usize, values: &[f64]) -> Result<(), FileError> {
+        let memory = self.output.in_memory();
+        let shape = || memory.map_or_else(Vec::new, |memory| memory.shape(path));
+        let slab = || FileError::Slab { variable: path.into(), index: start, found: values.len(), shape: shape() };
+        memory.and_then(|memory| memory.write(path, start, values)).ok_or_else(slab)
     }
 
     /// Hands what was written to the operating system.

@@ -41,7 +41,9 @@ mod vtk;
 pub mod vtp;
 mod warning;
 
-pub use archive::{Archive, Coordinates, Dimension, Provenance, Reader, SCHEMA_VERSION, Variable, rows_of_chunk};
+pub use archive::{
+    Archive, Coordinates, Dimension, Memory, Provenance, Reader, SCHEMA_VERSION, Value, Variable, rows_of_chunk,
+};
 pub use attribute::Attribute;
 pub use checksum::Checksum;
 pub use error::FileError;

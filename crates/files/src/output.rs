@@ -5,14 +5,16 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use crate::FileError;
+use crate::{FileError, Memory};
 
 /// A claimed target file. The claim ends when the value is dropped or the process ends.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
-    lock: File,
+    /// `None` in memory.
+    lock: Option<File>,
     has_values: bool,
+    memory: Option<Memory>,
 }
 
 impl Output {
@@ -35,7 +37,9 @@ impl Output {
                 .open(&lock_path)
                 .map_err(|source| FileError::Io { action: "create", path: lock_path.clone(), source })?;
             match lock.try_lock() {
-                Ok(()) if is_same_file(&lock, &lock_path) => return Ok(Self { path, lock, has_values: true }),
+                Ok(()) if is_same_file(&lock, &lock_path) => {
+                    return Ok(Self { path, lock: Some(lock), has_values: true, memory: None });
+                }
                 Ok(()) => continue,
                 Err(TryLockError::WouldBlock) => break,
                 Err(TryLockError::Error(source)) => {
@@ -53,6 +57,17 @@ impl Output {
     /// A claim that another process holds; paths at which there can be no file.
     pub fn claim_beside(path: &Path, suffix: &str) -> Result<Self, FileError> {
         Self::claim(beside(&target(path)?, suffix))
+    }
+
+    /// A target in memory: nothing is written to the disk, and an [`Archive`](crate::Archive) puts its variables there. Its path
+    /// is empty.
+    pub fn memory(memory: &Memory) -> Self {
+        Self { path: PathBuf::new(), lock: None, has_values: true, memory: Some(memory.clone()) }
+    }
+
+    /// The place in memory, if it is the target.
+    pub fn in_memory(&self) -> Option<&Memory> {
+        self.memory.as_ref()
     }
 
     /// The same target for the layout of a file alone: an [`Archive`](crate::Archive) then has all names, shapes, units, attributes and
@@ -152,9 +167,10 @@ fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
 
 impl Drop for Output {
     fn drop(&mut self) {
+        let Some(lock) = &self.lock else { return };
         // Unlink before unlocking: a process that waits for the lock then finds the name gone and starts over.
         let _ = fs::remove_file(beside(&self.path, ".lock"));
-        let _ = self.lock.unlock();
+        let _ = lock.unlock();
     }
 }
 

@@ -36,10 +36,11 @@ mod zipped;
 #[cfg(test)]
 mod tests;
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayViewD};
 
 pub use x3p::X3p;
 
+use crate::Checksum;
 use crate::legible::line;
 use file::File;
 use format::{Channel, Contents, Format, Map};
@@ -169,6 +170,32 @@ impl Topography {
     pub fn from_bytes(name: &str, bytes: Vec<u8>, channel: Option<&str>) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
+    }
+
+    /// The heights of an array in memory, `[x, y]`, or `[x]` of a profile, undefined where they are not finite; `name` is used in
+    /// messages. The SHA-256 is that of the numbers.
+    ///
+    /// # Errors
+    /// An array of another shape.
+    pub fn of_array(name: &str, array: &ArrayViewD<f64>) -> Result<Self, TopographyError> {
+        let heights = two_dimensional(array.shape()).and_then(|points| shaped(points, array.iter().copied().collect()));
+        let heights = heights.map_err(|reason| TopographyError { file: name.into(), reason })?;
+        let sha256 = Checksum::of_numbers(heights.iter().copied());
+        let mut map = Map { heights, ..Map::default() };
+        Ok(Self {
+            undefined: map.undefine(),
+            heights: map.heights,
+            lengths: None,
+            unit: None,
+            format: "array",
+            channel: None,
+            channels: Vec::new(),
+            conversion: None,
+            details: Vec::new(),
+            notes: Vec::new(),
+            source: "array".into(),
+            sha256,
+        })
     }
 
     /// Lists the height maps of a file without decoding them.

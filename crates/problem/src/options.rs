@@ -6,6 +6,7 @@ mod choice;
 mod dynamics;
 pub mod flags;
 mod generator;
+pub mod given;
 mod law;
 mod solver;
 pub mod values;

@@ -1,18 +1,20 @@
 //! The commands of the program, in this process.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use clap::Parser;
 use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_cli::session::{Common, Session};
-use gfmd_cli::{body, check, contact, damping, green, json, kappa_sweep, law, path, punch, report, surface, theory};
+use gfmd_files::Memory;
+use gfmd_problem::options::given::{Arrays, Given, Load};
+use ndarray::ArrayD;
+use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyInt};
-use serde::Serialize;
+use pyo3::types::{PyDict, PyInt};
 use toml::{Table, Value};
 
 use crate::failure::{failed, refused};
@@ -21,70 +23,26 @@ use crate::worker;
 /// Time between two looks at an interruption.
 const PAUSE: Duration = Duration::from_millis(20);
 
-#[derive(Parser)]
-#[command(name = "gfmd")]
-struct Line {
-    #[command(subcommand)]
-    command: Command,
-}
+/// A report as JSON, the kind and the text of a failure, and the fields of the result by their names.
+type Solved<'py> = (String, Option<(&'static str, String)>, BTreeMap<String, Bound<'py, PyArrayDyn<f64>>>);
 
-/// Runs the words of a command, and returns its report as JSON with the kind and the text of a failure.
+/// Solves the problem in a dictionary with the keys of the flags of a command, whose arrays are in another one.
 #[pyfunction]
-#[pyo3(signature = (words, threads=0, tick=None))]
-pub(crate) fn run(py: Python<'_>, words: Vec<String>, threads: usize, tick: Option<Py<PyAny>>) -> PyResult<Ended> {
-    let line = Line::try_parse_from(std::iter::once("gfmd".to_owned()).chain(words)).map_err(|error| {
-        let text = error.render().to_string();
-        let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage"));
-        let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-        refused(py, &line.trim_start_matches("error: "))
-    })?;
-    carry_out(py, &line.command, threads, tick.as_ref())
-}
-
-/// Solves the problem in a dictionary with the keys of the flags of a command, and returns as [`run`]. The fields go to the file
-/// `out`.
-#[pyfunction]
-#[pyo3(signature = (command, problem, out=None, threads=0, tick=None))]
-pub(crate) fn solve(
-    py: Python<'_>,
+#[pyo3(signature = (command, problem, arrays=None, threads=0, tick=None))]
+pub(crate) fn solve<'py>(
+    py: Python<'py>,
     command: &str,
-    problem: &Bound<'_, PyDict>,
-    out: Option<PathBuf>,
+    problem: &Bound<'py, PyDict>,
+    arrays: Option<&Bound<'py, PyDict>>,
     threads: usize,
     tick: Option<Py<PyAny>>,
-) -> PyResult<Ended> {
-    let command = Command::of(command, table(problem)?, out).map_err(|failure| refused(py, &failure))?;
-    carry_out(py, &command, threads, tick.as_ref())
-}
-
-/// The table of a dictionary; an entry that is `None` is left out.
-pub(crate) fn table(values: &Bound<'_, PyDict>) -> PyResult<Table> {
-    let given = values.iter().filter(|(_, value)| !value.is_none());
-    given.map(|(key, value)| Ok((key.extract()?, entry(&value)?))).collect()
-}
-
-fn entry(value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    if let Ok(flag) = value.cast::<PyBool>() {
-        return Ok(flag.is_true().into());
-    }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(value.extract::<i64>()?.into());
-    }
-    if let Ok(text) = value.extract::<String>() {
-        return Ok(text.into());
-    }
-    match value.extract::<f64>() {
-        Ok(number) => Ok(number.into()),
-        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(&value?)).collect::<PyResult<_>>()?)),
-    }
-}
-
-/// A report as JSON, with the kind and the text of a failure.
-type Ended = (String, Option<(&'static str, String)>);
-
-fn carry_out(py: Python<'_>, command: &Command, threads: usize, tick: Option<&Py<PyAny>>) -> PyResult<Ended> {
-    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 }).without_resumption();
-    let (result, raised) = worker::run(py, threads, tick, |shared| {
+) -> PyResult<Solved<'py>> {
+    let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
+    let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
+    let memory = Memory::default();
+    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 });
+    let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
+    let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();
         std::thread::scope(|scope| {
             let session = &session;
@@ -96,7 +54,9 @@ fn carry_out(py: Python<'_>, command: &Command, threads: usize, tick: Option<&Py
                     }
                 }
             });
-            let result = report(command, session);
+            let result = command
+                .outcome(session)
+                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(told))));
             drop(finished);
             result
         })
@@ -108,45 +68,61 @@ fn carry_out(py: Python<'_>, command: &Command, threads: usize, tick: Option<&Py
     };
     let (text, failure) = result.map_err(|failure| failed(py, &failure))?;
     let failure = failure.or_else(|| raised.map(|_| ("interrupted", "interrupted at the end".into())));
-    Ok((text, failure))
+    let field = |(path, values): (String, ArrayD<f64>)| Some((path.strip_prefix("/fields/")?.into(), values));
+    let fields = memory.take().into_iter().filter_map(field);
+    Ok((text, failure, fields.map(|(name, values): (String, _)| (name, values.into_pyarray(py))).collect()))
 }
 
-type Report = Result<Ended, Failure>;
-
-fn report(command: &Command, session: &Session) -> Report {
-    match command {
-        Command::Check(args) => ended(check::run(args, session)?, session),
-        Command::Report(args) => whole(&report::run(args, session)?, session),
-        Command::Contact(args) => ended(contact::run(args, session)?, session),
-        Command::Punch(args) => ended(punch::run(args, session)?, session),
-        Command::Path(args) => ended(path::run(args, session)?, session),
-        Command::Body(args) => whole(&body::run(args, session)?, session),
-        Command::Surface(args) => whole(&surface::run(args, session)?, session),
-        Command::Damping(args) => whole(&damping::run(args, session)?, session),
-        Command::Green(args) => whole(&green::run(args)?, session),
-        Command::Law(args) => whole(&law::run(args)?, session),
-        Command::Theory(args) => whole(&theory::run(args, session)?, session),
-        Command::KappaSweep(args) => match kappa_sweep::run(args, session)? {
-            kappa_sweep::Outcome::Done(report) => whole(&*report, session),
-            kappa_sweep::Outcome::Shard(report) => whole(&report, session),
-            kappa_sweep::Outcome::Planned(plan) => whole(&plan, session),
-            kappa_sweep::Outcome::Config(text) => {
-                Ok((json::to_string(&text).map_err(|error| Failure::Computation(error.to_string()))?, None))
-            }
-        },
+/// The kind and the text of a failure with a state.
+pub(crate) fn told(failure: Failure) -> (&'static str, String) {
+    match failure {
+        Failure::Interrupted(text) => ("interrupted", text),
+        Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
     }
 }
 
-fn whole(report: &impl Serialize, session: &Session) -> Report {
-    Ok((session.json(report)?, None))
+/// The arrays of a dictionary: NumPy's, or a configuration and the values of a contact. One that is `None` is left out.
+fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
+    let array = |value: &Bound<'_, PyAny>| -> PyResult<ArrayD<f64>> {
+        Ok(value.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().as_standard_layout().into_owned())
+    };
+    let given = values.iter().filter(|(_, value)| !value.is_none());
+    let given = given.map(|(key, value)| {
+        let given = match value.extract::<(Bound<'_, PyDict>, BTreeMap<String, Bound<'_, PyAny>>)>() {
+            Ok((config, values)) => {
+                let values = values.into_iter().map(|(name, value)| Ok((name, array(&value)?)));
+                Given::Load(Arc::new(Load { config: table(&config)?, values: values.collect::<PyResult<_>>()? }))
+            }
+            Err(_) => Given::Array(Arc::new(array(&value)?)),
+        };
+        Ok((key.extract()?, given))
+    });
+    given.collect()
 }
 
-fn ended(Outcome { report, failure }: Outcome<impl Serialize>, session: &Session) -> Report {
-    let failure = failure.map(|failure| match failure {
-        Failure::Interrupted(text) => ("interrupted", text),
-        Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
-    });
-    Ok((session.json(&report)?, failure))
+/// The table of a dictionary; an entry that is `None` is left out.
+pub(crate) fn table(values: &Bound<'_, PyDict>) -> PyResult<Table> {
+    let given = values.iter().filter(|(_, value)| !value.is_none());
+    given.map(|(key, value)| Ok((key.extract()?, entry(&value)?))).collect()
+}
+
+fn entry(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(flag) = value.extract::<bool>() {
+        return Ok(flag.into());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return Ok(value.extract::<i64>()?.into());
+    }
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(text.into());
+    }
+    if let Ok(inner) = value.cast::<PyDict>() {
+        return table(inner).map(Value::Table);
+    }
+    match value.extract::<f64>() {
+        Ok(number) => Ok(number.into()),
+        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(&value?)).collect::<PyResult<_>>()?)),
+    }
 }
 
 /// The exit status of the program `gfmd` with these words, of which the first is its name.

@@ -15,7 +15,9 @@ use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
+use crate::command::table;
 use crate::failure::{failed, refused};
 use crate::surface::grid;
 use crate::worker::quick;
@@ -48,10 +50,11 @@ pub(crate) fn save(
     path: &str,
     surface: Given<'_>,
     loads: Vec<Load<'_>>,
-    config: String,
+    config: &Bound<'_, PyDict>,
     hardness: Option<PyReadonlyArray2<'_, f64>>,
     lower: Option<Given<'_>>,
 ) -> PyResult<()> {
+    let config = toml::to_string(&table(config)?).map_err(|error| refused(py, &error))?;
     let line = surface.0.as_array().ncols() == 1;
     let facts = facts_of(&config, line).map_err(|failure| refused(py, &failure))?;
     let mut records = Vec::new();
@@ -116,11 +119,4 @@ pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
     // A file that is not there is unusable input, like one of another kind.
     let table = read.map_err(|failure| refused(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))
-}
-
-/// A JSON object as TOML.
-#[pyfunction]
-pub(crate) fn json_to_toml(py: Python<'_>, text: &str) -> PyResult<String> {
-    let table: toml::Table = serde_json::from_str(text).map_err(|error| refused(py, &error))?;
-    toml::to_string(&table).map_err(|error| refused(py, &error))
 }

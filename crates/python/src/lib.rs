@@ -15,11 +15,11 @@ mod worker;
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]
-    use crate::command::{program, run, solve};
+    use crate::command::{program, solve};
     #[pymodule_export]
     use crate::contact::{Problem, State, adhesion, check_law, conductance, solvers};
     #[pymodule_export]
-    use crate::files::{json_to_toml, read_array, read_config, read_records, read_text, save};
+    use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]
     use crate::surface::{composite, detrend, fill, periodise, read, self_affine, statistics};
 

@@ -128,7 +128,7 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.read("nowhere.npy"), "nowhere.npy"),
         (lambda: gfmd.read(3), "name is 3"),
         (lambda: SMALL.detrend("cubic"), "the trend is"),
-        (lambda: gfmd.kappa_sweep("nothing"), "invalid value"),
+        (lambda: gfmd.kappa_sweep("nothing"), "preset is \"nothing\": it must be one of smoke, default"),
         (lambda: gfmd.load("nowhere.h5"), "cannot open nowhere.h5"),
         (lambda: gfmd.green(BODY, qx=np.nan), "qx is nan"),
         (lambda: gfmd.punch(n=2**40), ""),

@@ -25,6 +25,20 @@ pub enum Preset {
     Line,
 }
 
+impl gfmd_problem::options::Choice for Preset {
+    fn all() -> &'static [Self] {
+        &Self::ALL
+    }
+
+    fn name(self) -> &'static str {
+        self.name()
+    }
+
+    fn meaning(self) -> &'static str {
+        self.meaning()
+    }
+}
+
 impl Preset {
     /// All presets.
     pub const ALL: [Self; 5] = [Self::Smoke, Self::Default, Self::Thesis, Self::Prodanov, Self::Line];

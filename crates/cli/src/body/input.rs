@@ -1,4 +1,4 @@
-//! The displacement of a surface, from a file.
+//! The displacement of a surface, from a file or from memory.
 
 use gfmd_field::Grid;
 use gfmd_files::input::MOST_BYTES;
@@ -6,8 +6,11 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
+use crate::base::BaseArgs;
 use crate::failure::Failure;
+use crate::lower::{LowerArgs, is_stored};
 use crate::memory;
+use gfmd_problem::options::given::{Given, Load};
 
 /// The field that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,16 +39,13 @@ pub(super) struct Surface {
     pub(super) description: String,
     /// The scan that was pressed on the body, and what was done to it, if the heights came from a file.
     pub(super) scan: Option<String>,
-    /// The SHA-256 of the file that was read; `None` for waves.
+    /// The SHA-256 of the file that was read, if there is one.
     pub(super) checksum: Option<String>,
 }
 
 /// The datasets in files of gfmd, in the order of preference.
 const FULL: &str = "/fields/displacement";
 const NORMAL: &str = "/fields/displacement_z";
-
-/// The mean shear of the loads with finite slopes.
-const MEAN_SHEAR: [&str; 2] = ["/loads/mean_shear_x", "/loads/mean_shear_y"];
 
 /// An array of a file with its description, before its shape is checked.
 struct Found {
@@ -59,17 +59,26 @@ struct Found {
     load: Option<usize>,
     scan: Option<String>,
     /// The SHA-256 of the file.
-    checksum: String,
+    checksum: Option<String>,
+}
+
+/// The name of the input in messages.
+pub(super) fn name(given: &Given) -> &str {
+    given.file().unwrap_or("surface")
 }
 
 impl Surface {
-    /// Reads `FILE.npy` or `FILE.h5[:/dataset]`.
-    pub(super) fn read(name: &str, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
+    /// Reads `FILE.npy` or `FILE.h5[:/dataset]`, or takes what is in memory.
+    pub(super) fn read(given: &Given, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
+        let name = name(given);
         let refuse = |reason: String| Failure::input(name, reason);
-        let found = match split_dataset(name) {
-            Some((path, dataset)) => archive(path, dataset, load).map_err(refuse)?,
-            None => array(name).map_err(refuse)?,
+        let found = match (given, split_dataset(name)) {
+            (Given::Array(array), _) => Ok(Found::array(array.shape(), array.iter().copied().collect(), None)),
+            (Given::Load(load), _) => in_memory(load),
+            (Given::File(_), Some((path, dataset))) => archive(path, dataset, load),
+            (Given::File(_), None) => array(name),
         };
+        let found = found.map_err(refuse)?;
         if let (Some(_), None) = (load, found.load) {
             return Err(Failure::input("--load", format!("{name} has no loads")));
         }
@@ -107,7 +116,7 @@ impl Surface {
             unit: found.unit.unwrap_or_else(|| "length".into()),
             description,
             scan: found.scan,
-            checksum: Some(found.checksum),
+            checksum: found.checksum,
         })
     }
 }
@@ -157,21 +166,92 @@ fn cell(length: &[f64], of_file: Option<[f64; 2]>, [nx, ny]: [usize; 2]) -> [f64
 fn array(path: &str) -> Result<Found, String> {
     let words = |error: std::io::Error| error.to_string();
     let bytes = Input::settled(path).and_then(|input| input.bytes(MOST_BYTES)).map_err(words)?;
-    let (array, checksum) = (npy::parse(&bytes)?, Checksum::of_bytes(&bytes));
+    let array = npy::parse(&bytes)?;
     let shape = array.shape().to_vec();
-    let (values, kind) = (array.into_iter().collect(), Kind::Full);
-    Ok(Found {
-        shape,
-        values,
-        kind,
-        mean_traction: None,
-        lengths: None,
-        unit: None,
-        record: toml::Table::new(),
-        load: None,
-        scan: None,
-        checksum,
-    })
+    Ok(Found::array(&shape, array.into_iter().collect(), Some(Checksum::of_bytes(&bytes))))
+}
+
+impl Found {
+    /// The displacement of an array.
+    fn array(shape: &[usize], values: Vec<f64>, checksum: Option<String>) -> Self {
+        Self {
+            shape: shape.to_vec(),
+            values,
+            kind: Kind::Full,
+            mean_traction: None,
+            lengths: None,
+            unit: None,
+            record: toml::Table::new(),
+            load: None,
+            scan: None,
+            checksum,
+        }
+    }
+
+    /// The normal displacement of a contact with what stands beside it: the `field`s of its surface and the `number`s of its load.
+    fn beside(
+        self,
+        [nx, ny]: [usize; 2],
+        field: impl Fn(&str) -> Result<Option<Vec<f64>>, String>,
+        number: impl Fn(&str) -> Result<Option<f64>, String>,
+    ) -> Result<Self, String> {
+        let axes = if ny == 1 { 1 } else { 2 };
+        let lateral = |names: [&str; 2]| names[..axes].iter().map(|name| field(name)).collect::<Result<_, String>>();
+        let pressure = field("pressure")?;
+        let shears: Option<Vec<Vec<f64>>> = lateral(["shear_x", "shear_y"])?;
+        let held = self.record.get("components").and_then(toml::Value::as_str) == Some("held");
+        let lateral = match held {
+            // The lateral displacement of other surfaces is that of a pressure alone, unless it is there.
+            true => Some(vec![vec![0.0; self.values.len()]; axes]),
+            false => lateral(["displacement_x", "displacement_y"])?,
+        };
+        let mean_traction = match &pressure {
+            Some(pressure) => {
+                let [x, y] = match &shears {
+                    Some(shears) => [0, 1].map(|axis| shears.get(axis).map(|shear| mean(shear))),
+                    None => [number("mean_shear_x")?, number("mean_shear_y")?],
+                };
+                Some([x.unwrap_or(0.0), y.unwrap_or(0.0), -mean(pressure)])
+            }
+            None => None,
+        };
+        let (columns, kind) = match (shears, pressure, lateral) {
+            (Some(shears), Some(pressure), _) => {
+                ([shears, vec![pressure.iter().map(|p| -p).collect()]].concat(), Kind::Traction)
+            }
+            (_, _, Some(lateral)) => ([lateral, vec![self.values]].concat(), Kind::Full),
+            _ => return Ok(Self { kind: Kind::Normal, mean_traction, ..self }),
+        };
+        let values = (0..columns[0].len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
+        Ok(Self { shape: vec![nx, ny, columns.len()], values, kind, mean_traction, ..self })
+    }
+}
+
+/// The displacement of a contact in memory.
+fn in_memory(load: &Load) -> Result<Found, String> {
+    check_inside(&load.config, LowerArgs::NAMES.iter().any(|key| load.config.contains_key(*key)))?;
+    if BaseArgs::NAMES.iter().any(|key| load.config.contains_key(*key)) {
+        return Err("the base of this contact moves; the fields inside are those of its file".into());
+    }
+    let displacement = load.values.get("displacement_z").ok_or("displacement_z is missing; it must be there")?;
+    let points = <[usize; 2]>::try_from(displacement.shape()).map_err(|_| "displacement_z must be [nx, ny]")?;
+    let record = load.config.clone();
+    let values = displacement.iter().copied().collect();
+    let found = Found { record, ..Found::array(&points, values, None) };
+    let field = |name: &str| Ok(load.values.get(name).map(|field| field.iter().copied().collect()));
+    found.beside(points, field, |name| Ok(load.values.get(name).and_then(|number| number.first().copied())))
+}
+
+/// Refuses a contact below whose surface there are no fields.
+fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
+    let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
+    if boundary != "periodic" {
+        return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
+    }
+    if between {
+        return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
+    }
+    Ok(())
 }
 
 /// Refuses a displacement in another unit than the coordinates beside it: strains would be wrong by the ratio.
@@ -204,14 +284,8 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let unit = reader.text(dataset, "units").ok().map(|unit| line(&unit));
     let record: toml::Table = reader.text("/", "config").ok().and_then(|text| text.parse().ok()).unwrap_or_default();
     let normal = dataset.ends_with("displacement_z");
-    let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
-    if boundary != "periodic" {
-        return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
-    }
-    if crate::lower::is_stored(&reader) {
-        return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
-    }
-    let (mut values, load): (Vec<f64>, _) = match (normal, shape.len()) {
+    check_inside(&record, is_stored(&reader))?;
+    let (values, load): (Vec<f64>, _) = match (normal, shape.len()) {
         (true, 3) => {
             let loads = shape.remove(0);
             let load = load.unwrap_or(loads.saturating_sub(1));
@@ -229,45 +303,19 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if lengths.is_some() {
         check_units(&reader, dataset, points[1] > 1)?;
     }
-    let beside =
-        Beside { reader: &reader, group: dataset.rsplit_once('/').map_or("", |(group, _)| group), load, points };
-    let (mut kind, mut mean_traction) = (Kind::Full, None);
-    if normal {
-        let held = record.get("components").and_then(toml::Value::as_str) == Some("held");
-        let pressure = beside.field("pressure")?;
-        let shears = beside.lateral(["shear_x", "shear_y"])?;
-        let lateral = match held {
-            // The lateral displacement of other surfaces is that of a pressure alone, unless the file has it.
-            true => Some(vec![vec![0.0; values.len()]; if points[1] == 1 { 1 } else { 2 }]),
-            false => beside.lateral(["displacement_x", "displacement_y"])?,
-        };
-        mean_traction = match &pressure {
-            Some(pressure) => Some(beside.mean_traction(pressure)?),
-            None => None,
-        };
-        let columns = match (shears, pressure, lateral) {
-            (Some(shears), Some(pressure), _) => {
-                kind = Kind::Traction;
-                Some([shears, vec![pressure.iter().map(|p| -p).collect()]].concat())
-            }
-            (_, _, Some(lateral)) => Some([lateral, vec![values.clone()]].concat()),
-            _ => {
-                kind = Kind::Normal;
-                None
-            }
-        };
-        if let Some(columns) = columns {
-            values = (0..columns[0].len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
-            shape = vec![points[0], points[1], columns.len()];
-        }
-    } else if let Some(traction) = beside.traction(values.len())? {
-        mean_traction = Some(traction);
-    }
     // Only the heights of a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description"));
     let scan = scan.ok().map(|scan| line(&scan));
     let checksum = reader.checksum().map_err(words)?;
-    Ok(Found { shape, values, kind, mean_traction, lengths, unit, record, load, scan, checksum })
+    let found = Found { shape, lengths, unit, record, load, scan, ..Found::array(&[], values, Some(checksum)) };
+    let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
+    let beside = Beside { reader: &reader, group, load, points };
+    if normal {
+        found.beside(points, |name| beside.field(name), |name| beside.number(name))
+    } else {
+        let mean_traction = beside.traction(found.values.len())?;
+        Ok(Found { mean_traction, ..found })
+    }
 }
 
 /// The fields beside the displacement of a surface, in its group and of its load.
@@ -297,23 +345,12 @@ impl Beside<'_> {
         }
     }
 
-    /// The lateral components of a vector, x of a line, if the file has them.
-    fn lateral(&self, names: [&str; 2]) -> Result<Option<Vec<Vec<f64>>>, String> {
-        let names = if self.points[1] == 1 { &names[..1] } else { &names[..] };
-        names.iter().map(|name| self.field(name)).collect()
-    }
-
-    /// The mean traction that belongs to a pressure.
-    fn mean_traction(&self, pressure: &[f64]) -> Result<[f64; 3], String> {
-        let [mut x, mut y] = [0.0; 2];
-        if let Some(shears) = self.lateral(["shear_x", "shear_y"])? {
-            [x, y] = [0, 1].map(|axis| shears.get(axis).map_or(0.0, |shear| mean(shear)));
-        } else if let (Some(load), true) = (self.load, self.reader.contains(MEAN_SHEAR[0])) {
-            let of_loads = |path: &str| self.reader.values::<f64>(path).map_err(|error| error.to_string());
-            [x, y] = [of_loads(MEAN_SHEAR[0])?, of_loads(MEAN_SHEAR[1])?]
-                .map(|shears| shears.get(load).copied().unwrap_or(f64::NAN));
-        }
-        Ok([x, y, -mean(pressure)])
+    /// A number of the load, if the file has it.
+    fn number(&self, name: &str) -> Result<Option<f64>, String> {
+        let path = format!("/loads/{name}");
+        let Some(load) = self.load.filter(|_| self.reader.contains(&path)) else { return Ok(None) };
+        let of_loads: Vec<f64> = self.reader.values(&path).map_err(|error| error.to_string())?;
+        Ok(Some(of_loads.get(load).copied().unwrap_or(f64::NAN)))
     }
 
     /// The mean of the tractions beside a displacement of `count` values, if the file has them.

@@ -49,6 +49,7 @@ impl<'a> Volume<'a> {
         let extension = output.path().extension().map(|extension| extension.to_ascii_lowercase());
         let sink = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("vti") => image(output, planes, quantities)?,
+            _ if output.in_memory().is_some() => archive(output, planes, quantities, provenance, origin)?,
             Some("h5" | "hdf5") => archive(output, planes, quantities, provenance, origin)?,
             _ => return Err(Failure::value("--out", output.path().display(), "NAME.h5 or NAME.vti")),
         };

@@ -1,19 +1,52 @@
 //! The configuration of a sweep as TOML.
 
-use std::path::Path;
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::str::FromStr;
 
 use gfmd_sweep::Config;
+use serde::Deserialize;
 
 use crate::failure::Failure;
 
-/// Reads a file; missing fields are those of the preset `default`.
-///
-/// # Errors
-/// A file that cannot be read, is not TOML, or has an unknown or mistyped field.
-pub(super) fn read(path: &Path) -> Result<Config, Failure> {
-    let name = path.display();
-    let text = gfmd_files::input::text(path).map_err(|error| Failure::input(&name.to_string(), error))?;
-    toml::from_str(&text).map_err(|error: toml::de::Error| {
+/// The configuration of a sweep as it is given.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Configured {
+    /// Its contents.
+    Contents(toml::Table),
+    /// A file.
+    File(PathBuf),
+}
+
+impl FromStr for Configured {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(Self::File(text.into()))
+    }
+}
+
+impl Configured {
+    /// Reads the configuration; missing fields are those of the preset `default`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is not TOML; an unknown or mistyped field.
+    pub(super) fn read(&self) -> Result<Config, Failure> {
+        match self {
+            Self::Contents(table) => {
+                parsed("config", &toml::to_string(table).map_err(|error| Failure::input("config", error))?)
+            }
+            Self::File(path) => {
+                let name = path.display().to_string();
+                parsed(&name, &gfmd_files::input::text(path).map_err(|error| Failure::input(&name, error))?)
+            }
+        }
+    }
+}
+
+fn parsed(name: &str, text: &str) -> Result<Config, Failure> {
+    toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
         let place = format!("{name}, line {}", 1 + before.matches('\n').count());
         let reason = error.message().replace('\n', ", ");

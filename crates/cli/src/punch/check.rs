@@ -24,7 +24,7 @@ pub(crate) fn check(
 ) -> Result<(), Failure> {
     // The file holds the coarsest grid.
     let args: Args = problem(reader, config, &["refine".into()])?;
-    let prepared = Prepared::new(&args)?;
+    let prepared = Prepared::new(&args, session)?;
     let grid = &prepared.grids[0];
     let problem = prepared.problem(&args, grid)?;
     let [nx, ny] = grid.points();

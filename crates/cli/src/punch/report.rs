@@ -10,6 +10,7 @@ use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::convergence::NotConverged;
 use crate::session::list_files;
 use crate::trace::Trace;
+use gfmd_problem::options::given::Given;
 use gfmd_problem::options::{OtherArgs, height};
 
 /// The result, as printed.
@@ -32,10 +33,10 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_width: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mask: Option<String>,
+    pub mask: Option<Given>,
     /// The file of the traction beside the punch.
     #[serde(rename = "traction", skip_serializing_if = "Option::is_none")]
-    pub prescribed_traction: Option<String>,
+    pub prescribed_traction: Option<Given>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shift: Vec<f64>,
     pub depth: f64,

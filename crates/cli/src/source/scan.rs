@@ -15,6 +15,7 @@ use serde::{Serialize, Serializer};
 use super::{Detrend, SourceArgs};
 use crate::failure::Failure;
 use crate::memory;
+use gfmd_problem::options::given::Given;
 
 /// The words of a file about its heights, and the changes made to them.
 #[derive(Clone, Debug, Serialize)]
@@ -79,10 +80,17 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 }
 
 impl SourceArgs {
-    /// Reads the file and prepares its heights. If neither the file nor a flag gives it a size, it has that of `cell`.
-    pub(crate) fn prepare(&self, file: &str, cell: Option<[f64; 2]>) -> Result<Prepared, Failure> {
-        let topography =
-            Topography::read(file, self.channel.as_deref()).map_err(|error| Failure::Input(error.to_string()))?;
+    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it has that of
+    /// `cell`.
+    pub(crate) fn prepare(&self, given: &Given, cell: Option<[f64; 2]>) -> Result<Prepared, Failure> {
+        let topography = match given {
+            Given::File(name) => Topography::read(name, self.channel.as_deref()),
+            Given::Array(array) => Topography::of_array("surface", &array.view()),
+            Given::Load(_) => return Err(Failure::Input("surface is a contact; it must be an array".into())),
+        };
+        let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
+        let name = given.to_string();
+        let file = name.as_str();
         if topography.undefined > 0 && self.fill.is_none() {
             let refused = topography.check_complete().map_or_else(|error| error.to_string(), |()| file.into());
             return Err(Failure::Input(format!("{refused}: --fill harmonic or --fill nearest gives them heights")));

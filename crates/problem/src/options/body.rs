@@ -11,6 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::choice::{named, named_if, parse_choice};
 use super::flags::{of_keys, without_flags};
+use super::given::Arrays;
 use crate::{Facts, SIZES, Support, Unusable, check_size};
 
 /// Flags that describe the elastic body.
@@ -224,7 +225,7 @@ impl BodyArgs {
 /// # Errors
 /// A key that no body has, a value of another type.
 pub fn body_of(table: toml::Table) -> Result<BodyArgs, Unusable> {
-    of_keys(table)
+    of_keys(table, Arrays::new())
 }
 
 impl OtherArgs {

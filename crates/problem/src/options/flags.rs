@@ -4,6 +4,7 @@ use clap::{Args, Command, FromArgMatches};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use super::given::{self, Arrays};
 use crate::Unusable;
 
 /// The longest value in a message.
@@ -27,15 +28,15 @@ pub fn keys<A: Args>() -> Vec<String> {
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
 }
 
-/// A group of flags from a table of its keys.
+/// A group of flags from a table of its keys, and the arrays of options.
 ///
 /// # Errors
 /// Another key; a value of another type, which is named.
-pub fn of_keys<A: Args + DeserializeOwned>(table: Table) -> Result<A, Unusable> {
+pub fn of_keys<A: Args + DeserializeOwned>(table: Table, arrays: Arrays) -> Result<A, Unusable> {
     let keys = keys::<A>();
-    match table.keys().find(|key| !keys.contains(key)) {
+    match table.keys().chain(arrays.keys()).find(|key| !keys.contains(key)) {
         Some(key) => Err(Unusable::value("a key", quoted(key), format!("one of {}", keys.join(", ")))),
-        None => of_table(table).map_err(Unusable::of),
+        None => given::with(arrays, table, of_table).map_err(Unusable::of),
     }
 }
 

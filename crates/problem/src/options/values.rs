@@ -1,5 +1,8 @@
 //! Lists of numbers on the command line.
 
+use std::fmt::Display;
+use std::str::FromStr;
+
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 /// The largest number of values of one entry.
@@ -9,7 +12,7 @@ const MOST: usize = 10_000;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry(Vec<f64>);
 
-impl std::str::FromStr for Entry {
+impl FromStr for Entry {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -78,6 +81,14 @@ pub fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
         1.. if values.len() <= MOST => Ok(values),
         found => Err(D::Error::custom(format!("it has {found} values; it must have 1 to {MOST}"))),
     }
+}
+
+/// Reads a text that stands for a value.
+///
+/// # Errors
+/// A text that stands for none.
+pub fn parsed<'de, T: FromStr<Err: Display>, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
+    String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
 }
 
 /// Reads a whole number from `LEAST` to `MOST`.

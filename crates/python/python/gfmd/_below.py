@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import tempfile
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
@@ -13,9 +11,10 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, flag, integer, number, numbers, shown, texts, word
+from ._check import Array, array, flag, integer, number, numbers, shown, texts, word
 from ._contact import Contact
 from ._errors import InputError
+from ._files import config
 from ._record import Record
 
 _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
@@ -243,17 +242,11 @@ def punch(
     for first, second, component in _threes("history_points", history_points):
         position = [number("history_points", entry) for entry in (first, second)]
         problem["history_point"].append([*position, word("history_points", component)])
-    with tempfile.TemporaryDirectory() as folder:
-        for name, array in (("mask", mask), ("traction", traction)):
-            if array is not None:
-                np.save(os.path.join(folder, f"{name}.npy"), np.asarray(array))
-                problem[name] = os.path.join(folder, f"{name}.npy")
-        file = os.path.join(folder, "punch.h5")
-        values, failure = _command.solve("punch", problem, file, threads)
-        fields = _command.fields(file, ("displacement", "traction", "under_punch"))
+    arrays = {name: None if value is None else array(name, value) for name, value in (("mask", mask), ("traction", traction))}
+    values, failure, fields = _command.solve("punch", problem, arrays, threads)
     if values["height"] == "inf":
         values["height"] = math.inf
-    for name in ("mask", "traction"):  # files that are removed with their folder
+    for name in arrays:
         values.pop(name, None)
     if history:
         values["history"] = _history(values["history"])
@@ -319,13 +312,12 @@ def interior(
         quantities=texts("quantities", quantities),
         slice=None if along is None else word("along", along),
     )
-    with tempfile.TemporaryDirectory() as folder:
-        problem.update(_source(source, folder))
-        file = os.path.join(folder, "below.h5")
-        values, failure = _command.solve("body", problem, file, threads)
-        fields = _command.fields(file, ("displacement", "strain", "stress", "von_mises", "energy_density"))
+    own, given = _source(source)
+    values, failure, fields = _command.solve("body", {**problem, **own}, {"surface": given}, threads)
     del values["surface"]
-    return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+    named = {name.replace("-", "_") for name in problem["quantities"]}
+    found = {name: field for name, field in fields.items() if name in named}
+    return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **found}), failure)
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[float]]) -> dict[str, Any]:
@@ -334,20 +326,17 @@ def _elastic(values: Any, layers: Sequence[Sequence[float]]) -> dict[str, Any]:
     return {**elastic, **_command.other_keys(values, layers)}
 
 
-def _source(source: Union[Contact, Punch], folder: str) -> dict[str, Any]:
-    """The keys of the displacement of a surface, which goes through a file bit by bit."""
+def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
+    """The keys of the body and the cell, and the displacement of the surface."""
     if isinstance(source, Contact):
-        given = os.path.join(folder, "contact.h5")
-        source.save(given)
-        return {"surface": given, **_command.body_keys(source.body)}
+        shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
+        return {"length": list(source.surface.size)}, (config([source]), {**source._fields(), **shear})
     if isinstance(source, Punch):
-        given = os.path.join(folder, "punch.npy")
-        shown = source.displacement
-        np.save(given, shown if shown.ndim == 3 and shown.shape[1] > 1 else shown.reshape(shown.shape[0], shown.shape[-1]))
         # Summed in the order of the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T
         mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
-        return {"surface": given, "length": [source.length[0]], "mean_traction": mean_traction, **_elastic(source, source.get("layer", ()))}
+        keys = {"length": [source.length[0]], "mean_traction": mean_traction}
+        return {**keys, **_elastic(source, source.get("layer", ()))}, source.displacement
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 
@@ -382,7 +371,7 @@ def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[f
         z=None if z is None else number("z", z),
         depth=None if depth is None else number("depth", depth),
     )
-    values, _ = _command.solve("green", problem)
+    values, *_ = _command.solve("green", problem)
     for name in ("stiffness", "compliance", "displacement_transfer", "stress_transfer"):
         if values.get(name) is not None:
             pairs = np.array(values[name], dtype=np.float64)

@@ -150,6 +150,17 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
     return _gfmd.fill(found, lengths, how)
 
 
+def array(name: str, value: Any) -> Array:
+    """An array of real numbers, or of flags."""
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "fiub":
+            return np.asarray(given, dtype=np.float64)
+    except Exception as error:
+        raise InputError(f"{name} is {shown(value)}; it must be an array of numbers") from error
+    raise InputError(f"{name} has the type {given.dtype}; it must be an array of numbers")
+
+
 def frozen(array: Array) -> Array:
     array.flags.writeable = False
     return array

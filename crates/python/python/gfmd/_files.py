@@ -35,13 +35,12 @@ def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
     return {"pressure": [contact["mean_pressure"] for contact in contacts]}
 
 
-def save(name: Any, contacts: Sequence[Contact]) -> None:
-    if not contacts:
-        raise InputError("there are no contacts to write")
+def config(contacts: Sequence[Contact]) -> dict[str, Any]:
+    """The configuration of contacts of one surface, as a file has it."""
     first = contacts[0]
-    surface, body, law = first.surface, first.body, first.law
-    config: dict[str, Any] = {
-        "length": list(surface.size),
+    body, law = first.body, first.law
+    return {
+        "length": list(first.surface.size),
         "poisson": body.poisson,
         ("young" if body._given[2] is None else "e_star"): body._given[0] if body._given[2] is None else body._given[2],
         "height": "inf" if body.height is None else body.height,
@@ -57,10 +56,16 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
         "law": law.name,
         **({"param": [[name, value] for name, value in law.parameters.items()]} if law.parameters else {}),
     }
+
+
+def save(name: Any, contacts: Sequence[Contact]) -> None:
+    if not contacts:
+        raise InputError("there are no contacts to write")
+    first = contacts[0]
     loads = [(json_of(contact._values), list(contact._fields().values())) for contact in contacts]
     field = None if first.hardness is None or isinstance(first.hardness, float) else first.hardness
     lower = None if first.lower_surface is None else _given(first.lower_surface)
-    _gfmd.save(_check.path("path", name), _given(surface), loads, _gfmd.json_to_toml(json.dumps(config)), field, lower)
+    _gfmd.save(_check.path("path", name), _given(first.surface), loads, config(contacts), field, lower)
 
 
 def _given(surface: Surface) -> tuple[Array, tuple[float, float], Optional[str], str]:

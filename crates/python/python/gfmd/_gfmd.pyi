@@ -16,7 +16,6 @@ __all__ = [
     "conductance",
     "detrend",
     "fill",
-    "json_to_toml",
     "periodise",
     "program",
     "read",
@@ -24,7 +23,6 @@ __all__ = [
     "read_config",
     "read_records",
     "read_text",
-    "run",
     "save",
     "self_affine",
     "solve",
@@ -101,16 +99,15 @@ def composite(
     first: _Array, second: _Array, lengths: tuple[float, float], shift: tuple[float, float], boundary: str
 ) -> tuple[_Array, tuple[float, float]]: ...
 def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
-def run(words: list[str], threads: int = 0, tick: _Tick = None) -> tuple[str, Optional[tuple[str, str]]]: ...
 def solve(
-    command: str, problem: dict[str, Any], out: Optional[str] = None, threads: int = 0, tick: _Tick = None
-) -> tuple[str, Optional[tuple[str, str]]]: ...
+    command: str, problem: dict[str, Any], arrays: Optional[dict[str, Any]] = None, threads: int = 0, tick: _Tick = None
+) -> tuple[str, Optional[tuple[str, str]], dict[str, _Array]]: ...
 def program(words: list[str]) -> int: ...
 def save(
     path: str,
     surface: tuple[_Array, tuple[float, float], Optional[str], str],
     loads: list[tuple[str, list[_Array]]],
-    config: str,
+    config: dict[str, Any],
     hardness: Optional[_Array] = None,
     lower: Optional[tuple[_Array, tuple[float, float], Optional[str], str]] = None,
 ) -> None: ...
@@ -118,4 +115,3 @@ def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...
 def read_config(path: str) -> str: ...
 def read_records(path: str) -> list[str]: ...
-def json_to_toml(text: str) -> str: ...

@@ -12,9 +12,9 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from . import _command, _gfmd
+from . import _command
 from ._check import flag, path
-from ._errors import Error, InputError, Interrupted, NotConverged
+from ._errors import InputError, Interrupted, NotConverged
 from ._record import Record
 
 
@@ -119,8 +119,8 @@ def kappa_sweep(
     kept = None
     try:
         file = file if out is None else path("out", out)
-        words = [*_config(config, folder), f"--out={file}", *(["--resume"] if flag("resume", resume) else [])]
-        values, failure = _command.run("kappa-sweep", words, threads)
+        problem = {**_config(config), "out": file, "resume": flag("resume", resume)}
+        values, failure, _ = _command.solve("kappa-sweep", problem, threads=threads)
         return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}), failure)
     except (KeyboardInterrupt, NotConverged) as error:
         if isinstance(getattr(error, "state", None), KappaSweep):
@@ -138,20 +138,16 @@ def kappa_sweep(
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _config(config: Any, folder: str) -> list[str]:
-    """The flags of a configuration."""
+def _config(config: Any) -> dict[str, Any]:
+    """The keys of a configuration."""
     if isinstance(config, Mapping):
-        file = os.path.join(folder, "sweep.toml")
         try:
-            Path(file).write_text(_gfmd.json_to_toml(json.dumps(dict(config), default=_plain)), encoding="utf-8")
+            return {"config": json.loads(json.dumps(dict(config), default=_plain))}
         except (TypeError, ValueError, RecursionError) as error:
-            if isinstance(error, Error):
-                raise
             raise InputError(f"config has a value that TOML has not: {error}") from error
-        return [f"--config={file}"]
     if isinstance(config, str) and not config.endswith(".toml"):
-        return [f"--preset={config}"]
-    return [f"--config={path('config', config)}"]
+        return {"preset": config}
+    return {"config": path("config", config)}
 
 
 def _plain(value: Any) -> Any:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -199,16 +197,10 @@ def path(
     bound = as_hardness(hardness, made)
     if law is not None:
         problem.update(law=given.name, param=[[name, value] for name, value in given.parameters.items()])
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "path.h5")
-        if isinstance(bound, float):
-            problem["hardness"] = bound
-        elif bound is not None:
-            np.save(os.path.join(folder, "hardness.npy"), bound)
-            problem["hardness"] = os.path.join(folder, "hardness.npy")
-        problem.update(**_command.surface_keys(made, folder), **_command.body_keys(elastic))
-        values, failure = _command.solve("path", problem, file, threads)
-        fields = _command.fields(file, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
+    arrays: dict[str, Any] = {"surface": made.heights}
+    (problem if isinstance(bound, float) else arrays)["hardness"] = bound
+    problem.update(length=list(made.size), **_command.body_keys(elastic))
+    values, failure, fields = _command.solve("path", problem, arrays, threads)
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
@@ -216,7 +208,7 @@ def path(
     columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
     if bound is not None:
-        told["hardness"] = bound  # not the name of a file that is removed with its folder
+        told["hardness"] = bound
     result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), "undefined": undefined, **fields})
     return _command.ended(result, failure)
 

@@ -1,0 +1,98 @@
+//! Values of options that are arrays: in a file that the option names, or in memory.
+//!
+//! A problem is a table of texts and numbers. A caller of the commands as a library gives its arrays beside the table, by the keys of
+//! their options, and nothing is written to a file.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use ndarray::ArrayD;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use toml::Table;
+
+/// The value of an option that is an array.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    /// A file, by its name: FILE.npy or FILE.h5:/dataset, and what else the option reads.
+    File(String),
+    /// An array in memory.
+    Array(Arc<ArrayD<f64>>),
+    /// A load of a contact in memory.
+    Load(Arc<Load>),
+}
+
+/// A load of a contact, as a file of results has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// The configuration.
+    pub config: Table,
+    /// The fields `[x, y]`, and the numbers of the load, by their names.
+    pub values: BTreeMap<String, ArrayD<f64>>,
+}
+
+/// The arrays of a problem by the keys of their options.
+pub type Arrays = BTreeMap<String, Given>;
+
+/// The first character of a text that stands for an array. No name of a file has it.
+const MARK: char = '\0';
+
+thread_local! {
+    /// The arrays for which the texts of a table stand that is being read.
+    static READ: RefCell<Arrays> = const { RefCell::new(Arrays::new()) };
+}
+
+/// What `read` makes of a table and of arrays, which stand under their keys in the table that it gets.
+pub fn with<T>(arrays: Arrays, mut table: Table, read: impl FnOnce(Table) -> T) -> T {
+    table.extend(arrays.keys().map(|key| (key.clone(), format!("{MARK}{key}").into())));
+    let outer = READ.replace(arrays);
+    let made = read(table);
+    READ.set(outer);
+    made
+}
+
+impl Given {
+    /// The name of the file.
+    pub fn file(&self) -> Option<&str> {
+        if let Self::File(name) = self { Some(name) } else { None }
+    }
+}
+
+impl FromStr for Given {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(Self::File(text.into()))
+    }
+}
+
+impl fmt::Display for Given {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::File(name) => name,
+            Self::Array(_) => "array",
+            Self::Load(_) => "contact",
+        })
+    }
+}
+
+impl Serialize for Given {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Given {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        match text.strip_prefix(MARK) {
+            Some(key) => {
+                READ.with_borrow(|arrays| arrays.get(key).cloned()).ok_or_else(|| D::Error::custom("no array"))
+            }
+            None => Ok(Self::File(text)),
+        }
+    }
+}
