@@ -7,7 +7,7 @@
 //! | [`Nesterov`]                      | force, stiffest mode             | convex problems                         |
 //! | [`Fire`]                          | force, stiffest mode             | landscapes that are not convex          |
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
-//! | [`PreconditionedCg`], [`PairedCg`] | the same, and its near inverse  | [`Preconditioned`]; [`Paired`], two halves |
+//! | [`PreconditionedCg`]              | the same, and its near inverse   | [`Preconditioned`]; [`Paired`], two fields |
 //!
 //! For all methods but conjugate gradients a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
 //! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
@@ -86,7 +86,6 @@ mod landscape;
 mod mode_damped;
 mod nesterov;
 mod observer;
-mod paired_cg;
 mod polonsky_keer;
 mod preconditioned;
 mod preconditioned_cg;
@@ -116,10 +115,9 @@ pub use landscape::Landscape;
 pub use mode_damped::{ModeDamped, damped_by_parts};
 pub use nesterov::{Momentum, Nesterov};
 pub use observer::{Every, Observer};
-pub use paired_cg::{Paired, PairedCg};
 pub use polonsky_keer::PolonskyKeer;
 pub use preconditioned::{BLOCK, Preconditioned};
-pub use preconditioned_cg::PreconditionedCg;
+pub use preconditioned_cg::{Paired, PreconditionedCg};
 pub use projected_cg::ProjectedCg;
 pub use quadratic::{Iterate, Minimum, Optimality, Quadratic, Target};
 pub use run::{Method, Outcome, State, Status, Stop, relax};

@@ -1,6 +1,6 @@
 //! Two halves of variables, coupled by a matrix and by their means, against every active set.
 
-use gfmd_relax::{Budget, Ending, Paired, PairedCg, RelaxError, Tape, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ending, Paired, PreconditionedCg, RelaxError, Tape, Target, Visit, Watch};
 
 /// A dense matrix, with its diagonal as the preconditioner.
 struct Dense {
@@ -78,7 +78,7 @@ fn the_conditions_of_the_minimum_hold_and_the_means_are_kept() {
             let mut problem = Dense::new(12, seed);
             problem.linear.iter_mut().for_each(|b| *b -= 0.2);
             let mut x = vec![0.3; 12];
-            let minimum = PairedCg.minimise(&mut problem, &mut x, &target(mean), &mut ()).unwrap();
+            let minimum = PreconditionedCg.minimise_pair(&mut problem, &mut x, &target(mean), &mut ()).unwrap();
             assert_eq!(minimum.ending, Ending::Converged, "{seed} {mean:?}: {minimum:?}");
             let [first, second]: [f64; 2] = [0, 6].map(|start| x[start..start + 6].iter().sum::<f64>() / 6.0);
             let asked = mean.unwrap_or(first);
@@ -94,14 +94,14 @@ fn the_conditions_of_the_minimum_hold_and_the_means_are_kept() {
 fn unusable_starts_are_refused() {
     let minimise = |x: &mut [f64], mean| {
         let mut problem = Dense::new(x.len(), 3);
-        PairedCg.minimise(&mut problem, x, &target(mean), &mut ())
+        PreconditionedCg.minimise_pair(&mut problem, x, &target(mean), &mut ())
     };
     assert!(matches!(minimise(&mut [1.0; 5], None), Err(RelaxError::Parameter { .. })));
     assert!(matches!(minimise(&mut [0.0; 4], Some(1.0)), Err(RelaxError::AllZero)));
     assert!(matches!(minimise(&mut [1.0, f64::NAN, 1.0, 1.0], None), Err(RelaxError::Start { .. })));
     assert!(matches!(minimise(&mut [1.0; 4], Some(-1.0)), Err(RelaxError::Parameter { .. })));
     let mut problem = Dense::new(4, 3);
-    let refused = PairedCg.minimise(&mut problem, &mut [1.0; 6], &target(None), &mut ());
+    let refused = PreconditionedCg.minimise_pair(&mut problem, &mut [1.0; 6], &target(None), &mut ());
     assert!(refused.is_err());
 }
 
@@ -135,7 +135,7 @@ impl Watch for Keeper {
 fn a_search_continues_bit_for_bit() {
     let solve = |keeper: &mut Keeper| {
         let mut x = vec![0.3; 16];
-        PairedCg.minimise(&mut Dense::new(16, 8), &mut x, &target(Some(0.3)), keeper).unwrap();
+        PreconditionedCg.minimise_pair(&mut Dense::new(16, 8), &mut x, &target(Some(0.3)), keeper).unwrap();
         x
     };
     let mut whole = Keeper::default();

@@ -2,7 +2,7 @@
 //! prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
-use gfmd_relax::{Budget, Ceiling, Ending, Paired, PairedCg, RelaxError, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
 use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
 
@@ -35,7 +35,7 @@ pub(super) fn solve(
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); dual.linear.len()]);
     let within = Budget { tolerance: MARGIN * budget.tolerance, ..*budget };
     let target = Target { mean, gradient_scale: length_scale, budget: within };
-    let minimum = PairedCg.minimise(&mut dual, &mut pressure, &target, watch)?;
+    let minimum = PreconditionedCg.minimise_pair(&mut dual, &mut pressure, &target, watch)?;
     let effort = Effort { iterations: minimum.reached.iteration, transform_pairs: dual.transforms.pairs() };
     Ok(Ended { pressure, effort, ending: minimum.ending })
 }

@@ -2,12 +2,10 @@
 
 use gfmd_vector::{Share, add};
 
+use super::HALVINGS;
 use super::active::Active;
 use super::sums::{View, block_sums};
 use crate::Ceiling;
-
-/// Largest number of times that a step is halved until it begins downhill.
-const HALVINGS: usize = 30;
 
 /// The factor of a step that is so much longer than the variables that μ, of its size, cannot keep their mean for rounding errors.
 const SHORTER: f64 = 1e-3;
