@@ -167,15 +167,7 @@ impl Interface {
             Solver::Newton => return Err(Refusal::NoEnergy),
             Solver::Fire => Fire::bitzek,
             Solver::Auto | Solver::Fire2 => Fire::v2,
-            Solver::PolonskyKeer
-            | Solver::ProjectedCg
-            | Solver::PreconditionedCg
-            | Solver::Verlet
-            | Solver::VerletCritical
-            | Solver::VerletModes
-            | Solver::AugmentedLagrangian => {
-                return Err(Refusal::Solver { found: solver, allowed: &SOLVERS });
-            }
+            _ => return Err(Refusal::Solver { found: solver, allowed: &SOLVERS }),
         };
         if solver != Solver::Auto && self.law.has_wall() && frame.held[frame.z()] {
             return Err(Refusal::NoDynamics);
@@ -224,6 +216,7 @@ impl Interface {
     /// Returns `None` if it does not solve it.
     fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
         let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
+        // A refusal or a search without success is found again, and reported, by the search that follows.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
         let contact = Contact::on(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
         let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;
