@@ -46,6 +46,7 @@ impl BaseField {
         let base = body.at_depth(body.total_height())?;
         for index in 0..grid.spectrum_len() {
             let mode = grid.mode_at(index);
+            // A profile has no component along y.
             let at = |axis: usize| spectra[axis].get(index).copied().unwrap_or_default();
             let given = [at(0), at(1), at(2)];
             let found = if mode.is_uniform() {

@@ -121,6 +121,7 @@ pub(crate) fn solve(
     if !are_few(&kept.places, most, contact.share.total()) {
         return Ok(None);
     }
+    // Without a uniform mode in the search its compliance is zero.
     let Some(scattered) = Scattered::of(response, contact.level_under(attempt.load).unwrap_or_default()) else {
         return Ok(None);
     };

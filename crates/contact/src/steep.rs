@@ -149,6 +149,7 @@ impl SteepContact {
         for _ in 0..STEPS {
             for_each(&mut met[..], &|start, met: &mut [_]| {
                 for (i, met) in (start..).zip(met) {
+                    // A profile does not move along y.
                     let offset = [0, 1].map(|axis| lateral.get(axis * points + i).copied().unwrap_or(0.0));
                     *met = self.clearance.near([i / ny, i % ny], offset);
                 }

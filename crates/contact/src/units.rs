@@ -104,9 +104,7 @@ impl Units {
 
     /// The grid in these units.
     pub fn grid(&self, grid: &Grid) -> Grid {
-        let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
-        let ly = if grid.is_line() { ly } else { ly / self.lateral };
-        Grid::new([nx, ny], [lx / self.lateral, ly]).unwrap_or(*grid)
+        grid.in_units(self.lateral)
     }
 
     /// A rigid surface in these units.

@@ -22,6 +22,8 @@ use crate::{DislocationError, Edge, Stress};
 pub struct Domain {
     body: Body,
     below: Body,
+    /// That of a slab.
+    layer: Option<Layer>,
     response: Arc<FullResponse>,
     held: Vec<bool>,
     pub(crate) row: Row,
@@ -72,9 +74,14 @@ impl Domain {
         if held.len() != points {
             return Err(gfmd_field::ShapeError { what: "mask", found: held.len(), expected: points }.into());
         }
+        let layer = match body.height() {
+            Height::Finite(height) => Some(Layer::new(*body.material(), height)?),
+            Height::Infinite => None,
+        };
         Ok(Self {
             body: body.clone(),
             below: Body::half_space(*body.material()),
+            layer,
             response: FullResponse::new(*grid, body).into(),
             held: held.to_vec(),
             row: Row::new(body.material(), grid.lengths()[0]),
@@ -181,7 +188,6 @@ impl Domain {
 
     /// The rows at the surface and at the base, wave by wave from the first.
     fn waves(&self, edges: &[Edge]) -> Vec<Wave> {
-        let layer = self.height().and_then(|height| Layer::new(*self.material(), height).ok());
         let waves = 1..self.grid().spectrum_len();
         waves
             .map(|m| {
@@ -198,7 +204,7 @@ impl Domain {
                 let traction = at(0.0);
                 let [x, z] = times(&compliance, [-traction[0], traction[1]]);
                 let top = Face { traction, displacement: [x, -z] };
-                let Some((layer, height)) = layer.as_ref().zip(self.height()) else {
+                let Some((layer, height)) = self.layer.as_ref().zip(self.height()) else {
                     return Wave { top, ..Wave::default() };
                 };
                 let traction = at(-height);
@@ -218,7 +224,7 @@ impl Domain {
         let traction = add(add(added, wave.from_base), top.traction);
         let displacement = add(image, top.displacement);
         let mut twice = dot(traction, displacement) + dot(top.traction, displacement) - dot(traction, top.displacement);
-        if let Some(layer) = self.height().and_then(|height| Layer::new(*self.material(), height).ok()) {
+        if let Some(layer) = &self.layer {
             let matrix = layer.plane_matrix(self.wavenumber(m));
             let moved = base.displacement.map(|u| -u);
             let held = [2, 3].map(|row| {

@@ -100,6 +100,13 @@ impl Grid {
         Self::new([points, 1], [length, 1.0])
     }
 
+    /// The same cell with lengths in units of `unit`, a positive number. The extent of a line along y remains one unit. A side that is
+    /// too short or too long to be a number in this unit has the least or the largest one.
+    pub fn in_units(&self, unit: f64) -> Self {
+        let [lx, ly] = self.lengths.map(|length| (length / unit).clamp(f64::from_bits(1), f64::MAX));
+        Self { points: self.points, lengths: [lx, if self.is_line() { self.lengths[1] } else { ly }] }
+    }
+
     /// The numbers of points (nx, ny), the shape of a field.
     pub fn points(&self) -> [usize; 2] {
         self.points

@@ -121,6 +121,11 @@ impl Hdf5 {
         }
     }
 
+    /// As [`number`](Self::number); `None` if there is no such attribute.
+    pub(crate) fn number_if_any(&self, path: &str, name: &str) -> Result<Option<f64>, String> {
+        self.attribute(path, name).ok().map(|_| self.number(path, name)).transpose()
+    }
+
     /// An attribute of the group or dataset at `path`.
     pub(crate) fn attribute(&self, path: &str, name: &str) -> Result<Attribute, String> {
         let found = match self.file.dataset(path) {

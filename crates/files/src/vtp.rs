@@ -35,7 +35,7 @@ pub fn write(output: &Output, sheet: &Sheet, arrays: &[Values]) -> Result<PathBu
         file.write_all(header.as_bytes())?;
         let mut lengths = bytes.iter();
         let mut length =
-            |file: &mut dyn Write| file.write_all(&lengths.next().copied().unwrap_or_default().to_le_bytes());
+            |file: &mut dyn Write| file.write_all(&lengths.next().expect("a length for each array").to_le_bytes());
         for (_, values) in arrays {
             length(file)?;
             in_order(sheet.points, |i, j| file.write_all(&values[i * ny + j].to_le_bytes()))?;

@@ -37,6 +37,7 @@ impl<'a> Errors<'a> {
         degrees_of_freedom: usize,
     ) -> Result<Self, FitError> {
         let means = &rows.means;
+        // Where parameters depend on each other at the minimum, no estimate has an error.
         let sensitivities = means.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
         let nodes = Nodes::new(means, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
         let bootstrap = (rows.have_scatter() && settings.resamples > 0).then(|| {

@@ -104,6 +104,7 @@ impl Elimination {
         let border = &*border;
         let of_blocks = tasks.par_iter_mut().map(|(block, own, further)| {
             for (place, value) in block.border.iter().zip(further.iter_mut()) {
+                // The place behind the border is that of the reservoir, where the potential is zero.
                 *value = border.get(*place as usize).copied().unwrap_or([0.0; N]);
             }
             block.factors.backward(own, further);

@@ -134,7 +134,7 @@ impl Solved {
     fn new(cells: &Cells, found: Found, iterations: usize, shape: [usize; 2], unit: f64) -> Self {
         let Found { potential, balance: Balance { mut flux, power, residual, .. } } = found;
         flux[cells.axis()] = power;
-        let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).unwrap_or_default();
+        let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).expect("a value for each point");
         let fluxes = cells.flux(&potential).into_iter().map(|flux| flux * unit).collect();
         let path = Path { potential: field(cells.spread(&potential)), flux: field(fluxes), iterations };
         Self { flux: flux.map(|flux| flux * unit), residual, path }

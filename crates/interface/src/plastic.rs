@@ -82,7 +82,7 @@ impl PlasticState {
     fn new(contact: &Contact, solution: Solution, before: Array2<f64>) -> Self {
         let (depth, dissipated) = match &solution.plastic {
             Some(plastic) => {
-                // The depth grows where the pressure is the hardness.
+                // The depth grows where the pressure is the hardness. A field has points, and so a mean, here and below.
                 let works = &solution.pressure * &plastic.depth;
                 (&before + &plastic.depth, works.mean().unwrap_or(0.0))
             }

@@ -21,6 +21,7 @@ pub struct MixedSolution {
 impl MixedSolution {
     /// The mean traction over the whole surface, by component, in stress. The mean pressure is minus the last component.
     pub fn mean_traction(&self) -> Vec<f64> {
+        // A grid has points, and so each component a mean.
         self.traction.axis_iter(Axis(0)).map(|component| component.mean().unwrap_or(0.0)).collect()
     }
 

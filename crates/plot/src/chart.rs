@@ -47,13 +47,13 @@ impl Chart {
 
     /// The figure as SVG text.
     pub fn svg(&self) -> Result<String, PlotError> {
-        Ok(draw(self)?.svg())
+        draw(self)?.svg()
     }
 
     /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, which must be a word that no other figure
     /// of the page has; `title` is its text for those who do not see it.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
-        Ok(draw(self)?.element(name, title))
+        draw(self)?.element(name, title)
     }
 
     /// The figure as PNG bytes.

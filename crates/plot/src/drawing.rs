@@ -39,26 +39,27 @@ pub(super) struct Drawing {
 }
 
 impl Drawing {
-    pub(super) fn svg(&self) -> String {
+    pub(super) fn svg(&self) -> Result<String, PlotError> {
         let mut pictures = String::from("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
         for picture in &self.pictures {
             let [x, y, width, height] = picture.frame.map(number);
-            let data = base64::engine::general_purpose::STANDARD.encode(picture.encode(None).unwrap_or_default());
+            let data = base64::engine::general_purpose::STANDARD.encode(picture.encode(None)?);
             let rendering = if picture.is_coarse() { r#" style="image-rendering:pixelated""# } else { "" };
             pictures.push_str(&format!(
                 "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
                  preserveAspectRatio=\"none\"{rendering} href=\"data:image/png;base64,{data}\"/>\n"
             ));
         }
-        self.wrap(&pictures)
+        Ok(self.wrap(&pictures))
     }
 
     /// The figure as one element of a page: the ids begin with `name`, since a page has several figures, and `title` says what
     /// it shows to those who do not see it.
-    pub(super) fn element(&self, name: &str, title: &str) -> String {
-        let svg = self.svg();
+    pub(super) fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
+        let svg = self.svg()?;
         let element = svg.split_once("?>\n").map_or(svg.as_str(), |(_, element)| element);
-        with_ids(element, name).replacen(">\n", &format!(" role=\"img\">\n<title>{}</title>\n", escape(title)), 1)
+        let title = format!(" role=\"img\">\n<title>{}</title>\n", escape(title));
+        Ok(with_ids(element, name).replacen(">\n", &title, 1))
     }
 
     /// Drawings side by side, from left to right.
@@ -99,7 +100,7 @@ impl Drawing {
         let stretch = width as f32 / tree.size().width();
         resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
         let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
-        encode(width, height, &pixels, Some(resolution)).map_err(|error| render(&error))
+        encode(width, height, &pixels, Some(resolution))
     }
 
     pub(super) fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
@@ -109,7 +110,7 @@ impl Drawing {
             stem.with_file_name(name)
         };
         let paths = [with(".svg"), with(".png")];
-        let contents = [self.svg().into_bytes(), self.png()?];
+        let contents = [self.svg()?.into_bytes(), self.png()?];
         for (path, content) in paths.iter().zip(contents) {
             fs::write(path, content).map_err(|source| PlotError::Io { path: path.clone(), source })?;
         }
@@ -139,7 +140,7 @@ impl Picture {
         self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
     }
 
-    fn encode(&self, resolution: Option<f64>) -> Result<Vec<u8>, png::EncodingError> {
+    fn encode(&self, resolution: Option<f64>) -> Result<Vec<u8>, PlotError> {
         encode(self.columns as u32, self.rows as u32, &self.pixels, resolution)
     }
 
@@ -168,7 +169,8 @@ fn with_ids(elements: &str, name: &str) -> String {
     elements.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"))
 }
 
-fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> Result<Vec<u8>, png::EncodingError> {
+fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> Result<Vec<u8>, PlotError> {
+    let render = |error: png::EncodingError| PlotError::Render { reason: error.to_string() };
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -177,8 +179,8 @@ fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> R
         let per_metre = (dots_per_inch / 0.0254).round() as u32;
         encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
     }
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels.as_flattened())?;
-    writer.finish()?;
+    let mut writer = encoder.write_header().map_err(render)?;
+    writer.write_image_data(pixels.as_flattened()).map_err(render)?;
+    writer.finish().map_err(render)?;
     Ok(bytes)
 }

@@ -111,13 +111,13 @@ impl<'a> Map<'a> {
 impl Map<'_> {
     /// The figure as SVG text, with the field as an embedded PNG image.
     pub fn svg(&self) -> Result<String, PlotError> {
-        Ok(draw(self)?.svg())
+        draw(self)?.svg()
     }
 
     /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, which must be a word that no other figure
     /// of the page has; `title` is its text for those who do not see it.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
-        Ok(draw(self)?.element(name, title))
+        draw(self)?.element(name, title)
     }
 
     /// The figure as PNG bytes.
@@ -138,7 +138,7 @@ pub struct Maps<'a>(pub Vec<Map<'a>>);
 impl Maps<'_> {
     /// The figure as SVG text, with the fields as embedded PNG images.
     pub fn svg(&self) -> Result<String, PlotError> {
-        Ok(self.draw()?.svg())
+        self.draw()?.svg()
     }
 
     /// The figure as PNG bytes.

@@ -137,6 +137,7 @@ impl Operator {
         let [x, y, z] = &ws.spectra;
         let of_mode = |index: usize| {
             let m = &self.matrices[index];
+            // A profile has no component along y.
             let (x, y, z) = (x[index], y.get(index).copied().unwrap_or_default(), z[index]);
             let coupled = (x.conj() * z).im * m.xz + (y.conj() * z).im * m.yz;
             let weight = self.grid().mode_at(index).weight;

@@ -45,9 +45,7 @@ impl Scaled {
     }
 
     pub(crate) fn grid(&self, grid: &Grid) -> Grid {
-        let [lx, ly] = grid.lengths();
-        let ly = if grid.is_line() { ly } else { ly / self.length };
-        Grid::new(grid.points(), [lx / self.length, ly]).unwrap_or(*grid)
+        grid.in_units(self.length)
     }
 }
 

@@ -61,6 +61,7 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
         return Err(SurfaceError::TooFewPoints { what, least, found: [nx, ny] });
     }
     let (x, y) = (centred(nx), centred(ny));
+    // There are heights, as of the least number of points.
     let mut rest = heights - heights.mean().unwrap_or(0.0);
     match trend {
         Trend::Mean => {}
@@ -193,6 +194,7 @@ pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceE
     }
     let (nx, ny) = heights.dim();
     let (x, y) = (tukey(nx, taper), tukey(ny, taper));
+    // The window of no heights has none.
     let mean = heights.mean().unwrap_or(0.0);
     Ok(Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j]))
 }

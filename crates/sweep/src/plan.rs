@@ -95,6 +95,7 @@ impl Plan {
         for (discretisation, n) in cells {
             let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
             let grid = grid.map_err(SweepError::Grid)?;
+            // The groups are those of the cells.
             let group = groups.iter().position(|group| *group == discretisation.eps_t_inv).unwrap_or(0);
             let by_rule = config.realisations(&discretisation, n, largest);
             for (family, &hurst) in config.surface.hurst.iter().enumerate() {

@@ -144,6 +144,7 @@ impl Level {
             let pair = row::pair_of(three.map(|b| near[b]), three.map(|b| far[b]), parts);
             children[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
         }
+        // A row may have one child alone.
         let inner = children.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
         row::interpolate(near, far, parts, inner);
     }

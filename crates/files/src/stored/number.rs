@@ -65,6 +65,7 @@ impl<T: Number> H5Type for Stored<T> {
     }
 
     fn element_size(kind: &Datatype) -> usize {
+        // A type without a size cannot be decoded either, which is the error.
         dtype_element_size(kind).unwrap_or(0)
     }
 

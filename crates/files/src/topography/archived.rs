@@ -74,8 +74,8 @@ fn read(reader: &Hdf5, dataset: &str, points: [usize; 2]) -> Result<Map, String>
             }
         });
     }
-    let written = |axis: &str| reader.number(&format!("{group}/{axis}"), "length").ok();
-    let found = match (written("x"), written("y"), points[1]) {
+    let written = |axis: &str| reader.number_if_any(&format!("{group}/{axis}"), "length");
+    let found = match (written("x")?, written("y")?, points[1]) {
         (Some(x), _, 1) => Some([x, 1.0]),
         (Some(x), Some(y), _) => Some([x, y]),
         _ => lengths(|name| reader.contains(name).then(|| reader.values(name)), dataset, points)?,

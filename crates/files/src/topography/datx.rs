@@ -62,7 +62,7 @@ fn read(reader: &Hdf5, path: &str, points: [usize; 2], unit: String) -> Result<M
             converter.0, converter.1
         ));
     }
-    let undefined = reader.number(path, "No Data").unwrap_or(f64::NAN);
+    let undefined = reader.number_if_any(path, "No Data")?.unwrap_or(f64::NAN);
     let values = reader.values(path)?;
     let [nx, ny] = points;
     let rows = shaped([ny, nx], values)?;

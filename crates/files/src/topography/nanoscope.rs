@@ -147,14 +147,18 @@ impl<'a> Header<'a> {
         let mut detail = |name: &str, value: Option<String>| {
             details.extend(value.filter(|value| !value.is_empty()).map(|value| (name.to_owned(), value)));
         };
-        let version = find(&files, "version");
+        let software = find(&files, "version");
+        let version = software.as_deref().map_or(Ok(0), |text| {
+            let number = u32::from_str_radix(text.trim_start_matches("0x"), 16);
+            number.map_err(|_| format!("the version is {text:?}; it must be a hexadecimal number"))
+        })?;
         detail("instrument", find(&equipment, "microscope").or_else(|| find(&equipment, "description")));
         detail("scanner", find(&scanner, "serial number").or_else(|| find(&scan, "serial number")));
-        detail("software", version.clone());
+        detail("software", software);
         detail("date", find(&files, "date"));
         detail("operating mode", Some(mode));
         Ok(Self {
-            version: version.and_then(|text| u32::from_str_radix(text.trim_start_matches("0x"), 16).ok()).unwrap_or(0),
+            version,
             points: count("samps/line").zip(count("lines")).map(|(x, y)| [x, y]),
             scanner,
             scan,

@@ -88,7 +88,7 @@ impl Reaction {
                 let j: [&[f64]; N] = std::array::from_fn(|b| &self.entry(a, b)[stretch.clone()]);
                 for (k, out) in out.iter_mut().enumerate() {
                     let products: [f64; N] = std::array::from_fn(|b| j[b][k] * v[b][k]);
-                    *out += products.into_iter().reduce(|sum, product| sum + product).unwrap_or_default();
+                    *out += products[1..].iter().fold(products[0], |sum, product| sum + product);
                 }
             }
         };
@@ -99,5 +99,5 @@ impl Reaction {
 /// Splits a vector into its `M` fields.
 fn split<const M: usize>(vector: &mut [f64], points: usize) -> [&mut [f64]; M] {
     let mut fields = vector.chunks_exact_mut(points);
-    std::array::from_fn(|_| fields.next().unwrap_or_default())
+    std::array::from_fn(|_| fields.next().expect("a vector of M fields"))
 }

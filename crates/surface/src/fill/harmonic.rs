@@ -31,7 +31,7 @@ const SMALL: usize = 1 << 14;
 /// Fills NaN; at least one height is not NaN.
 pub(super) fn fill(mut heights: Array2<f64>, spacing: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
     let ny = heights.ncols();
-    // The heights relative to one of them, so that rounding refers to their differences.
+    // The heights relative to one of them, as at least one is given, so that rounding refers to their differences.
     let origin = heights.iter().copied().find(|height| !height.is_nan()).unwrap_or(0.0);
     let (finest, load) = Level::finest(&heights, origin, spacing);
     let levels = hierarchy(finest);

@@ -16,6 +16,7 @@ impl BodyConfig {
             found,
             allowed: allowed.to_owned(),
         };
+        const UNUSED: &str = "absent without base = \"half-space\"";
         let below = match (base, base_young, base_poisson) {
             (BaseKind::HalfSpace, Some(young), Some(poisson)) => {
                 Some(self::material(["body.base_young", "body.base_poisson"], *young, *poisson)?)
@@ -25,11 +26,8 @@ impl BodyConfig {
                 return Err(refused(field, "absent".into(), "given with base = \"half-space\""));
             }
             (_, None, None) => None,
-            (_, young, poisson) => {
-                let field = if young.is_some() { "body.base_young" } else { "body.base_poisson" };
-                let found = young.or(*poisson).unwrap_or_default().to_string();
-                return Err(refused(field, found, "absent without base = \"half-space\""));
-            }
+            (_, Some(found), _) => return Err(refused("body.base_young", found.to_string(), UNUSED)),
+            (_, None, Some(found)) => return Err(refused("body.base_poisson", found.to_string(), UNUSED)),
         };
         let body = match height {
             Height::Infinite => {
