@@ -184,7 +184,10 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
     let state = match path.exists() {
         false => InputState::Missing,
         // A file that is not regular may have no end.
-        true if Checksum::of_file(path).map_err(|error| Failure::Input(error.to_string()))? == sha256 => {
+        true if Checksum::of_file(path)
+            .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))?
+            == sha256 =>
+        {
             InputState::Unchanged
         }
         true => InputState::Changed,

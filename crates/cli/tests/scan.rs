@@ -11,10 +11,10 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// A folder with files of other programs (crates/files/tests/data/make.py) and a scan with two channels and a hole.
+/// A folder with files of other programs (crates/topography/tests/data/make.py) and a scan with two channels and a hole.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../files/tests/data");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../topography/tests/data");
     for name in ["two.gwy", "holes.nc", "int16.x3p", "small.mat"] {
         std::fs::copy(data.join(name), folder.path().join(name)).unwrap();
     }

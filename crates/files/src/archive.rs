@@ -31,8 +31,8 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location};
 
 use crate::attribute::Attribute;
-use crate::stored::Hdf5;
 use crate::{FileError, Input, Output, Warnings};
+use gfmd_topography::stored::Hdf5;
 use scale::Scale;
 
 pub use memory::{Memory, Value};

@@ -2,11 +2,11 @@
 //!
 //! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
 //!   that name is valid until the new one is complete.
+//! - [`gfmd_topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs. Of it are also:
 //! - [`input`] opens files: regular ones only, without waiting, and seen to stay the same while they are read.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
 //! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes arrays of NumPy.
-//! - [`Topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs.
 //!
 //! ```
 //! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};
@@ -26,35 +26,31 @@
 
 mod archive;
 mod attribute;
-mod checksum;
 mod error;
 mod fields;
-pub mod input;
 mod journal;
-pub mod legible;
 pub mod npy;
 mod output;
-mod stored;
-mod topography;
 pub mod vti;
 mod vtk;
 pub mod vtp;
 mod warning;
+mod x3p;
 
 pub use archive::{
     Archive, Coordinates, Dimension, Memory, Provenance, Reader, SCHEMA_VERSION, Value, Variable, rows_of_chunk,
 };
 pub use attribute::Attribute;
-pub use checksum::Checksum;
 pub use error::FileError;
 pub use fields::axes;
 pub use gfmd_field::contiguous;
-pub use input::Input;
+pub use gfmd_topography::unit::{convert_lengths, is_length as is_length_unit};
+pub use gfmd_topography::{
+    CONSISTENT_UNITS, Checksum, Input, ListedChannel, Listing, Number, Topography, TopographyError, cell_lengths,
+    input, legible, split_dataset,
+};
 pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, replace, sync_folder, target};
-pub use stored::Number;
-pub use topography::archived::{CONSISTENT as CONSISTENT_UNITS, lengths as cell_lengths, split as split_dataset};
-pub use topography::unit::{convert_lengths, is_length as is_length_unit};
-pub use topography::{ListedChannel, Listing, Topography, TopographyError, X3p};
 pub use vtk::PointArray;
 pub use warning::{Warning, Warnings};
+pub use x3p::X3p;

@@ -209,25 +209,8 @@ fn check_regular(path: &Path) -> Result<(), FileError> {
     if metadata.is_file() {
         return Ok(());
     }
-    let reason = format!("it is {}; it must be a regular file, or not exist", kind(&metadata));
+    let reason = format!("it is {}; it must be a regular file, or not exist", gfmd_topography::input::kind(&metadata));
     Err(FileError::Target { path: path.into(), reason })
-}
-
-/// The kind of something that is no regular file, in words.
-pub(crate) fn kind(metadata: &fs::Metadata) -> &'static str {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt;
-        let kind = metadata.file_type();
-        if kind.is_fifo() {
-            return "a pipe";
-        } else if kind.is_socket() {
-            return "a socket";
-        } else if kind.is_char_device() || kind.is_block_device() {
-            return "a device";
-        }
-    }
-    if metadata.is_dir() { "a folder" } else { "a special file" }
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {

@@ -6,7 +6,7 @@ use hdf5_reader::{Attribute, Dataset, Datatype, StringSize};
 use rayon::prelude::*;
 
 use crate::Checksum;
-use crate::stored::{Decode, Hdf5, Number, text};
+use gfmd_topography::stored::{Decode, Hdf5, Number, text};
 
 /// The attribute of the root that holds the checksum of all else.
 pub(super) const NAME: &str = "content_sha256";

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use gfmd_topography::stored::{Decode, Hdf5, Number, text};
+use hdf5_reader::{Datatype, StringSize};
+
 use super::{FileError, content};
 use crate::Input;
 use crate::attribute::Attribute;
-use crate::stored::{Hdf5, Number};
 
 /// An HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file is an error.
 pub struct Reader {
@@ -106,7 +108,7 @@ impl Reader {
     /// # Errors
     /// A path at which there is nothing, or attributes that cannot be read.
     pub fn attributes(&self, path: &str) -> Result<Vec<(String, Attribute)>, FileError> {
-        self.file.attributes(path).map_err(|reason| self.failed(&attribute(path, "*"), reason))
+        self.file.attributes(path).and_then(values).map_err(|reason| self.failed(&attribute(path, "*"), reason))
     }
 
     /// True if the variable at `path` has the coordinates of a dimension.
@@ -148,4 +150,22 @@ impl std::fmt::Debug for Reader {
 
 fn attribute(path: &str, name: &str) -> String {
     format!("{}@{name}", path.trim_end_matches('/'))
+}
+
+/// The attributes that are single numbers, or texts of any length, by name.
+fn values(all: Vec<hdf5_reader::Attribute>) -> Result<Vec<(String, Attribute)>, String> {
+    let mut found = Vec::new();
+    for one in all.into_iter().filter(|one| one.shape.is_empty()) {
+        let value = match &one.datatype {
+            kind @ Datatype::FloatingPoint { .. } => f64::decode(&one.raw_data, kind).map(Into::into),
+            kind @ Datatype::FixedPoint { signed: true, .. } => i64::decode(&one.raw_data, kind).map(Into::into),
+            kind @ Datatype::FixedPoint { .. } => u64::decode(&one.raw_data, kind).map(Into::into),
+            // Texts of fixed length are the marks of dimension scales.
+            Datatype::String { size: StringSize::Fixed(_), .. } => continue,
+            _ => one.read_string().map(Into::into),
+        };
+        found.push((one.name.clone(), value.map_err(text)?));
+    }
+    found.sort_by(|(one, _), (other, _)| one.cmp(other));
+    Ok(found)
 }

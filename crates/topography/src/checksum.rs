@@ -1,0 +1,71 @@
+//! Checksums of files and arrays: SHA-256, as `sha256sum` prints it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use crate::Input;
+
+/// A checksum of bytes that come piece by piece.
+#[derive(Clone, Default)]
+pub struct Checksum(Sha256);
+
+impl Checksum {
+    /// The SHA-256 of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not a regular one, or changes meanwhile.
+    pub fn of_file(path: &Path) -> std::io::Result<String> {
+        Input::settled(path)?.checksum()
+    }
+
+    /// The SHA-256 of bytes.
+    pub fn of_bytes(bytes: &[u8]) -> String {
+        let mut sum = Self::default();
+        sum.bytes(bytes);
+        sum.text()
+    }
+
+    /// The SHA-256 of numbers, of eight bytes each, the least significant first.
+    pub fn of_numbers(numbers: impl IntoIterator<Item = f64>) -> String {
+        let mut sum = Self::default();
+        numbers.into_iter().for_each(|number| sum.bytes(&number.to_le_bytes()));
+        sum.text()
+    }
+
+    /// Adds bytes.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// The checksum as 64 hexadecimal digits.
+    pub fn text(self) -> String {
+        self.0.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}"); // A string takes any text.
+            text
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checksums_are_those_of_sha256sum() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::fs::write(&path, "abc").unwrap();
+        // FIPS 180-2, appendix B.1.
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(Checksum::of_file(&path).unwrap(), abc);
+        assert_eq!(Checksum::of_numbers([f64::from_le_bytes(*b"abcdefgh")]), {
+            let mut sum = Checksum::default();
+            sum.bytes(b"abcd");
+            sum.bytes(b"efgh");
+            sum.text()
+        });
+        assert!(Checksum::of_file(folder.path()).is_err());
+    }
+}

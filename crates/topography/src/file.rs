@@ -1,0 +1,94 @@
+//! The bytes of a file to read, on disk or in memory.
+
+use std::sync::OnceLock;
+
+use crate::input::MOST_BYTES;
+#[cfg(feature = "hdf5")]
+use crate::stored::Hdf5;
+use crate::{Checksum, Input};
+
+/// The number of bytes that tell the format.
+const HEAD: u64 = 1 << 16;
+
+/// A file or an entry of one. A file on disk is read when its bytes are needed, at most once.
+pub(crate) struct File {
+    input: Option<Input>,
+    head: Vec<u8>,
+    whole: OnceLock<Vec<u8>>,
+}
+
+impl File {
+    /// Opens a file on disk.
+    ///
+    /// # Errors
+    /// A file that cannot be opened, or is no regular file.
+    pub(crate) fn open(path: &str) -> Result<Self, String> {
+        let input = Input::settled(path).map_err(text)?;
+        let head = input.head(HEAD).map_err(text)?;
+        Ok(Self { input: Some(input), head, whole: OnceLock::new() })
+    }
+
+    /// A file whose bytes are in memory.
+    pub(crate) fn from_bytes(bytes: Vec<u8>) -> Self {
+        let file = Self { input: None, head: Vec::new(), whole: OnceLock::new() };
+        file.whole.get_or_init(|| bytes);
+        file
+    }
+
+    /// The first 64 KiB, or all bytes of a shorter file.
+    pub(crate) fn head(&self) -> &[u8] {
+        match self.whole.get() {
+            Some(whole) => &whole[..whole.len().min(HEAD as usize)],
+            None => &self.head,
+        }
+    }
+
+    pub(crate) fn starts_with(&self, magic: &[u8]) -> bool {
+        self.head().starts_with(magic)
+    }
+
+    /// All bytes.
+    pub(crate) fn bytes(&self) -> Result<&[u8], String> {
+        if let (None, Some(input)) = (self.whole.get(), &self.input) {
+            let whole = input.bytes(MOST_BYTES).map_err(text)?;
+            self.whole.get_or_init(|| whole);
+        }
+        Ok(self.whole.get().map_or(&self.head[..], |whole| whole))
+    }
+
+    /// Opens the file as HDF5.
+    #[cfg(feature = "hdf5")]
+    pub(crate) fn hdf5(&self) -> Result<Hdf5, String> {
+        match &self.input {
+            Some(input) => Hdf5::open(input),
+            None => Hdf5::from_bytes(self.bytes()?),
+        }
+    }
+
+    /// The SHA-256 of the bytes that were read.
+    ///
+    /// # Errors
+    /// A file on disk that was changed in place since it was opened.
+    pub(crate) fn checksum(&self) -> Result<String, String> {
+        if let (None, Some(input)) = (self.whole.get(), &self.input) {
+            return input.checksum().map_err(text);
+        }
+        self.bytes().map(Checksum::of_bytes)
+    }
+
+    /// The reason why the file could not be decoded: that it was changed meanwhile, if it was, else `found`.
+    pub(crate) fn cause(&self, found: String) -> String {
+        let parts_are_read = self.whole.get().is_none();
+        let changed = self.input.as_ref().filter(|_| parts_are_read).and_then(|input| input.check_unchanged().err());
+        changed.map_or(found, text)
+    }
+
+    /// True if the file begins like one of HDF5, without a user block.
+    pub(crate) fn is_hdf5(&self) -> bool {
+        self.starts_with(b"\x89HDF\r\n\x1a\n")
+    }
+}
+
+fn text(error: std::io::Error) -> String {
+    error.to_string()
+}

@@ -1,0 +1,294 @@
+//! Input files: regular files only, opened without waiting, and seen to be the same from the first byte to the last.
+//!
+//! Every file that a flag, a caller or another file names is opened here. A pipe, a terminal or a device is refused, since
+//! reading it may never end; it is not even opened, which alone may block or change its state.
+//!
+//! A file that is replaced by renaming another to its name is always read whole, as the old or as the new one. A file that is
+//! rewritten in place is noticed by its length and its time of modification, and refused.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use crate::Checksum;
+
+/// The largest file that describes a run (a configuration), in bytes.
+pub const MOST_TEXT: u64 = 1 << 20;
+
+/// The largest file that is read into memory, in bytes: four times the heights of the largest map, for maps in text.
+pub const MOST_BYTES: u64 = 1 << 35;
+
+/// The largest file of which a checksum is made, in bytes: some files of the system declare more and are never read to the end.
+const MOST_HASHED: u64 = 1 << 40;
+
+/// The time in which two changes of a file may have one time of modification: a tick of the slowest usual clock, and a half.
+const TICK: Duration = Duration::from_millis(15);
+
+/// The number of ticks that a file which is being written is waited for.
+const TICKS: usize = 4;
+
+/// The bytes that are read at a time for a checksum.
+const PIECE: usize = 1 << 16;
+
+/// An open regular file. Errors are those of the system, or say what was found and what is allowed.
+#[derive(Debug)]
+pub struct Input {
+    file: File,
+    length: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Input {
+    /// Opens the file at `path`; of a symbolic link, the file to which it leads.
+    ///
+    /// # Errors
+    /// A file that cannot be opened; a folder, pipe, socket or device, which is not opened.
+    pub fn open(path: impl AsRef<Path>) -> io::Result<Self> {
+        let path = path.as_ref();
+        check_regular(&fs::metadata(path)?)?;
+        let file = open(path)?;
+        // It may be another one by now.
+        let metadata = file.metadata()?;
+        check_regular(&metadata)?;
+        Ok(Self { file, length: metadata.len(), modified: metadata.modified().ok() })
+    }
+
+    /// As [`open`](Self::open); a file that was written a moment ago is waited for, a few hundredths of a second at most, so
+    /// that each later change of it is seen by its time.
+    ///
+    /// # Errors
+    /// Those of `open`.
+    pub fn settled(path: impl AsRef<Path>) -> io::Result<Self> {
+        let mut input = Self::open(path)?;
+        for _ in 0..TICKS {
+            let age = input.modified.and_then(|modified| modified.elapsed().ok());
+            let Some(rest) = age.and_then(|age| TICK.checked_sub(age)) else { break };
+            std::thread::sleep(rest);
+            let metadata = input.file.metadata()?;
+            (input.length, input.modified) = (metadata.len(), metadata.modified().ok());
+        }
+        Ok(input)
+    }
+
+    /// The number of bytes.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// The first `most` bytes, or all of a shorter file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn head(&self, most: u64) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.stream().take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// All bytes.
+    ///
+    /// # Errors
+    /// A file of more than `most` bytes, of which none is read; one that cannot be read, or changes meanwhile.
+    pub fn bytes(&self, most: u64) -> io::Result<Vec<u8>> {
+        self.check_length(most)?;
+        let length = self.length;
+        let mut bytes = Vec::new();
+        let room = usize::try_from(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        bytes.try_reserve_exact(room).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        self.stream().take(length).read_to_end(&mut bytes)?;
+        if bytes.len() < room {
+            return Err(changed());
+        }
+        self.check_unchanged().map(|()| bytes)
+    }
+
+    /// The SHA-256 of all bytes, as `sha256sum` prints it. Little memory is used.
+    ///
+    /// # Errors
+    /// A file of more than a tebibyte; one that cannot be read, or changes meanwhile.
+    pub fn checksum(&self) -> io::Result<String> {
+        self.check_length(MOST_HASHED)?;
+        let (mut file, mut sum, mut piece) = (self.stream().take(self.length), Checksum::default(), vec![0; PIECE]);
+        loop {
+            match file.read(&mut piece)? {
+                0 => return self.check_unchanged().map(|()| sum.text()),
+                length => sum.bytes(&piece[..length]),
+            }
+        }
+    }
+
+    /// Checks that the file has the length and the time of modification that it had when it was opened.
+    ///
+    /// # Errors
+    /// A file that was changed in place.
+    pub fn check_unchanged(&self) -> io::Result<()> {
+        let metadata = self.file.metadata()?;
+        let same = metadata.len() == self.length && metadata.modified().ok() == self.modified;
+        if same { Ok(()) } else { Err(changed()) }
+    }
+
+    fn check_length(&self, most: u64) -> io::Result<()> {
+        let length = self.length;
+        if length <= most {
+            return Ok(());
+        }
+        let text = format!("it has {length} bytes; it must have at most {most}");
+        Err(io::Error::new(io::ErrorKind::InvalidInput, text))
+    }
+
+    /// The same open file, for a reader that takes parts of it.
+    pub fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    /// The bytes from the first on, whatever else reads the file.
+    fn stream(&self) -> Stream<'_> {
+        Stream { file: &self.file, next: 0 }
+    }
+}
+
+/// The bytes of a file at positions of its own.
+struct Stream<'a> {
+    file: &'a File,
+    next: u64,
+}
+
+impl Read for Stream<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        #[cfg(unix)]
+        let count = std::os::unix::fs::FileExt::read_at(self.file, buffer, self.next)?;
+        #[cfg(windows)]
+        let count = std::os::windows::fs::FileExt::seek_read(self.file, buffer, self.next)?;
+        self.next += count as u64;
+        Ok(count)
+    }
+}
+
+/// All bytes of the file at `path`, of at most `most`.
+///
+/// # Errors
+/// Those of [`Input::open`] and [`Input::bytes`].
+pub fn bytes(path: impl AsRef<Path>, most: u64) -> io::Result<Vec<u8>> {
+    Input::open(path)?.bytes(most)
+}
+
+/// The text in the file at `path`, of at most [`MOST_TEXT`] bytes.
+///
+/// # Errors
+/// Those of [`bytes`]; a file that is not text in UTF-8.
+pub fn text(path: impl AsRef<Path>) -> io::Result<String> {
+    let words = |_| io::Error::new(io::ErrorKind::InvalidData, "it is not text in UTF-8; it must be");
+    String::from_utf8(bytes(path, MOST_TEXT)?).map_err(words)
+}
+
+fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let text = format!("it is {}; it must be a regular file", kind(metadata));
+    Err(io::Error::new(io::ErrorKind::InvalidInput, text))
+}
+
+fn changed() -> io::Error {
+    io::Error::other("it changed while it was read; it must stay the same, or be replaced by renaming")
+}
+
+/// Opens a file without waiting: were it a pipe, opening would wait for a writer.
+#[cfg(unix)]
+fn open(path: &Path) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    File::options().read(true).custom_flags(nix::libc::O_NONBLOCK | nix::libc::O_NOCTTY).open(path)
+}
+
+#[cfg(not(unix))]
+fn open(path: &Path) -> io::Result<File> {
+    File::open(path)
+}
+
+/// The kind of something that is no regular file, in words.
+#[doc(hidden)]
+pub fn kind(metadata: &std::fs::Metadata) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = metadata.file_type();
+        if kind.is_fifo() {
+            return "a pipe";
+        } else if kind.is_socket() {
+            return "a socket";
+        } else if kind.is_char_device() || kind.is_block_device() {
+            return "a device";
+        }
+    }
+    if metadata.is_dir() { "a folder" } else { "a special file" }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_within_its_limit_and_hashed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "abc").unwrap();
+        let input = Input::settled(&path).unwrap();
+        assert_eq!((input.length(), input.head(2).unwrap(), input.bytes(3).unwrap()), (3, b"ab".into(), b"abc".into()));
+        assert_eq!(input.bytes(2).unwrap_err().to_string(), "it has 3 bytes; it must have at most 2");
+        // FIPS 180-2, appendix B.1.
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(input.checksum().unwrap(), abc);
+        fs::write(&path, [0xff]).unwrap();
+        assert_eq!(text(&path).unwrap_err().to_string(), "it is not text in UTF-8; it must be");
+        // A configuration of a gigabyte and a half, of which no byte is on the disk or read.
+        File::create(&path).unwrap().set_len(3 << 29).unwrap();
+        assert!(text(&path).unwrap_err().to_string().ends_with("it must have at most 1048576"));
+        assert_eq!(Input::open(folder.path().join("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[test]
+    fn a_file_that_changes_is_refused_and_one_that_is_replaced_is_read_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, new] = ["file", "new"].map(|name| folder.path().join(name));
+        let changes: [fn(&mut File) -> io::Result<()>; 3] =
+            [|file| file.write_all(b"xyz"), |file| file.set_len(1), |file| file.set_len(4)];
+        for change in changes {
+            fs::write(&path, "abc").unwrap();
+            let input = Input::settled(&path).unwrap();
+            // The write falls into the same tick as the opening at the latest.
+            change(&mut File::options().write(true).open(&path).unwrap()).unwrap();
+            for refused in [input.bytes(9).map(drop), input.checksum().map(drop), input.check_unchanged()] {
+                let text = refused.unwrap_err().to_string();
+                assert!(text.starts_with("it changed while it was read"), "{text}");
+            }
+        }
+        fs::write(&path, "abc").unwrap();
+        fs::write(&new, "xyz!").unwrap();
+        let input = Input::settled(&path).unwrap();
+        fs::rename(&new, &path).unwrap();
+        assert_eq!(input.bytes(9).unwrap(), b"abc");
+        assert_eq!(Input::open(&path).unwrap().bytes(9).unwrap(), b"xyz!");
+    }
+
+    /// The test ends: a pipe without a writer and an endless device are not opened.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let [pipe, link] = ["pipe", "link"].map(|name| folder.path().join(name));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        std::os::unix::fs::symlink(&pipe, &link).unwrap();
+        for (path, found) in
+            [(&*pipe, "a pipe"), (&*link, "a pipe"), (Path::new("/dev/zero"), "a device"), (folder.path(), "a folder")]
+        {
+            let text = format!("it is {found}; it must be a regular file");
+            assert_eq!(Input::open(path).unwrap_err().to_string(), text);
+            assert_eq!(bytes(path, 9).unwrap_err().to_string(), text);
+        }
+        // An open that does not look first returns, too: another process may put a pipe in the place of a file.
+        assert!(check_regular(&open(&pipe).unwrap().metadata().unwrap()).is_err());
+    }
+}

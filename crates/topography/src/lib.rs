@@ -1,0 +1,447 @@
+//! Height maps from files of instruments and programs. The format is told by the contents of a file, not by its name.
+//!
+//! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the lengths.
+//! `docs/formats.md` has the table of formats, with what each says of sizes, units and the order of its rows.
+//!
+//! ```
+//! # let folder = tempfile::tempdir().unwrap();
+//! # let path = folder.path().join("scan.txt");
+//! std::fs::write(&path, "# Width: 3 µm\n# Height: 2 µm\n# Value units: nm\n1 2 3\n4 5 6\n").unwrap();
+//! let scan = gfmd_topography::Topography::read(path.to_str().unwrap(), None)?;
+//! assert_eq!((scan.heights.dim(), scan.lengths, scan.unit.as_deref()), ((3, 2), Some([3000.0, 2000.0]), Some("nm")));
+//! # Ok::<(), gfmd_topography::TopographyError>(())
+//! ```
+//!
+//! Formats that need other crates are features, all of them on by default: `hdf5` for HDF5, NetCDF-4 and datx (read in Rust), `zip` for
+//! X3P, plux, containers and archives of NumPy, `zlib` for MATLAB and Digital Surf. A file of a format that is left out is not
+//! recognised.
+//!
+//! A format is a file of this folder with a constant `FORMAT` and a line in `FORMATS`.
+
+#![cfg_attr(
+    not(all(feature = "hdf5", feature = "zip", feature = "zlib")),
+    allow(dead_code, reason = "parts that only some formats need")
+)]
+
+mod al3d;
+#[cfg(feature = "hdf5")]
+mod archived;
+mod array;
+#[cfg(feature = "zip")]
+mod arrays;
+mod bytes;
+mod checksum;
+#[cfg(feature = "zip")]
+mod container;
+mod coordinates;
+#[cfg(feature = "hdf5")]
+mod datx;
+mod file;
+mod format;
+mod gwyddion;
+mod ibw;
+pub mod input;
+pub mod legible;
+#[cfg(feature = "zlib")]
+mod matlab;
+mod matrix;
+mod metropro;
+mod mi;
+mod nanoscope;
+mod nanosurf;
+mod netcdf;
+pub mod npy;
+mod opd;
+mod opdx;
+mod plu;
+#[cfg(feature = "zip")]
+mod plux;
+#[cfg(feature = "hdf5")]
+mod records;
+mod sdf;
+#[cfg(feature = "hdf5")]
+#[doc(hidden)]
+pub mod stored;
+#[cfg(feature = "zlib")]
+mod sur;
+pub mod unit;
+#[cfg(feature = "zip")]
+mod x3p;
+#[cfg(feature = "zip")]
+mod zipped;
+
+#[cfg(all(test, feature = "hdf5", feature = "zip", feature = "zlib"))]
+mod tests;
+
+use ndarray::{Array2, ArrayViewD};
+
+use crate::legible::line;
+use file::File;
+use format::{Channel, Contents, Format, Map};
+use unit::Conversion;
+
+pub use checksum::Checksum;
+pub use coordinates::{CONSISTENT as CONSISTENT_UNITS, lengths as cell_lengths, split as split_dataset};
+pub use input::Input;
+#[cfg(feature = "hdf5")]
+pub use stored::Number;
+
+/// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
+static FORMATS: &[Format] = &[
+    array::FORMAT,
+    #[cfg(feature = "zip")]
+    arrays::FORMAT,
+    #[cfg(feature = "zip")]
+    x3p::FORMAT,
+    #[cfg(feature = "zip")]
+    plux::FORMAT,
+    #[cfg(feature = "zip")]
+    container::FORMAT,
+    #[cfg(feature = "hdf5")]
+    datx::FORMAT,
+    #[cfg(feature = "hdf5")]
+    archived::FORMAT,
+    netcdf::FORMAT,
+    #[cfg(feature = "zlib")]
+    matlab::FORMAT,
+    gwyddion::GWY,
+    gwyddion::GSF,
+    #[cfg(feature = "zlib")]
+    sur::FORMAT,
+    nanoscope::FORMAT,
+    opd::FORMAT,
+    opdx::FORMAT,
+    al3d::FORMAT,
+    metropro::FORMAT,
+    nanosurf::FORMAT,
+    mi::FORMAT,
+    plu::FORMAT,
+    ibw::FORMAT,
+    sdf::FORMAT,
+    matrix::FORMAT,
+];
+
+/// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
+const MOST_POINTS: usize = 1 << 30;
+
+/// The number of channels that a message lists.
+const LISTED: usize = 20;
+
+/// A height map with what its file says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Topography {
+    /// Heights `[x, y]` in `unit`, row-major; NaN at undefined points.
+    pub heights: Array2<f64>,
+    /// The number of points without a height.
+    pub undefined: usize,
+    /// Size of the scanned field along x and y in `unit`, n times the spacing, if the file has it. The second size of a
+    /// profile is 1 and has no meaning.
+    pub lengths: Option<[f64; 2]>,
+    /// Unit of heights and lengths, if the file has it.
+    pub unit: Option<String>,
+    /// The name of the format.
+    pub format: &'static str,
+    /// The name of the channel, if the file has it; names, units and notes are on one line and legible, whatever the file has.
+    pub channel: Option<String>,
+    /// The names of all height maps in the file; their numbers where they have no names.
+    pub channels: Vec<String>,
+    /// The conversion of the heights to the unit of the lengths, with its factor, if the file has different units.
+    pub conversion: Option<String>,
+    /// The words of the file about instrument and measurement: key and value.
+    pub details: Vec<(String, String)>,
+    /// Remarks on this file.
+    pub notes: Vec<String>,
+    /// Description of file and channel.
+    pub source: String,
+    /// The SHA-256 of the bytes of the file from which the heights were read.
+    pub sha256: String,
+}
+
+/// The height maps in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listing {
+    /// The name of the format.
+    pub format: &'static str,
+    /// The height maps in the order of the file.
+    pub channels: Vec<ListedChannel>,
+    /// The channel that is read if none is named, if there is one.
+    pub default: Option<usize>,
+}
+
+/// A height map in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ListedChannel {
+    /// The name; the number of the channel if it has none.
+    pub name: String,
+    /// The unit of the heights.
+    pub unit: Option<String>,
+    /// The number of points along x and y.
+    pub points: [usize; 2],
+}
+
+/// Error of reading a topography: one line that starts with the file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", line(&format!("{file}: {reason}")))]
+pub struct TopographyError {
+    /// Name of the file as given by the caller.
+    pub file: String,
+    /// Description of the error, with the value found and the values allowed.
+    pub reason: String,
+}
+
+impl Topography {
+    /// Reads a channel of the file `name`, in one of the formats in `docs/formats.md`.
+    ///
+    /// A channel is given by its name or its number from 0; without one, the default of the file is read. `FILE.h5:/dataset`
+    /// names file and channel.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has another format; a channel that it does not have.
+    pub fn read(name: &str, channel: Option<&str>) -> Result<Self, TopographyError> {
+        let fail = |reason| TopographyError { file: name.into(), reason };
+        let (path, dataset) = coordinates::split(name).unwrap_or((name, ""));
+        let channel = match (dataset, channel) {
+            ("", channel) => channel,
+            (dataset, None) => Some(dataset),
+            (dataset, Some(channel)) => {
+                return Err(fail(format!("both {dataset} and the channel {channel} are named; only one must be")));
+            }
+        };
+        let decode = |file: File| Self::decode(&file, name, channel).map_err(|reason| file.cause(reason));
+        File::open(path).and_then(decode).map_err(fail)
+    }
+
+    /// Reads a channel of a file whose bytes are in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// Those of [`Topography::read`].
+    pub fn from_bytes(name: &str, bytes: Vec<u8>, channel: Option<&str>) -> Result<Self, TopographyError> {
+        let fail = |reason| TopographyError { file: name.into(), reason };
+        Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
+    }
+
+    /// The heights of an array in memory, `[x, y]`, or `[x]` of a profile, undefined where they are not finite; `name` is used in
+    /// messages. The SHA-256 is that of the numbers.
+    ///
+    /// # Errors
+    /// An array of another shape.
+    pub fn of_array(name: &str, array: &ArrayViewD<f64>) -> Result<Self, TopographyError> {
+        let heights = two_dimensional(array.shape()).and_then(|points| shaped(points, array.iter().copied().collect()));
+        let heights = heights.map_err(|reason| TopographyError { file: name.into(), reason })?;
+        let sha256 = Checksum::of_numbers(heights.iter().copied());
+        let mut map = Map { heights, ..Map::default() };
+        Ok(Self {
+            undefined: map.undefine(),
+            heights: map.heights,
+            lengths: None,
+            unit: None,
+            format: "array",
+            channel: None,
+            channels: Vec::new(),
+            conversion: None,
+            details: Vec::new(),
+            notes: Vec::new(),
+            source: "array".into(),
+            sha256,
+        })
+    }
+
+    /// Lists the height maps of a file without decoding them.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has an unknown format.
+    pub fn list(name: &str) -> Result<Listing, TopographyError> {
+        let fail = |reason| TopographyError { file: name.into(), reason };
+        let (path, _) = coordinates::split(name).unwrap_or((name, ""));
+        File::open(path).and_then(|file| Listing::of(&file)).map_err(fail)
+    }
+
+    /// Returns an error with the number of undefined points and the first of them, if there are any.
+    ///
+    /// # Errors
+    /// Undefined points.
+    pub fn check_complete(&self) -> Result<(), TopographyError> {
+        let mut missing = self.heights.indexed_iter().filter(|(_, h)| !h.is_finite());
+        let Some(((i, j), _)) = missing.next() else { return Ok(()) };
+        let [count, points] = [1 + missing.count(), self.heights.len()];
+        let reason = format!(
+            "{count} of {points} points are undefined, the first at [x, y] = [{i}, {j}]; every point must have a height"
+        );
+        Err(TopographyError { file: self.source.clone(), reason })
+    }
+
+    fn decode(file: &File, name: &str, asked: Option<&str>) -> Result<Self, String> {
+        let (format, contents) = open(file)?;
+        let names = names(&contents.channels);
+        let number = choose(&contents, &names, asked)?;
+        let Some(channel) = contents.channels.into_iter().nth(number) else {
+            return Err("the file holds no height map".into());
+        };
+        let [nx, ny] = channel.points;
+        if nx.checked_mul(ny).is_none_or(|points| points > MOST_POINTS) {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at most {MOST_POINTS}"));
+        }
+        let named = Some(line(&channel.name)).filter(|name| !name.is_empty());
+        let mut map = (channel.read)()?;
+        format.upright(&mut map);
+        if map.heights.is_empty() {
+            return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
+        }
+        let conversion = map.convert()?;
+        if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
+            return Err(format!("the size is {x} by {y}; it must be positive and finite"));
+        }
+        let undefined = map.undefine();
+        let source = match &named {
+            Some(channel) if !name.ends_with(&format!(":{channel}")) => format!("{name}, channel {channel}"),
+            _ => name.into(),
+        };
+        Ok(Self {
+            heights: map.heights.as_standard_layout().into_owned(),
+            undefined,
+            lengths: map.lengths,
+            unit: map.height_unit,
+            format: format.name,
+            channel: named,
+            channels: names,
+            conversion,
+            details: map.details,
+            notes: map.notes.iter().map(|note| line(note)).collect(),
+            source,
+            sha256: file.checksum()?,
+        })
+    }
+}
+
+impl Listing {
+    /// Lists the height maps of a file whose bytes are in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// An unknown format.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, TopographyError> {
+        Self::of(&File::from_bytes(bytes)).map_err(|reason| TopographyError { file: name.into(), reason })
+    }
+
+    fn of(file: &File) -> Result<Self, String> {
+        let (format, contents) = open(file)?;
+        let names = names(&contents.channels);
+        let listed = |(channel, name): (&Channel, String)| ListedChannel {
+            name,
+            unit: channel.unit.as_deref().map(|unit| line(unit::canonical(unit))),
+            points: channel.points,
+        };
+        let channels = contents.channels.iter().zip(names).map(listed).collect();
+        Ok(Self { format: format.name, channels, default: contents.default })
+    }
+}
+
+impl Map {
+    /// Converts the heights to the unit of the lengths. Returns the conversion in words, if there is one.
+    fn convert(&mut self) -> Result<Option<String>, String> {
+        let canonical = |unit: &mut Option<String>| {
+            *unit = unit.take().map(|unit| line(unit::canonical(&unit))).filter(|unit| !unit.is_empty());
+        };
+        canonical(&mut self.length_unit);
+        canonical(&mut self.height_unit);
+        match (&self.height_unit, &self.length_unit) {
+            (Some(heights), Some(lengths)) => {
+                let Some(conversion) = Conversion::between(heights, lengths)? else { return Ok(None) };
+                self.heights.mapv_inplace(|height| conversion.apply(height));
+                self.height_unit.clone_from(&self.length_unit);
+                Ok(Some(format!("heights converted {conversion}")))
+            }
+            (None, Some(lengths)) if self.lengths.is_some() => Err(format!(
+                "the unit of the lengths is {lengths} but the heights have no unit; both or neither must have one"
+            )),
+            (Some(heights), None) if self.lengths.is_some() => Err(format!(
+                "the unit of the heights is {heights} but the lengths have no unit; both or neither must have one"
+            )),
+            _ => Ok(None),
+        }
+    }
+
+    /// Sets heights that are not finite to NaN. Returns their number.
+    fn undefine(&mut self) -> usize {
+        let mut count = 0;
+        for height in self.heights.iter_mut().filter(|height| !height.is_finite()) {
+            *height = f64::NAN;
+            count += 1;
+        }
+        count
+    }
+}
+
+/// Finds the format of a file and its channels.
+fn open(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
+    if file.head().is_empty() {
+        return Err("the file is empty; it must have at least one point".into());
+    }
+    let Some(format) = FORMATS.iter().find(|format| (format.sniff)(file)) else {
+        let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+        return Err(format!("the format is unknown; it must be one of {}", names.join(", ")));
+    };
+    Ok((format, (format.open)(file)?))
+}
+
+/// The names of channels; their numbers where they have none.
+fn names(channels: &[Channel]) -> Vec<String> {
+    let name = |(number, channel): (usize, &Channel)| match channel.name.as_str() {
+        "" => number.to_string(),
+        name => line(name),
+    };
+    channels.iter().enumerate().map(name).collect()
+}
+
+/// The number of the channel with the name or the number that is asked for. A name goes before a number.
+fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
+    let listed = || {
+        let numbered = |(number, name): (usize, &String)| {
+            if *name == number.to_string() { name.clone() } else { format!("{number} {name}") }
+        };
+        let first: Vec<String> = names.iter().enumerate().take(LISTED).map(numbered).collect();
+        let rest = names.len().saturating_sub(LISTED);
+        first.join(", ") + &if rest > 0 { format!(" and {rest} more") } else { String::new() }
+    };
+    let Some(asked) = asked else {
+        return contents.default.ok_or_else(|| format!("no channel is named; it must be one of {}", listed()));
+    };
+    let asked = &line(asked);
+    let same = |name: &String| name.trim_start_matches('/') == asked.trim_start_matches('/');
+    let with = |has: &dyn Fn(&String) -> bool| -> Vec<usize> { (0..names.len()).filter(|k| has(&names[*k])).collect() };
+    let mut by_name = with(&|name| name == asked);
+    if by_name.is_empty() {
+        by_name = with(&same);
+    }
+    if let [_, _, ..] = by_name[..] {
+        let numbers: Vec<String> = by_name.iter().take(LISTED).map(usize::to_string).collect();
+        let (numbers, count) = (numbers.join(", "), by_name.len());
+        return Err(format!(
+            "{count} channels have the name {asked}; the channel must be one of the numbers {numbers}"
+        ));
+    }
+    let by_number = || asked.parse().ok().filter(|&number: &usize| number < names.len());
+    by_name
+        .first()
+        .copied()
+        .or_else(by_number)
+        .ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
+}
+
+/// The points along x and y of an array of one or two dimensions.
+fn two_dimensional(shape: &[usize]) -> Result<[usize; 2], String> {
+    match *shape {
+        [n] => Ok([n, 1]),
+        [1, n] if n > 1 => {
+            Err(format!("the shape of the array is [1, {n}]; a profile must have the shape [{n}] or [{n}, 1]"))
+        }
+        [nx, ny] => Ok([nx, ny]),
+        _ => Err(format!("the shape of the array is {shape:?}; it must have 1 or 2 dimensions")),
+    }
+}
+
+/// The heights of an array `[x, y]`.
+fn shaped([nx, ny]: [usize; 2], values: Vec<f64>) -> Result<Array2<f64>, String> {
+    let count = values.len();
+    Array2::from_shape_vec((nx, ny), values)
+        .map_err(|_| format!("the array has {count} values for the shape [{nx}, {ny}]"))
+}

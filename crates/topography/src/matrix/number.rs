@@ -1,0 +1,78 @@
+//! The numbers of a text file, in the spellings of programs, of Fortran and of typography.
+
+use crate::bytes::clip;
+
+/// Words that denote a point without a height.
+const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
+
+/// The longest number that is rewritten before it is read, in bytes.
+const LONGEST: usize = 64;
+
+/// Parses a number; NaN for a point without a height.
+pub(super) fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
+    if let Ok(number) = word.parse() {
+        return Ok(number);
+    }
+    if is_missing(word) {
+        return Ok(f64::NAN);
+    }
+    let rewritten = if word.len() <= LONGEST { plain(word).parse().ok() } else { None };
+    rewritten.ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
+}
+
+fn is_missing(word: &str) -> bool {
+    word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str())
+}
+
+/// A number as Rust and C write it: with a decimal point for a decimal comma, the sign `-` for the minus of typography, and the
+/// exponent `e` for that of double precision in Fortran, which also leaves the letter out before three digits.
+fn plain(word: &str) -> String {
+    let mut text: String = word.chars().map(|c| if is_minus(c) { '-' } else { c }).collect();
+    if !text.contains('.') {
+        text = text.replacen(',', ".", 1);
+    }
+    let is_digit = |c: char| c.is_ascii_digit();
+    if let Some((mantissa, exponent)) = text.split_once(['d', 'D']) {
+        return format!("{mantissa}e{exponent}");
+    }
+    // The sign of an exponent of three digits behind a mantissa with a point: 1.0-105.
+    let sign = text.char_indices().skip(1).find(|(_, c)| matches!(c, '+' | '-')).map(|(at, _)| at);
+    if let Some((mantissa, exponent)) = sign.map(|at| text.split_at(at))
+        && mantissa.contains('.')
+        && mantissa.ends_with(|c| is_digit(c) || c == '.')
+        && exponent.len() == 4
+        && exponent[1..].chars().all(is_digit)
+    {
+        return format!("{mantissa}e{exponent}");
+    }
+    text
+}
+
+fn is_minus(c: char) -> bool {
+    // MINUS SIGN, HYPHEN, NON-BREAKING HYPHEN, EN DASH, FULLWIDTH HYPHEN-MINUS
+    matches!(c, '\u{2212}' | '\u{2010}' | '\u{2011}' | '\u{2013}' | '\u{ff0d}')
+}
+
+/// True if a word is a number, stands for a missing one, or is meant as one in a spelling that is not read: digits of any
+/// script with signs, one decimal separator or groups of three, and an exponent. Dates and times are no numbers.
+pub(super) fn looks_like(word: &str) -> bool {
+    if word.parse::<f64>().is_ok() || is_missing(word) {
+        return true;
+    }
+    let is_sign = |c: char| c == '+' || c == '-' || is_minus(c);
+    let word = word.trim_start_matches(is_sign);
+    let letter = |c: char| matches!(c, 'e' | 'E' | 'd' | 'D' | 'q' | 'Q' | '^');
+    let end = word.find(|c| letter(c) || is_sign(c)).unwrap_or(word.len());
+    let (mantissa, exponent) = word.split_at(end);
+    let exponent = exponent.trim_start_matches(letter).trim_start_matches(is_sign);
+    let is_separator = |c: char| matches!(c, '.' | ',' | '_' | '\'' | '\u{2019}' | '\u{66b}' | '\u{66c}');
+    let digits = |text: &str| text.chars().all(char::is_numeric);
+    let groups: Vec<&str> = mantissa.split(is_separator).collect();
+    // Between the first and the last group of digits there are groups of three.
+    let between = if groups.len() > 2 { &groups[1..groups.len() - 1] } else { &[] };
+    mantissa.chars().any(char::is_numeric)
+        && groups.iter().all(|group| digits(group))
+        && between.iter().all(|group| group.chars().count() == 3)
+        && exponent.len() <= 9
+        && digits(exponent)
+}

@@ -1,0 +1,211 @@
+//! HDF5 files of any program, read in Rust: the HDF5 library is written in C and not made for damaged files.
+
+mod number;
+
+use std::sync::Arc;
+
+use hdf5_reader::error::Error;
+use hdf5_reader::group::Group;
+use hdf5_reader::{Attribute, Dataset, Datatype, FileStorage, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
+use ndarray::ArrayD;
+
+use crate::Input;
+
+use number::Stored;
+
+pub use number::Decode;
+pub use number::Number;
+
+/// The most bytes that one byte of a file can become: deflate makes at most 1032 bytes from one.
+const LARGEST_RATIO: usize = 1032;
+
+/// The bytes that a small file may become.
+const SMALL: usize = 1 << 20;
+
+/// The most datasets that are listed, groups that are searched, and groups inside each other.
+const MOST_DATASETS: usize = 1000;
+const MOST_GROUPS: usize = 10_000;
+const DEEPEST: usize = 8;
+
+/// An HDF5 file.
+pub struct Hdf5 {
+    file: Hdf5File,
+    /// The most bytes that a dataset can have.
+    most: usize,
+}
+
+impl Hdf5 {
+    /// A file that is open.
+    pub fn open(input: &Input) -> Result<Self, String> {
+        let file = input.handle().map_err(|error| error.to_string())?;
+        Self::limited(input.length() as usize, |options| {
+            Hdf5File::from_storage_with_options(Arc::new(FileStorage::from_file(file)?), options)
+        })
+    }
+
+    /// A file that stands in memory.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        Self::limited(bytes.len(), |options| Hdf5File::from_bytes_with_options(bytes, options))
+    }
+
+    /// Opens a file of `bytes` bytes. Nothing is allocated for what only a shape declares.
+    fn limited(bytes: usize, open: impl FnOnce(OpenOptions) -> Result<Hdf5File, Error>) -> Result<Self, String> {
+        let most = bytes.saturating_mul(LARGEST_RATIO).max(SMALL);
+        let options = OpenOptions::default().with_chunk_cache_bytes(0);
+        let options =
+            options.with_max_read_bytes(most).with_max_chunk_bytes(most).with_max_object_header_bytes(4 * SMALL);
+        open(options).map(|file| Self { file, most }).map_err(text)
+    }
+
+    /// True if there is a dataset at `path`.
+    pub fn contains(&self, path: &str) -> bool {
+        self.file.dataset(path).is_ok()
+    }
+
+    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without coordinates
+    /// (dimension scales).
+    pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
+        let mut search = Search { groups: 0, found: Vec::new() };
+        if let Ok(root) = self.file.root_group() {
+            search.group(&root, "", DEEPEST);
+        }
+        search.found
+    }
+
+    /// The lengths of a dataset's dimensions.
+    pub fn shape(&self, path: &str) -> Result<Vec<usize>, String> {
+        shape(&self.dataset(path)?)
+    }
+
+    /// The names in a group, sorted.
+    pub fn names(&self, group: &str) -> Result<Vec<String>, String> {
+        let (mut names, datasets) = self.file.group(group).and_then(|group| group.member_names()).map_err(text)?;
+        names.extend(datasets);
+        names.sort();
+        Ok(names)
+    }
+
+    /// All values of a dataset, row-major.
+    pub fn values<T: Number>(&self, path: &str) -> Result<Vec<T>, String> {
+        self.dataset(path)?.read_array().map(numbers).map_err(text)
+    }
+
+    /// The values of a dataset at some entries of its first dimensions: of each the first and the one behind the last.
+    pub fn part<T: Number>(&self, path: &str, entries: &[[usize; 2]]) -> Result<Vec<T>, String> {
+        let dataset = self.possible(path)?;
+        let mut selection = SliceInfo::all(dataset.ndim());
+        for (selected, [start, end]) in selection.selections.iter_mut().zip(entries) {
+            *selected = SliceInfoElem::Slice { start: *start as u64, end: *end as u64, step: 1 };
+        }
+        dataset.read_slice(&selection).map(numbers).map_err(text)
+    }
+
+    /// All values of a dataset of texts.
+    pub fn texts(&self, path: &str) -> Result<Vec<String>, String> {
+        self.dataset(path)?.read_strings().map_err(text)
+    }
+
+    /// A text attribute of the group or dataset at `path`.
+    pub fn text(&self, path: &str, name: &str) -> Result<String, String> {
+        let texts = self.attribute(path, name)?.read_strings().map_err(text)?;
+        Ok(texts.into_iter().next().unwrap_or_default())
+    }
+
+    /// A numerical attribute of the group or dataset at `path`. Other programs store a number as an array of one.
+    pub fn number(&self, path: &str, name: &str) -> Result<f64, String> {
+        match self.attribute(path, name)?.read_1d().map_err(text)?[..] {
+            [Stored(number)] => Ok(number),
+            ref numbers => Err(format!("the attribute {name} has {} numbers; it must have one", numbers.len())),
+        }
+    }
+
+    /// As [`number`](Self::number); `None` if there is no such attribute.
+    pub fn number_if_any(&self, path: &str, name: &str) -> Result<Option<f64>, String> {
+        self.attribute(path, name).ok().map(|_| self.number(path, name)).transpose()
+    }
+
+    /// An attribute of the group or dataset at `path`.
+    pub fn attribute(&self, path: &str, name: &str) -> Result<Attribute, String> {
+        let found = match self.file.dataset(path) {
+            Ok(dataset) => dataset.attribute(name),
+            Err(_) => self.file.group(path).and_then(|group| group.attribute(name)),
+        };
+        found.map_err(text)
+    }
+
+    /// All attributes of the group or dataset at `path`.
+    pub fn attributes(&self, path: &str) -> Result<Vec<Attribute>, String> {
+        match self.file.dataset(path) {
+            Ok(dataset) => Ok(dataset.attributes()),
+            Err(_) => self.file.group(path).and_then(|group| group.attributes()).map_err(text),
+        }
+    }
+
+    /// The dataset at `path`.
+    pub fn dataset(&self, path: &str) -> Result<Dataset, String> {
+        self.file.dataset(path).map_err(text)
+    }
+
+    /// The dataset at `path`, if a file of this size can hold it.
+    pub fn possible(&self, path: &str) -> Result<Dataset, String> {
+        let dataset = self.dataset(path)?;
+        let found = dataset.raw_byte_len().map_err(text)?;
+        if found > self.most {
+            return Err(format!("{path} declares {found} bytes; a file of this size holds at most {}", self.most));
+        }
+        Ok(dataset)
+    }
+
+    /// The group that holds all else.
+    pub fn root(&self) -> Result<Group, String> {
+        self.file.root_group().map_err(text)
+    }
+}
+
+/// The message of an error on one line.
+pub fn text(error: Error) -> String {
+    error.to_string().replace('\n', " ")
+}
+
+fn numbers<T>(array: ArrayD<Stored<T>>) -> Vec<T> {
+    array.into_iter().map(|Stored(value)| value).collect()
+}
+
+fn shape(dataset: &Dataset) -> Result<Vec<usize>, String> {
+    let lengths = dataset.shape().iter().map(|&length| usize::try_from(length));
+    lengths.collect::<Result<_, _>>().map_err(|_| format!("the shape is {:?}; it is too large", dataset.shape()))
+}
+
+/// A search for datasets.
+struct Search {
+    groups: usize,
+    found: Vec<(String, Vec<usize>)>,
+}
+
+impl Search {
+    fn group(&mut self, group: &Group, path: &str, depth: usize) {
+        self.groups += 1;
+        let Ok((groups, datasets)) = group.member_names() else { return };
+        let mut names: Vec<(String, bool)> = groups.into_iter().map(|name| (name, true)).collect();
+        names.extend(datasets.into_iter().map(|name| (name, false)));
+        names.sort();
+        for (name, is_group) in names {
+            if self.found.len() >= MOST_DATASETS || self.groups >= MOST_GROUPS {
+                return;
+            }
+            let whole = format!("{path}/{name}");
+            if is_group {
+                if let (1.., Ok(inner)) = (depth, group.group(&name)) {
+                    self.group(&inner, &whole, depth - 1);
+                }
+            } else if let Ok(dataset) = group.dataset(&name) {
+                let is_number = matches!(dataset.dtype(), Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. });
+                let class = dataset.attribute("CLASS").and_then(|class| class.read_strings());
+                let is_scale = class.is_ok_and(|class| class == ["DIMENSION_SCALE"]);
+                if let (true, false, Ok(shape)) = (is_number, is_scale, shape(&dataset)) {
+                    self.found.push((whole, shape));
+                }
+            }
+        }
+    }
+}
