@@ -85,7 +85,9 @@
 //! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
 //! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
 //! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
+//! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |
 //! | see displacement, strain and stress below the surface         | [`body`]      | [`Interior`](body::Interior) |
+//! | move dislocations below a punch                               | [`dislocation`] | [`Domain`](dislocation::Domain), [`Crystal`](dislocation::Crystal) |
 //! | apply stiffness and compliance of a body to whole fields      | [`response`]  | [`NormalResponse`](response::NormalResponse) |
 //! | minimise something else                                       | [`relax`]     | [`Landscape`](relax::Landscape), [`Quadratic`](relax::Quadratic) |
 //! | transform periodic fields                                     | [`field`]     | [`Grid`](field::Grid), [`Transform`](field::Transform) |
@@ -99,7 +101,11 @@ pub use gfmd_body as body;
 #[doc(inline)]
 pub use gfmd_contact as contact;
 #[doc(inline)]
+pub use gfmd_dislocation as dislocation;
+#[doc(inline)]
 pub use gfmd_field as field;
+#[doc(inline)]
+pub use gfmd_flow as flow;
 #[doc(inline)]
 pub use gfmd_green as green;
 #[doc(inline)]
