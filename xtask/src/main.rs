@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Subcommand;
-use gfmd_cli::program::{conclude, print, start};
+use gfmd_cli::program::{print, start};
 use gfmd_xtask::{bench_peers, reproduce, results, verify};
 
 #[derive(Subcommand)]
@@ -30,6 +30,10 @@ fn main() -> ExitCode {
         Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),
         Command::Results(args) => print(&results::run(args)?, session),
-        Command::Verify(args) => conclude(verify::run(args, session)?, session),
+        Command::Verify(args) => {
+            let outcome = verify::run(args, session)?;
+            let printed = print(&outcome.report, session);
+            outcome.failure.map_or(printed, Err)
+        }
     })
 }

@@ -2,12 +2,14 @@
 //! between these points only (`gfmd_response::Scattered`); all others are checked by transforms of the whole surface (theory.md, section 7.5).
 
 mod candidates;
+mod constants;
 mod overlap;
 mod points;
 
 use std::ops::ControlFlow;
 
-use candidates::{Candidates, MOST};
+use candidates::Candidates;
+use constants::{AT_ONCE, FIRST, MOST, MOST_AT_START, NEAR, PATIENCE, SMALL, STAGE};
 use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target, Visit, Watch, Why};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
@@ -17,28 +19,6 @@ pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::Load;
 use crate::attempt::MARGIN;
 use crate::attempt::{Attempt, Ended};
-
-/// The largest part of the points that may be in blocks at the start, so that this takes less time than transforms of the whole
-/// surface: on small grids, whose fields fit into caches, and on large ones.
-const MOST_AT_START: [f64; 2] = [0.17, 0.2];
-
-/// The number of points of the largest small grid.
-const SMALL: usize = 1 << 19;
-
-/// The residual at which all points are checked for the first time, over the overlap.
-const FIRST: f64 = 0.03;
-
-/// The part of the deepest penetration down to which the residual falls until they are checked again: the errors of images.
-const STAGE: f64 = 5e-4;
-
-/// The number of iterations in which it should do so.
-const PATIENCE: u64 = 60;
-
-/// The tolerance, over the finest one, below which a search goes on to the finest one at once.
-const AT_ONCE: f64 = 3.0;
-
-/// The gap, over the tolerance, below which a point becomes part of the search.
-const NEAR: f64 = 0.5;
 
 /// Watches for all processes, which search for themselves: they stop together.
 struct Unison<'a, W> {

@@ -1,9 +1,11 @@
 mod active;
+mod constants;
 mod pair;
 mod path;
 mod single;
 mod sums;
 
+use constants::{CHANGE, DOWNHILL, PLAIN};
 use gfmd_vector::Share;
 pub use pair::Paired;
 
@@ -37,19 +39,6 @@ use crate::{Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
 /// in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreconditionedCg;
-
-/// Number of directions of which one is the gradient.
-const PLAIN: u64 = 25;
-
-/// A step that brings variables to zero is kept if at least this fraction of it was downhill. For one half the function
-/// has not increased.
-const DOWNHILL: f64 = 0.5;
-
-/// Largest factor by which the length changes from one step to the next.
-const CHANGE: f64 = 10.0;
-
-/// Largest number of times that a step is shortened until it begins downhill.
-const HALVINGS: usize = 30;
 
 impl PreconditionedCg {
     /// Minimises from the start `x`, in place; `watch` sees every iterate.
@@ -98,7 +87,7 @@ trait Vectors {
     type Path;
 
     /// The gradient is computed anew when the residual has fallen by this factor; 0: only at the end of the search.
-    const REFRESH: f64;
+    fn refresh_at() -> f64;
 
     /// Visits all variables, those of the `course` among them.
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit);
@@ -201,7 +190,7 @@ fn search<V: Vectors>(mut vectors: V, target: &Target, share: &Share, watch: &mu
         let mut now = vectors.settle();
         let worst = now.optimality.worst();
         let is_over = vectors.trusts_images() && worst <= tolerance;
-        if !(course.is_fresh || is_over) && worst <= tolerance.max(V::REFRESH * course.reference) {
+        if !(course.is_fresh || is_over) && worst <= tolerance.max(V::refresh_at() * course.reference) {
             vectors.refresh();
             course.is_fresh = true;
             now = vectors.settle();

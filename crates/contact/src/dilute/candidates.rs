@@ -10,20 +10,12 @@ use gfmd_vector::{contiguous, lower, pass_by};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::constants::{MOST, NEARLY, SURPLUS};
 use super::overlap::Overlap;
 use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::attempt::{Attempt, Ended, Reached};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
-
-/// The largest part of the points that may be in blocks.
-pub(super) const MOST: f64 = 0.35;
-
-/// The part of the deepest penetration below which a gap makes a point part of the search.
-const NEARLY: f64 = 0.1;
-
-/// The factor by which the preconditioner exceeds that of the points: this may be smaller than the inverse of the compliance by as much.
-const SURPLUS: f32 = 1.2;
 
 /// The number of variables that are handed on together.
 const STRETCH: usize = 32 * LANES;

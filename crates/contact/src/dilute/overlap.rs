@@ -1,26 +1,11 @@
 //! The points that may touch, by their heights alone.
 
+use super::constants::{BINS, KAPPA, LEAST_OVERLAPPING, MOST_OVERLAPPING, OVERLAPPING};
 use gfmd_vector::Share;
 use rayon::prelude::*;
 
 use super::points::gathered;
 use crate::{Contact, Load};
-
-/// The number of points that overlap a rigid plane at the start, for each that is expected to touch.
-const OVERLAPPING: f64 = 3.0;
-
-/// The least number of such points.
-const LEAST: f64 = 32.0;
-
-/// The largest part of the points that may overlap: with more, there are hardly so few blocks that transforms of the whole surface take
-/// longer.
-const MOST: f64 = 0.2;
-
-/// a_r g E*/p, about.
-const KAPPA: f64 = 2.0;
-
-/// The number of bins for the clearances below the mean.
-const BINS: usize = 4096;
 
 /// How deep a rigid plane would lie below the highest point of the surface at the start.
 #[derive(Clone, Copy)]
@@ -64,8 +49,8 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
 
 /// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
 fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
-    let asked = (part * share.total() as f64).max(LEAST);
-    let possible = asked <= MOST * share.total() as f64;
+    let asked = (part * share.total() as f64).max(LEAST_OVERLAPPING);
+    let possible = asked <= MOST_OVERLAPPING * share.total() as f64;
     if !possible {
         return None;
     }

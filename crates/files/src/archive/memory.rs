@@ -24,7 +24,7 @@ macro_rules! values {
     )+};
 }
 
-values! { f64 u8 u64 i64 }
+values! { f32 f64 u8 u32 u64 i64 }
 
 impl Memory {
     /// The variables by their paths; they are no longer here.

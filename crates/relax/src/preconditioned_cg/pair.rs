@@ -2,7 +2,8 @@
 
 use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
 
-use super::{Advance, CHANGE, Course, DOWNHILL, HALVINGS, Vectors};
+use super::constants::{CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIFTS};
+use super::{Advance, Course, Vectors};
 use crate::Visit;
 use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Target, add_linear, turn};
 
@@ -25,12 +26,6 @@ pub trait Paired {
         let _ = visitor;
     }
 }
-
-/// Relative accuracy of the means along a path; scaling then makes them exact.
-const MEAN: f64 = 1e-14;
-
-/// Largest number of steps of the search for μ.
-const SHIFTS: usize = 200;
 
 /// The constraint on the means of the two halves.
 #[derive(Clone, Copy)]
@@ -87,7 +82,9 @@ impl<'a, P: Paired> Pair<'a, P> {
 impl<P: Paired> Vectors for Pair<'_, P> {
     type Path = Path;
 
-    const REFRESH: f64 = 0.0;
+    fn refresh_at() -> f64 {
+        0.0
+    }
 
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit) {
         visitor.field(self.x);
@@ -281,7 +278,7 @@ fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
     for _ in 0..SHIFTS {
         let [value, slope, scale] = excess(shift);
-        if value.abs() <= MEAN * scale {
+        if value.abs() <= PAIR_MEAN * scale {
             return Some(shift);
         }
         bracket[usize::from(value < 0.0)] = shift;

@@ -2,19 +2,10 @@
 
 use gfmd_vector::{Share, add};
 
-use super::HALVINGS;
 use super::active::Active;
+use super::constants::{BOUNDED_MEAN, HALVINGS, MEAN, SHORTER};
 use super::sums::{View, block_sums};
 use crate::Ceiling;
-
-/// The factor of a step that is so much longer than the variables that μ, of its size, cannot keep their mean for rounding errors.
-const SHORTER: f64 = 1e-3;
-
-/// Relative accuracy of the mean in the search for μ; a factor then makes the mean exact.
-const MEAN: f64 = 1e-2;
-
-/// Relative accuracy of the mean with an upper bound, which a factor might exceed.
-const EXACT: f64 = 1e-13;
 
 /// The start of a path: variables, direction, gradient, and the active blocks.
 pub(super) struct Start<'a> {
@@ -88,7 +79,7 @@ impl Start<'_> {
                 let Some(mean) = mean else { break };
                 let asked = mean * share.total() as f64;
                 let excess = sum - asked;
-                if bounded && excess.abs() <= EXACT * asked {
+                if bounded && excess.abs() <= BOUNDED_MEAN * asked {
                     break;
                 }
                 if !bounded && excess.abs() <= MEAN * asked {

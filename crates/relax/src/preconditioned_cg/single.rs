@@ -4,16 +4,13 @@ use gfmd_vector::{Share, add, add_times, for_each, pass};
 use multiversion::multiversion;
 
 use super::active::{Active, Flags};
+use super::constants::{CANCELLED, CHANGE, REFRESH};
 use super::path::{Path, Start};
 use super::sums::{Sums, View, block_sums, measure};
-use super::{Advance, CHANGE, Course, Vectors};
+use super::{Advance, Course, Vectors};
 use crate::preconditioned::BLOCK;
 use crate::quadratic::{Iterate, LEAST_DESCENT, Target, rescale};
 use crate::{Ceiling, Preconditioned, Upper, Visit};
-
-/// After a step back to less than this fraction of the step, the gradient is computed anew: the rounding errors of the
-/// whole step are too large for what is left of it.
-const CANCELLED: f64 = 1e-4;
 
 pub(super) struct Single<'a, P> {
     problem: &'a mut P,
@@ -125,8 +122,9 @@ impl<'a, P: Preconditioned> Single<'a, P> {
 impl<P: Preconditioned> Vectors for Single<'_, P> {
     type Path = Path;
 
-    /// The rounding errors of a step are some 1e-7 of it, and a solution takes ten to thirty steps.
-    const REFRESH: f64 = 1e-4;
+    fn refresh_at() -> f64 {
+        REFRESH
+    }
 
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit) {
         visitor.field(self.x);
