@@ -6,6 +6,7 @@
 //!
 //! [`start`] begins, [`World`] sends and ends. Not here: what is shared (`gfmd-vector`), and what a process prints.
 #![warn(missing_docs)]
+#![warn(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss)]
 
 mod kind;
 mod launcher;

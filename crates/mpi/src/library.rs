@@ -21,6 +21,7 @@ pub(crate) trait Handle: Copy + Send + Sync + 'static {
 impl Handle for c_int {
     const NONE: Self = 0;
 
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "the bits of an int")]
     fn of(number: usize) -> Self {
         number as Self
     }

@@ -56,6 +56,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let points = [count("Cols", tags.number::<usize>("Cols")?)?, count("Rows", tags.number::<usize>("Rows")?)?];
     let [nx, ny] = points;
     let pixel = [tags.number::<f64>("PixelSizeXMeter")?, tags.number::<f64>("PixelSizeYMeter")?];
+    #[expect(clippy::cast_possible_truncation, reason = "the heights have single precision")]
     let invalid = tags.number::<f64>("InvalidPixelValue")? as f32;
     let grid = Grid { points, sample: Sample::F32, order: Order::Little, layout: Layout::Lines, backwards: [false; 2] };
     grid.bytes()?;
@@ -67,7 +68,9 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let read = move || {
         let is_invalid = |height: f32| (height - invalid).abs() < ROUNDING * invalid.abs() || height == invalid;
         let heights = grid.decode(Lines { data, line, used: 4 * nx, at: 0 }, |height| {
-            if is_invalid(height as f32) { f64::NAN } else { height }
+            #[expect(clippy::cast_possible_truncation, reason = "the heights have single precision")]
+            let single = height as f32;
+            if is_invalid(single) { f64::NAN } else { height }
         })?;
         let unit = Some("m".to_owned());
         let lengths = [nx as f64 * pixel[0], if ny == 1 { 1.0 } else { ny as f64 * pixel[1] }];

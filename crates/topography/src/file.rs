@@ -8,7 +8,7 @@ use crate::stored::Hdf5;
 use crate::{Checksum, Input};
 
 /// The number of bytes that tell the format.
-const HEAD: u64 = 1 << 16;
+const HEAD: usize = 1 << 16;
 
 /// A file or an entry of one. A file on disk is read when its bytes are needed, at most once.
 pub(crate) struct File {
@@ -24,7 +24,7 @@ impl File {
     /// A file that cannot be opened, or is no regular file.
     pub(crate) fn open(path: &str) -> Result<Self, String> {
         let input = Input::settled(path).map_err(text)?;
-        let head = input.head(HEAD).map_err(text)?;
+        let head = input.head(HEAD as u64).map_err(text)?;
         Ok(Self { input: Some(input), head, whole: OnceLock::new() })
     }
 
@@ -38,7 +38,7 @@ impl File {
     /// The first 64 KiB, or all bytes of a shorter file.
     pub(crate) fn head(&self) -> &[u8] {
         match self.whole.get() {
-            Some(whole) => &whole[..whole.len().min(HEAD as usize)],
+            Some(whole) => &whole[..whole.len().min(HEAD)],
             None => &self.head,
         }
     }

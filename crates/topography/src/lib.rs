@@ -18,6 +18,7 @@
 //!
 //! A format is a file of this folder with a constant `FORMAT` and a line in `FORMATS`.
 
+#![cfg_attr(not(test), warn(clippy::cast_possible_truncation, clippy::cast_sign_loss))]
 #![cfg_attr(
     not(all(feature = "hdf5", feature = "zip", feature = "zlib")),
     allow(dead_code, reason = "parts that only some formats need")

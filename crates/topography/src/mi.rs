@@ -42,13 +42,22 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         let (key, value) = line.split_at(line.len().min(KEY));
         let (key, value) = (text(key), text(&value[..value.len().min(LONGEST_VALUE)]));
         let number = || value.parse::<f64>().map_err(|_| format!("{key} is {:?}; it must be a number", clip(&value)));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "no grid has as many points as u32"
+        )]
+        let points_of = |name: &str| match number()? {
+            whole if whole.fract() == 0.0 => count(name, whole as u32),
+            found => Err(format!("{name} is {found}; it must be a whole number")),
+        };
         match (key.as_str(), sections.last_mut()) {
             ("data", _) => break value,
             ("fileType", _) if value != "Image" => {
                 return Err(format!("the file is of type {:?}; it must be an Image", clip(&value)));
             }
-            ("xPixels", _) => points[0] = count("xPixels", number()? as u32)?,
-            ("yPixels", _) => points[1] = count("yPixels", number()? as u32)?,
+            ("xPixels", _) => points[0] = points_of("xPixels")?,
+            ("yPixels", _) => points[1] = points_of("yPixels")?,
             ("xLength", _) => lengths[0] = number()?,
             ("yLength", _) => lengths[1] = number()?,
             ("bufferLabel", _) => {

@@ -115,6 +115,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         if matches!(grid.sample, Sample::I16 | Sample::I32) {
             offset += range / 2.0;
         }
+        #[expect(clippy::cast_possible_truncation, reason = "a size is at most 8")]
         let scale = range / 256_f64.powi(grid.sample.size() as i32);
         // Integers are shifted before they are scaled, so that heights are rounded once less.
         let shift = if scale == 0.0 { 0.0 } else { offset / scale };

@@ -114,6 +114,10 @@ impl Number {
     }
 
     /// The value of an entry; integers of 64 bits are rounded.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the lowest bits of a word are the number; a size is at most 8"
+    )]
     fn value(&self, entry: &[u8]) -> f64 {
         let mut bytes = [0; 8];
         for (k, byte) in bytes.iter_mut().take(self.size).enumerate() {

@@ -38,7 +38,8 @@ impl Hdf5 {
     /// A file that is open.
     pub fn open(input: &Input) -> Result<Self, String> {
         let file = input.handle().map_err(|error| error.to_string())?;
-        Self::limited(input.length() as usize, |options| {
+        let length = usize::try_from(input.length()).unwrap_or(usize::MAX);
+        Self::limited(length, |options| {
             Hdf5File::from_storage_with_options(Arc::new(FileStorage::from_file(file)?), options)
         })
     }

@@ -57,6 +57,11 @@ impl Conversion {
     ///
     /// # Errors
     /// A name that is not known.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "powers of ten that units have, and parts of u32"
+    )]
     pub fn between(from: &str, to: &str) -> Result<Option<Self>, String> {
         if canonical(from) == canonical(to) {
             return Ok(None);

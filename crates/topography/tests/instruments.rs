@@ -160,6 +160,7 @@ fn nanoscope_says_what_is_wrong() {
     let refused = |from: &str, to: &str| refusal(edited(made::nanoscope(2), from, to));
     assert_eq!(refused("mode: Image", "mode: Force"), "the file holds force curves; it must hold images");
     assert_eq!(refused("nm/V", "nA/V"), "the file has only Height; it must have an image with a length per volt");
+    assert_eq!(refused("0x05120130", "0x0512013z"), "the version is \"0x0512013z\"; it must be a hexadecimal number");
     assert!(refused("@2:Z scale", "@9:Z scale").contains("it must have one, as in versions after 4.2"));
     assert_eq!(refused("line: 5", "line: 9"), "the image of 9 by 4 points has 40 bytes; it must have 2 for each");
     assert_eq!(refused("offset: 1024", "offset: 9024"), "the image Height has 0 bytes; it must have 40");
@@ -363,6 +364,9 @@ fn molecular_imaging_scales_by_the_range_of_the_channel() {
     }
     let wrong = refusal(edited(made::mi(16), "BINARY", "ASCII_"));
     assert_eq!(wrong, "the data are \"ASCII_\"; they must be BINARY or BINARY_32");
+    let shorter = |hand: &str, points: &str| format!("{hand}\nmode          Contact AFM\nxPixels       {points}\n");
+    let wrong = refusal(edited(made::mi(16), &shorter("hand", "5"), &shorter("ha", "5.5")));
+    assert_eq!(wrong, "xPixels is 5.5; it must be a whole number");
 }
 
 #[test]

@@ -125,11 +125,21 @@ impl Axis {
         if intervals > coordinates.len() as f64 {
             return None;
         }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from zero to the number of coordinates"
+        )]
         let axis = Self { first, step: (last - first) / intervals, count: intervals as usize + 1 };
         let off = |x: f64| (x - first) / axis.step - ((x - first) / axis.step).round();
         sorted.iter().all(|&x| off(x).abs() <= OFF).then_some(axis)
     }
 
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a coordinate of the axis, which begins at the first"
+    )]
     fn index(&self, coordinate: f64) -> usize {
         (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)
     }
