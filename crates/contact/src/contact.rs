@@ -36,9 +36,10 @@ pub struct Contact {
     units: Units,
 }
 
-/// Stiffness of the uniform mode in preconditioners, relative to the softest non-uniform mode, on a half-space with a fixed mean level.
-/// There the effective stiffness depends on the contact area.
-const LEVEL: f64 = 4.0;
+/// Stiffness of the uniform mode in preconditioners, relative to the softest wave, where the approach is prescribed and the body has no
+/// stiffness of its own for it: on a half-space with a fixed mean level and on an incompressible slab between two surfaces. There the
+/// effective stiffness depends on the contact area. Chosen; the sensitivity was not measured.
+pub(crate) const LEVEL: f64 = 4.0;
 
 impl Contact {
     /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A

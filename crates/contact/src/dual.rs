@@ -27,10 +27,6 @@ pub(crate) enum Gradients {
     Preconditioned,
 }
 
-/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. On cells a thousand times
-/// longer than wide the method without it may not converge at all.
-const LONGER_PATIENCE: u64 = 5000;
-
 /// The quadratic function whose minimum is the pressure.
 pub(crate) struct Dual<'a> {
     /// The stiffness of the periodic modes; it has no use with free boundaries.
@@ -51,10 +47,13 @@ pub(crate) struct Dual<'a> {
     is_flat: bool,
 }
 
-/// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
-/// sufficient; where the preconditioner is poor, as on incompressible layers thinner than the cell is wide, the method
-/// without it is faster.
+/// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually sufficient (commit
+/// ff5ee0e); where the preconditioner is poor, as on incompressible layers thinner than the cell is wide, the method without it is faster.
 const PATIENCE: u64 = 100;
+
+/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. Chosen: on cells a thousand times longer
+/// than wide the method without it may not converge at all.
+const LONGER_PATIENCE: u64 = 5000;
 
 /// The number that a checkpoint has in place of that of a part, of a search on few points.
 const FEW: u32 = 3;

@@ -8,6 +8,7 @@ use gfmd_vector::for_each;
 
 use super::SqueezedContact;
 use crate::attempt::MARGIN;
+use crate::contact::LEVEL;
 use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Effort, Load};
 
@@ -17,10 +18,6 @@ pub(super) struct Ended {
     pub(super) effort: Effort,
     pub(super) ending: Ending,
 }
-
-/// Stiffness of the uniform mode in the preconditioner, relative to the softest wave, if the slab is incompressible and the
-/// approach is prescribed.
-const LEVEL: f64 = 4.0;
 
 pub(super) fn solve(
     contact: &SqueezedContact,
